@@ -1,0 +1,242 @@
+"""Each kind of bad operator gets a message that names it, what is expected, what it did, and the mend."""
+
+import random
+from functools import partial
+
+import numpy as np
+import pytest
+
+from walkerlab.ga import OperatorError, check_cross, check_mutate, check_select, mutation, selection
+
+from .tables import body, rng
+
+GENES = body()
+
+
+def pick(fitness, n_parents, *, rng):
+    return rng.integers(len(fitness), size=n_parents)
+
+
+def named(function):
+    """Call a bad operator ``mine``."""
+    function.__name__ = "mine"
+    return function
+
+
+@named
+def no_rng(fitness, n_parents):  # noqa: ARG001
+    return np.zeros(n_parents, int)
+
+
+@named
+def one_too_many(fitness, n_parents, pressure, *, rng):  # noqa: ARG001
+    return np.zeros(n_parents, int)
+
+
+@named
+def shrinks(fitness, n_parents, *, rng):  # noqa: ARG001
+    return np.argsort(-fitness)[:n_parents]
+
+
+@named
+def forgets(fitness, n_parents, *, rng):
+    pass
+
+
+@named
+def masks(fitness, n_parents, *, rng):  # noqa: ARG001
+    return np.ones(n_parents, bool)
+
+
+@named
+def outside(fitness, n_parents, *, rng):
+    return pick(fitness, n_parents, rng=rng) + 1
+
+
+@named
+def from_behind(fitness, n_parents, *, rng):
+    return -pick(fitness, n_parents, rng=rng)
+
+
+@named
+def sorts_in_place(fitness, n_parents, *, rng):
+    fitness.sort()
+    return pick(fitness, n_parents, rng=rng)
+
+
+@named
+def own_numpy_chance(fitness, n_parents, *, rng):  # noqa: ARG001
+    return np.random.randint(len(fitness), size=n_parents)  # noqa: NPY002
+
+
+@named
+def own_python_chance(fitness, n_parents, *, rng):  # noqa: ARG001
+    return random.choices(range(len(fitness)), k=n_parents)
+
+
+@named
+def own_generator(fitness, n_parents, *, rng):  # noqa: ARG001
+    return np.random.default_rng().integers(len(fitness), size=n_parents)
+
+
+@named
+def not_below_zero(fitness, n_parents, *, rng):
+    return rng.choice(len(fitness), size=n_parents, p=fitness / fitness.sum())
+
+
+@named
+def not_among_equals(fitness, n_parents, *, rng):
+    weights = fitness - fitness.min()
+    if not weights.any():
+        raise ZeroDivisionError("all weights are zero")
+    return rng.choice(len(fitness), size=n_parents, p=weights / weights.sum())
+
+
+@pytest.mark.parametrize(
+    ("bad", "expected", "got", "mend"),
+    [
+        (no_rng, "a function select(fitness, n_parents, *, rng)", "mine(fitness, n_parents)", "functools.partial"),
+        (one_too_many, "a function select(", "missing a required argument: 'pressure'", "functools.partial"),
+        (shrinks, "n_parents = 200 parents, an array of shape (200,)", "shape (20,)", "np.resize(chosen, n_parents)"),
+        (forgets, "n_parents = 18 parents", "nothing (None)", "np.resize"),
+        (masks, "whole numbers, 0 to 19", "shape (18,), bool", "np.flatnonzero(mask)"),
+        (outside, "whole numbers, 0 to 19", "it returned 20", "rng.integers(len(fitness)"),
+        (from_behind, "whole numbers, 0 to 19", "it returned -", "rng.integers(len(fitness)"),
+        (sorts_in_place, "leave what it is given", "wrote into its arguments", ".copy()"),
+        (own_numpy_chance, "the same answer for the same rng", "it gave two", "not from random or np.random"),
+        (own_python_chance, "the same answer for the same rng", "it gave two", "rng.random()"),
+        (own_generator, "the same answer for the same rng", "it gave two", "rng.random()"),
+        (not_below_zero, "every population", "raised ValueError", "traceback"),
+        (not_among_equals, "negative and equal fitness", "ZeroDivisionError: all weights are zero", "traceback"),
+    ],
+)
+def test_bad_selections(bad, expected, got, mend):
+    with pytest.raises(OperatorError) as caught:
+        check_select(bad)
+    for words in ("selection 'mine' must", expected, got, mend):
+        assert words in str(caught.value)
+
+
+def halves(parents, n_children):
+    children = np.resize(parents, (n_children, parents.shape[1]))
+    return children, np.arange(n_children)[:, None] % len(parents)
+
+
+@named
+def only_children(parents, fitness, n_children, *, rng):  # noqa: ARG001
+    return halves(parents, n_children)[0]
+
+
+@named
+def flat_parents(parents, fitness, n_children, *, rng):  # noqa: ARG001
+    children, origins = halves(parents, n_children)
+    return children, origins[:, 0]
+
+
+@named
+def too_few(parents, fitness, n_children, *, rng):  # noqa: ARG001
+    return halves(parents, n_children // 2)
+
+
+@named
+def strangers(parents, fitness, n_children, *, rng):  # noqa: ARG001
+    children, origins = halves(parents, n_children)
+    return children, origins + 1
+
+
+@named
+def divides(parents, fitness, n_children, *, rng):  # noqa: ARG001
+    children, origins = halves(parents, n_children)
+    return children * np.nan, origins
+
+
+@named
+def mixes_in_place(parents, fitness, n_children, *, rng):  # noqa: ARG001
+    parents[0] = parents[1]
+    return halves(parents, n_children)
+
+
+@pytest.mark.parametrize(
+    ("bad", "expected", "got", "mend"),
+    [
+        (only_children, "two arrays", "an array of shape (20, 18)", "return children, parents_of_each"),
+        (flat_parents, "(n_children, k) = (20, k)", "shape (20,)", "mothers[:, None]"),
+        (too_few, "(n_children, n_genes) = (20, 18)", "shape (10, 18)", "axis=0"),
+        (strangers, "the parents given by whole numbers, 0 to 19", "it returned 20", "Draw from"),
+        (divides, "finite numbers", "it returned nan", "division by zero"),
+        (mixes_in_place, "leave what it is given", "wrote into", ".copy()"),
+    ],
+)
+def test_bad_crossovers(bad, expected, got, mend):
+    with pytest.raises(OperatorError) as caught:
+        check_cross(bad, GENES)
+    for words in ("crossover 'mine' must", expected, got, mend):
+        assert words in str(caught.value)
+
+
+@named
+def shakes_in_place(genomes, genes, *, rng):  # noqa: ARG001
+    genomes += rng.normal(size=genomes.shape)
+    return genomes
+
+
+@named
+def returns_nothing(genomes, genes, *, rng):  # noqa: ARG001
+    genomes + rng.normal(size=genomes.shape)
+
+
+@named
+def turns(genomes, genes, *, rng):  # noqa: ARG001
+    return genomes.T
+
+
+@named
+def own_chance(genomes, genes, *, rng):  # noqa: ARG001
+    return genomes + np.random.normal(size=genomes.shape)  # noqa: NPY002
+
+
+@pytest.mark.parametrize(
+    ("bad", "expected", "got", "mend"),
+    [
+        (shakes_in_place, "leave what it is given", "wrote into", "+="),
+        (returns_nothing, "(n, n_genes) = (20, 18)", "nothing (None)", "is a return missing"),
+        (turns, "(n, n_genes) = (20, 18)", "shape (18, 20)", "Each row is one individual"),
+        (own_chance, "the same answer", "it gave two", "rng"),
+    ],
+)
+def test_bad_mutations(bad, expected, got, mend):
+    with pytest.raises(OperatorError) as caught:
+        check_mutate(bad, GENES)
+    for words in ("mutation 'mine' must", expected, got, mend):
+        assert words in str(caught.value)
+
+
+def test_what_is_no_function_is_named():
+    with pytest.raises(OperatorError, match=r"selection 'gradient' must be a function, .* it is a str"):
+        check_select("gradient")
+
+
+def test_what_a_student_would_write_is_accepted():
+    def best_three(f, n, *, rng):
+        return rng.choice(np.argsort(f)[-3:], size=n)
+
+    def average(parents, fitness, n_children, rng):  # noqa: ARG001
+        couples = rng.integers(len(parents), size=(n_children, 2))
+        return [parents[couples].mean(axis=1), couples]
+
+    def nudge(genomes, genes, rng):
+        return genomes + 0.01 * (genes.high - genes.low) * rng.normal(size=genomes.shape)
+
+    check_select(best_three)
+    check_select(partial(selection.tournament, size=2))
+    check_cross(average, GENES)
+    check_mutate(nudge, GENES)
+    check_mutate(partial(mutation.favored, favored="length"), GENES)
+    check_mutate(lambda genomes, genes, *, rng: genomes, GENES)  # noqa: ARG005
+
+
+def test_checking_spends_no_chance_of_the_run():
+    before = np.random.get_state()[1].copy()  # noqa: NPY002
+    check_select(pick)
+    assert np.array_equal(before, np.random.get_state()[1])  # noqa: NPY002
+    assert rng().random() == rng().random()

@@ -1,0 +1,348 @@
+from dataclasses import dataclass
+from functools import partial
+from itertools import pairwise, product
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from walkerlab.ga import NOT_COUNTED, Operators, crossover, first_population, mutation, next_population, selection
+from walkerlab.ga.loop import cross_in_turn, mutate_in_turn, select_in_turn
+from walkerlab.randomness import stream
+
+from .tables import bits, random_genomes, reals, rng
+
+
+@dataclass(frozen=True)
+class Score:
+    fitness: float
+
+
+def ones(genomes):
+    return [Score(f) for f in genomes.sum(axis=1)]
+
+
+def as_is(genomes):
+    return genomes
+
+
+def no_mutation(genomes, genes, *, rng):  # noqa: ARG001
+    return genomes
+
+
+def operators(select=selection.tournament, cross=crossover.one_point, mutate=mutation.randomized):
+    return Operators((select,), (cross,), (mutate,))
+
+
+def evolve(ops, genes, n, generations, evaluate=ones, *, n_elites=1, seed=5, genomes=None):
+    populations = [first_population(random_genomes(genes, n) if genomes is None else genomes, evaluate)]
+    for _ in range(generations):
+        populations.append(
+            next_population(populations[-1], ops, genes, evaluate, repair=as_is, n_elites=n_elites, seed=seed)
+        )
+    return populations
+
+
+# OneMax: a genome of bits is as fit as it has ones. Uniform selection has no pressure and micro never moves a
+# count, so these two cannot; all others can, together.
+
+
+@pytest.mark.parametrize("mutate", [mutation.randomized, mutation.favored, mutation.macro, mutation.gaussian])
+def test_onemax_is_solved(mutate):
+    n_bits, n, generations = 48, 40, 60
+    if mutate is mutation.favored:
+        mutate = partial(mutate, favored="g0")
+    selections = (selection.gradient, selection.top_half, selection.tournament, selection.rank)
+    crossovers = (
+        crossover.paired,
+        crossover.randomized,
+        crossover.weighted,
+        crossover.one_point,
+        crossover.uniform,
+        crossover.none,
+    )
+    by_chance = rng(1).integers(2, size=(n * (generations + 1), n_bits)).sum(axis=1).max()
+    for select, cross in product(selections, crossovers):
+        best = evolve(operators(select, cross, partial(mutate, rate=0.02)), bits(n_bits), n, generations)[-1]
+        assert best.fitness.max() >= 42 > by_chance + 4, (select.__name__, cross.__name__)
+
+
+def test_without_selection_pressure_onemax_is_not_solved():
+    last = evolve(operators(select=selection.uniform), bits(48), 40, 60, n_elites=0)[-1]
+    assert last.fitness.max() < 40
+
+
+def test_the_best_never_falls_with_an_elite():
+    best = [p.fitness.max() for p in evolve(operators(), bits(30), 20, 40)]
+    assert np.all(np.diff(best) >= 0)
+
+
+# The Price equation (Price 1970): without mutation, a trait's mean changes by the covariance of the trait with
+# the number of offspring, over the mean of that number; crossovers that keep each couple's genes add nothing.
+
+
+@pytest.mark.parametrize("n", [20, 33])
+@pytest.mark.parametrize("select", [selection.gradient, selection.top_half, selection.tournament, selection.uniform])
+def test_the_price_equation_holds_without_crossover(select, n):
+    before, after = evolve(operators(select, crossover.none, no_mutation), reals(6), n, 1, n_elites=0)
+    holds_price(before, after)
+
+
+@pytest.mark.parametrize("cross", [crossover.paired, crossover.one_point, crossover.uniform])
+def test_the_price_equation_holds_under_crossovers_that_lose_nothing(cross):
+    before, after = evolve(operators(selection.gradient, cross, no_mutation), reals(6), 40, 1, n_elites=0)
+    holds_price(before, after)
+
+
+def holds_price(before, after):
+    row = {individual: i for i, individual in enumerate(before.individuals.tolist())}
+    offspring = np.zeros(len(row))
+    for parents in after.parents:
+        for parent in parents:
+            offspring[row[parent]] += 1 / len(parents)
+    traits = before.genomes
+    covariance = np.mean((offspring - offspring.mean())[:, None] * (traits - traits.mean(axis=0)), axis=0)
+    assert np.allclose(after.genomes.mean(axis=0) - traits.mean(axis=0), covariance / offspring.mean())
+    assert np.any(np.abs(covariance) > 1e-3), "the law must have something to say"
+
+
+# What is the same, and what is not.
+
+
+def same(one, other):
+    return (
+        np.array_equal(one.genomes, other.genomes)
+        and np.array_equal(one.individuals, other.individuals)
+        and one.parents == other.parents
+    )
+
+
+def test_the_same_seed_gives_the_same_populations():
+    start = random_genomes(bits(20), 16)
+    a, b, c = (evolve(operators(), bits(20), 16, 5, seed=seed, genomes=start) for seed in (1, 1, 2))
+    assert all(map(same, a, b))
+    assert not same(a[-1], c[-1])
+
+
+def test_changing_only_the_mutation_leaves_selection_and_crossover_as_they_were():
+    seen = []
+
+    def spy(genomes, genes, *, rng):  # noqa: ARG001
+        seen.append(genomes.copy())
+        return genomes
+
+    parents = []
+    for change in (mutation.randomized, mutation.macro):
+        ops = Operators((selection.gradient,), (crossover.one_point,), (spy, change))
+        parents.append(evolve(ops, reals(8), 20, 1)[1].parents)
+    assert np.array_equal(*seen)
+    assert parents[0] == parents[1]
+
+
+def test_each_operator_draws_from_its_own_stream():
+    drawn = []
+
+    def note(rng):
+        drawn.append(rng.random())
+
+    def select(fitness, n_parents, *, rng):
+        note(rng)
+        return np.resize(np.arange(len(fitness)), n_parents)
+
+    def cross(parents, fitness, n_children, *, rng):
+        note(rng)
+        return crossover.none(parents, fitness, n_children, rng=rng)
+
+    def mutate(genomes, genes, *, rng):  # noqa: ARG001
+        note(rng)
+        return genomes
+
+    evolve(Operators((select, select), (cross, cross), (mutate, mutate)), bits(4), 6, 2, seed=9)
+    addresses = product((1, 2), ("selection", "crossover", "mutation"), (0, 1))
+    assert drawn == [stream(9, slot, generation, place).random() for generation, slot, place in addresses]
+
+
+# Elites, births and those that do not count.
+
+
+def test_elites_are_the_best_and_stay_as_they_are():
+    seen = []
+
+    def evaluate(genomes):
+        seen.append(genomes.copy())
+        return ones(genomes)
+
+    populations = evolve(operators(), bits(20), 12, 6, evaluate, n_elites=3)
+    assert [len(genomes) for genomes in seen] == [12] + [9] * 6, "elites are never evaluated again"
+    for before, after in pairwise(populations):
+        best = sorted(range(12), key=lambda i: (-before.fitness[i], i))[:3]
+        for place, i in enumerate(best):
+            assert np.array_equal(after.genomes[place], before.genomes[i])
+            assert after.individuals[place] == before.individuals[i]
+            assert after.born[place] == before.born[i]
+            assert after.parents[place] == before.parents[i]
+            assert after.evaluations[place] is before.evaluations[i]
+
+
+def test_numbers_are_consecutive_and_never_given_twice():
+    populations = evolve(operators(), bits(20), 12, 6, n_elites=3)
+    born = {}
+    for population in populations:
+        assert len(set(population.individuals)) == 12
+        for i, individual in enumerate(population.individuals.tolist()):
+            is_new = individual not in born
+            assert is_new == (population.born[i] == population.generation)
+            born.setdefault(individual, population.genomes[i])
+            assert np.array_equal(born[individual], population.genomes[i])
+            assert all(parent < individual for parent in population.parents[i])
+    assert sorted(born) == list(range(12 + 6 * 9))
+    assert populations[-1].n_born == len(born)
+
+
+def counted_if_first_gene(genomes):
+    return [Score(genome.sum() if genome[0] > 0.5 else NOT_COUNTED) for genome in genomes]
+
+
+@pytest.mark.parametrize(
+    "select",
+    [selection.gradient, selection.top_half, selection.tournament, selection.rank, selection.uniform],
+)
+def test_who_does_not_count_has_no_children_and_is_no_elite(select):
+    populations = evolve(operators(select), reals(6), 15, 5, counted_if_first_gene, n_elites=14)
+    for before, after in pairwise(populations):
+        voided = set(before.individuals[before.fitness == NOT_COUNTED].tolist())
+        assert not voided & {parent for parents in after.parents for parent in parents if parent in before.individuals}
+        assert not voided & set(after.individuals.tolist())
+
+
+def test_if_nobody_counts_all_are_equals():
+    def nobody(genomes):
+        return [Score(NOT_COUNTED)] * len(genomes)
+
+    ops = operators(selection.gradient, crossover.weighted)
+    _, after = evolve(ops, reals(4), 200, 1, nobody, n_elites=2)
+    assert np.array_equal(after.born, np.ones(200)), "nobody is an elite"
+    assert len({parent for parents in after.parents for parent in parents}) > 100
+
+
+# Several operators in one slot.
+
+
+@given(st.lists(st.integers(-20, 20), min_size=2, max_size=15), st.integers(0, 50))
+@settings(max_examples=50)
+def test_the_second_selection_selects_among_those_the_first_chose(fitness, seed):
+    fitness = np.array(fitness, float)
+    kept = select_in_turn((selection.top_half, selection.gradient), fitness, 8, seed=seed, generation=1)
+    first = select_in_turn((selection.top_half,), fitness, 8, seed=seed, generation=1)
+    assert set(kept) <= set(first)
+
+
+def test_double_selection_presses_harder():
+    fitness = np.arange(40.0)
+    once, twice = (
+        np.mean([fitness[select_in_turn(ops, fitness, 40, seed=s, generation=1)].mean() for s in range(30)])
+        for ops in ((selection.gradient,), (selection.gradient, selection.gradient))
+    )
+    assert twice > once + 2
+
+
+def test_crossing_twice_names_the_first_parents():
+    parents = np.repeat(np.arange(8.0)[:, None], 6, axis=1)
+    ops = (crossover.one_point, crossover.randomized, crossover.uniform)
+    genomes, origins = cross_in_turn(ops, parents, np.zeros(8), 7, genes=reals(6), seed=1, generation=1)
+    assert genomes.shape == (7, 6)
+    for genome, origin in zip(genomes, origins, strict=True):
+        assert set(genome) <= set(origin)
+
+
+def test_a_child_is_expected_to_be_as_fit_as_its_parents_mean():
+    seen = []
+
+    def spy(parents, fitness, n_children, *, rng):
+        seen.append((len(parents), fitness))
+        return crossover.none(parents, fitness, n_children, rng=rng)
+
+    fitness = np.array([1.0, 3.0, 10.0, 20.0])
+    cross_in_turn((crossover.paired, spy), np.zeros((4, 2)), fitness, 3, genes=reals(2), seed=1, generation=1)
+    ((n_parents, expected),) = seen
+    assert n_parents == 4, "a second crossing too has whole couples"
+    assert np.array_equal(expected, [2, 2, 15, 15])
+
+
+def test_mutating_twice_changes_more():
+    genomes = random_genomes(reals(50), 50)
+    once, twice = (
+        np.mean(mutate_in_turn(ops, genomes, reals(50), seed=1, generation=1) != genomes)
+        for ops in ((mutation.gaussian,), (mutation.gaussian, mutation.gaussian))
+    )
+    assert np.isclose(once, 0.08, atol=0.02)
+    assert np.isclose(twice, 1 - 0.92**2, atol=0.02)
+
+
+def test_a_crossover_that_asks_for_the_gene_table_gets_it():
+    table, seen = reals(3), []
+
+    def curious(parents, fitness, n_children, *, rng, genes):
+        seen.append(genes)
+        return crossover.none(parents, fitness, n_children, rng=rng)
+
+    evolve(operators(cross=curious), table, 4, 1)
+    assert seen == [table]
+
+
+# What goes wrong is named.
+
+
+def test_an_exception_names_operator_and_generation():
+    def clumsy(genomes, genes, *, rng):  # noqa: ARG001
+        raise KeyError("oops")
+
+    with pytest.raises(KeyError) as caught:
+        evolve(Operators((selection.rank,), (crossover.none,), (no_mutation, partial(clumsy))), bits(4), 6, 1)
+    assert caught.value.__notes__ == ["in mutation 2, 'clumsy', while making generation 1"]
+
+
+def test_a_selection_that_shrinks_the_population_is_stopped():
+    def best_only(fitness, n_parents, *, rng):  # noqa: ARG001
+        return np.argsort(-fitness)[: n_parents // 2]
+
+    with pytest.raises(ValueError, match="selection 'best_only' must name n_parents = 6 parents"):
+        evolve(operators(select=best_only), bits(4), 6, 1, n_elites=0)
+
+
+def test_a_fitness_that_is_no_number_names_the_individual():
+    def faulty(genomes):
+        return [Score(np.nan if i == 3 else 1.0) for i in range(len(genomes))]
+
+    with pytest.raises(ValueError, match="individual 3 has fitness nan"):
+        first_population(random_genomes(bits(3), 5), faulty)
+
+
+def test_missing_evaluations_and_too_many_elites_are_refused():
+    with pytest.raises(ValueError, match="returned 4 results where 5 were due"):
+        first_population(random_genomes(bits(3), 5), lambda genomes: ones(genomes)[1:])
+    with pytest.raises(ValueError, match="n_elites is 6; it must be 0 to 5"):
+        evolve(operators(), bits(4), 6, 1, n_elites=6)
+    with pytest.raises(ValueError, match=r"Operators\.cross is empty"):
+        Operators((selection.rank,), (), (no_mutation,))
+
+
+def test_repair_comes_after_mutation_and_nothing_after_it():
+    def to_half(genomes):
+        return np.full_like(genomes, 0.5)
+
+    start = first_population(random_genomes(reals(4), 6), ones)
+    after = next_population(start, operators(), reals(4), ones, repair=to_half, n_elites=1, seed=1)
+    assert np.all(after.genomes[1:] == 0.5)
+    assert np.all(after.fitness[1:] == 2.0)
+
+
+def test_a_population_cannot_be_changed_and_leaves_what_it_was_made_of_alone():
+    genomes = random_genomes(reals(4), 6)
+    population = first_population(genomes, ones)
+    genomes += 1
+    assert np.all(population.genomes <= 1)
+    for column in (population.genomes, population.fitness, population.individuals, population.born):
+        with pytest.raises(ValueError, match="read-only"):
+            column[0] = 0

@@ -1,0 +1,137 @@
+"""Many genomes become many evaluations, on any executor; the answers come in the order of the questions."""
+
+import os
+import signal
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+import numpy as np
+
+from walkerlab import fitness as measures
+from walkerlab.genes import Floats
+from walkerlab.genome import Genome, express
+from walkerlab.rollout import Rollout, simulate
+from walkerlab.settings import Algorithm, Settings
+
+CHUNKS = 8  # tasks for each core and batch: enough to level out slow walks, few enough to cost nothing
+IDLE_TIMEOUT = 300  # s without work after which loky's workers go home
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """What one walk was worth.
+
+    Attributes:
+        genome: as it walked, within the limits.
+        fitness: higher is better; ``-inf`` if the walk does not count.
+        verdict: ``ok``, or why it does not count.
+        distance: net forward travel, m.
+        velocity: mean forward speed over the last two thirds, m/s.
+        n_segments: grown segments.
+        n_legs: legs.
+        weight: kg.
+        body_length: m.
+    """
+
+    genome: Genome
+    fitness: float
+    verdict: str
+    distance: float
+    velocity: float
+    n_segments: int
+    n_legs: int
+    weight: float
+    body_length: float
+
+
+def evaluate(
+    genomes: Sequence[Genome | str] | Floats,
+    settings: Settings,
+    executor: Executor | None = None,
+    *,
+    on_done: Callable[[int], None] = lambda n: None,
+) -> list[Evaluation]:
+    """Let each individual walk, and rate it.
+
+    Genomes travel to the workers, scenes are compiled and stepped there, and a few numbers come back; the fitness
+    is computed here, so that a function written in a notebook cell never travels.
+
+    Args:
+        genomes: genomes, their texts, or an (n, n_genes) array; brought within the robot limits first.
+        settings: of all four domains.
+        executor: any ``concurrent.futures.Executor``; loky on all cores if None.
+        on_done: told how many more walks are done, in the order in which they are gathered.
+
+    Returns:
+        An evaluation each, in the order given, whatever the executor and its number of workers.
+
+    Raises:
+        GenomeError: if a text is no genome.
+        ValueError: if a fitness function gives anything but a finite number.
+    """
+    robots = [_genome(genome).within(settings.robot) for genome in genomes]
+    world = settings.model_copy(update={"algorithm": Algorithm()})
+    size = max(1, len(robots) // (CHUNKS * n_cores()))
+    chunks = [robots[i : i + size] for i in range(0, len(robots), size)]
+    pool = executor or default_executor()
+    futures = [pool.submit(_walk_all, chunk, world) for chunk in chunks]
+    evaluations: list[Evaluation] = []
+    try:
+        for chunk, future in zip(chunks, futures, strict=True):
+            evaluations += [_rate(*pair, settings) for pair in zip(chunk, future.result(), strict=True)]
+            on_done(len(chunk))
+    finally:
+        for future in futures:
+            future.cancel()
+    return evaluations
+
+
+evaluate_population = evaluate
+"""The name of the design of 2017 for ``evaluate``."""
+
+
+def n_cores() -> int:
+    """How many cores this process may use, which on a shared machine can be fewer than there are."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def default_executor() -> Executor:
+    """Return loky's pool on all cores, started at first use and kept for the next."""
+    from loky import get_reusable_executor
+
+    return get_reusable_executor(n_cores(), timeout=IDLE_TIMEOUT, initializer=_leave_interrupts_to_the_caller)
+
+
+def _leave_interrupts_to_the_caller() -> None:
+    """Ctrl-C reaches every process of a terminal; one of them is enough to stop a run in good order."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _genome(given: Genome | str | Floats) -> Genome:
+    match given:
+        case Genome():
+            return given
+        case str():
+            return Genome.parse(given)
+        case _:
+            return Genome(np.asarray(given))
+
+
+def _walk_all(genomes: Sequence[Genome], settings: Settings) -> list[Rollout]:
+    return [simulate(genome, settings, poses=False) for genome in genomes]
+
+
+def _rate(genome: Genome, rollout: Rollout, settings: Settings) -> Evaluation:
+    phenotype = express(genome)
+    return Evaluation(
+        genome=genome,
+        fitness=measures.score(rollout, settings.algorithm.fitness),
+        verdict=rollout.verdict,
+        distance=measures.distance(rollout),
+        velocity=measures.velocity(rollout),
+        n_segments=len(phenotype.segments),
+        n_legs=phenotype.n_legs,
+        weight=phenotype.weight,
+        body_length=phenotype.body_length,
+    )

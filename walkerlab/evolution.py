@@ -1,0 +1,243 @@
+"""The wiring: settings become generation after generation, each tabulated, and stored if there is a run file."""
+
+import json
+from collections.abc import Callable, Iterator
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, Self
+
+import pandas as pd
+from tqdm.auto import tqdm
+
+from walkerlab import records, store
+from walkerlab.algorithm import check_own_operators, generate_robot_population, operators, slot_names
+from walkerlab.evaluation import Evaluation, evaluate
+from walkerlab.ga.loop import Population, first_population, next_population
+from walkerlab.genes import Floats
+from walkerlab.genome import genes_of, repair
+from walkerlab.records import Individual
+from walkerlab.settings import Settings
+from walkerlab.store import RunFileError
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """What an evolution has brought forth so far.
+
+    Attributes:
+        settings: from which it was made.
+        records: the tidy table; the units are in ``records.attrs["units"]``.
+        path: its run file, or None.
+    """
+
+    settings: Settings
+    records: pd.DataFrame
+    path: Path | None = None
+
+    @property
+    def champion(self) -> Individual:
+        """The fittest robot of all generations."""
+        return records.champion(self.records)
+
+    def lineage(self, individual: int) -> pd.DataFrame:
+        """Return the rows of an individual and its ancestors, youngest first, with the operators behind each."""
+        return records.lineage(self.records, individual)
+
+    @property
+    def n_generations(self) -> int:
+        """How many generations have walked."""
+        return int(self.records.generation.nunique())
+
+
+@dataclass(frozen=True, eq=False)
+class Generation:
+    """One generation: its number and its part of the tidy table."""
+
+    number: int
+    records: pd.DataFrame
+
+    @property
+    def champion(self) -> Individual:
+        """The fittest of this generation."""
+        return records.champion(self.records)
+
+
+class Evolution:
+    """An evolution, one generation at a time: iterate over it, stop when you like, and go on later.
+
+        for generation in wl.Evolution(settings):
+            print(generation.number, generation.champion.fitness)
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        path: str | Path | None = None,
+        executor: Executor | None = None,
+        *,
+        on_walks: Callable[[int], None] = lambda n: None,
+    ) -> None:
+        """Check all that can be checked before any physics runs, and make the run file.
+
+        Args:
+            settings: of all four domains.
+            path: the run file to be made; without one, the run lives in memory only.
+            executor: any ``concurrent.futures.Executor``; loky on all cores if None.
+            on_walks: told how many more walks are done.
+
+        Raises:
+            OperatorError: if an operator of the user's own does not do what its slot needs.
+            RunFileError: if there is a file at ``path``.
+        """
+        check_own_operators(settings.algorithm, genes_of(settings.robot))
+        self.settings = settings
+        self.path = None if path is None else Path(path)
+        self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
+        self._tables: list[pd.DataFrame] = []
+        self._population: Population[Evaluation] | None = None
+        if self.path:
+            store.create(self.path, settings.model_dump())
+
+    @classmethod
+    def _of(cls, run: Run, settings: Settings, **options: Any) -> Self:
+        """Take up a run where its table ends."""
+        evolution = cls(settings, **options)
+        evolution.path = run.path
+        if not run.records.empty:
+            evolution._tables = [run.records]
+            evolution._population = records.last_population(run.records)
+        return evolution
+
+    @property
+    def run(self) -> Run:
+        """All that is done so far."""
+        return Run(self.settings, records.join(self._tables), self.path)
+
+    def __iter__(self) -> Iterator[Generation]:
+        """Yield each further generation once it is evaluated and stored, until the settings' number is reached."""
+        algorithm = self.settings.algorithm
+        while self._population is None or self._population.generation + 1 < algorithm.generations:
+            population = self._next()
+            table = records.tabulate(population, slot_names(algorithm))
+            if self.path:
+                store.append(self.path, table)
+            self._population = population
+            self._tables.append(table)
+            yield Generation(population.generation, table)
+
+    def _next(self) -> Population[Evaluation]:
+        robot, algorithm = self.settings.robot, self.settings.algorithm
+        if self._population is None:
+            genomes = generate_robot_population(robot, algorithm.population_size, seed=algorithm.seed)
+            return first_population(genomes, self._walk)
+        return next_population(
+            self._population,
+            operators(algorithm),
+            genes_of(robot),
+            self._walk,
+            repair=partial(repair, robot=robot),
+            n_elites=algorithm.n_elites,
+            seed=algorithm.seed,
+        )
+
+    def _walk(self, genomes: Floats) -> list[Evaluation]:
+        return self._evaluate(genomes)
+
+
+def evolve(
+    settings: Settings | None = None,
+    path: str | Path | None = None,
+    executor: Executor | None = None,
+    progress: bool = True,
+) -> Run:
+    """Evolve walkers from a random first generation; Ctrl-C stops and keeps the generations that are done.
+
+    Args:
+        settings: of all four domains; the defaults if None.
+        path: the run file to be made; without one, the run lives in memory only.
+        executor: any ``concurrent.futures.Executor``; loky on all cores if None.
+        progress: whether to show a bar.
+
+    Returns:
+        The run: ``.records``, ``.champion``, ``.lineage(individual)``.
+
+    Raises:
+        OperatorError: if an operator of the user's own does not do what its slot needs.
+        RunFileError: if there is a file at ``path``.
+    """
+    settings = settings or Settings()
+    with _bar(settings, progress) as bar:
+        return _finish(Evolution(settings, path, executor, on_walks=bar.update), bar)
+
+
+def load(path: str | Path) -> Run:
+    """Read a run from its file.
+
+    Raises:
+        RunFileError: if there is no such file, or it is not a run, or a function of the user's own is in its settings.
+    """
+    return _load(Path(path), {})
+
+
+def resume(
+    path: str | Path,
+    generations: int | None = None,
+    executor: Executor | None = None,
+    progress: bool = True,
+    **functions: Any,
+) -> Run:
+    """Go on with a run, to the very table that it would have had without the stop.
+
+    Args:
+        path: its run file.
+        generations: how many it shall have in all; as the settings say if None.
+        executor: any ``concurrent.futures.Executor``; loky on all cores if None.
+        progress: whether to show a bar.
+        **functions: the user's own functions, by slot, if the run was made with any: ``mutation=my_mutation``.
+
+    Raises:
+        RunFileError: if there is no such file, it is not a run, or a function of the user's own was not given back.
+        SettingsError: if ``generations`` is out of range.
+    """
+    run = _load(Path(path), functions)
+    settings = run.settings if generations is None else run.settings.with_(generations=generations)
+    with _bar(settings, progress, done=run.n_generations) as bar:
+        evolution = Evolution._of(run, settings, executor=executor, on_walks=bar.update)
+        store.change_settings(Path(path), settings.model_dump())
+        return _finish(evolution, bar)
+
+
+def _load(path: Path, functions: dict[str, Any]) -> Run:
+    _, plain, table = store.read(path)
+    for slot, value in plain["algorithm"].items():
+        if slot in functions:
+            plain["algorithm"][slot] = functions[slot]
+        elif "function" in json.dumps(value):
+            names = [one["function"] for one in (value if isinstance(value, list) else [value]) if "function" in one]
+            raise RunFileError(
+                f"{path} was made with your own function {', '.join(names)} for Algorithm.{slot}, and a run file "
+                f"holds no code. Give it back: resume(path, {slot}={names[0]})"
+            )
+    return Run(Settings(**plain), table, path)
+
+
+def _bar(settings: Settings, progress: bool, done: int = 0) -> Any:
+    algorithm = settings.algorithm
+    children = algorithm.population_size - algorithm.n_elites
+    first = 0 if done else algorithm.n_elites
+    total = first + max(0, algorithm.generations - done) * children
+    return tqdm(total=total, unit=" walks", disable=not progress, leave=True)
+
+
+def _finish(evolution: Evolution, bar: Any) -> Run:
+    """Run to the end, or to Ctrl-C, telling how it goes."""
+    try:
+        for generation in evolution:
+            best = generation.champion.fitness
+            bar.set_postfix_str(f"generation {generation.number}, best {best:.2f}")
+    except KeyboardInterrupt:
+        if not evolution.run.n_generations:
+            raise
+    return evolution.run

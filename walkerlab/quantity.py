@@ -1,0 +1,255 @@
+"""How a setting is declared: once, with its range, unit and meaning; the check, the message and the form follow.
+
+step_height: float = quantity(0.08, low=0.0, high=0.4, unit="m", about="the rise of each stair")
+
+Terrain.step_height is 0.9 m; it must be 0 to 0.4 m. It is the rise of each stair.
+"""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from enum import IntEnum
+from functools import partial
+from numbers import Real
+from typing import Any, Self, cast
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_serializer, field_validator
+
+
+class SettingsError(ValueError):
+    """Settings that cannot be: every fault of one call, a line each."""
+
+
+class Choice(IntEnum):
+    """One of a few named kinds; each member has an integer code and a sentence ``about`` it."""
+
+    about: str
+
+    def __new__(cls, code: int, about: str) -> Self:
+        """Make the member of this integer code."""
+        member = int.__new__(cls, code)
+        member._value_ = code
+        member.about = about
+        return member
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number, or a fixed count of them, with a unit and a range.
+
+    Attributes:
+        low: least value allowed, in ``unit``.
+        high: greatest value allowed.
+        unit: as printed; "" for a bare number.
+        about: what it is, as a clause: "the rise of each stair".
+        whole: whether only whole numbers will do.
+        parts: what its numbers are called, ``("min", "max")`` or ``("x", "y", "z")``; none for a single number.
+    """
+
+    low: float
+    high: float
+    unit: str
+    about: str
+    whole: bool = False
+    parts: tuple[str, ...] = ()
+
+    def __call__(self, value: object) -> float | tuple[float, ...]:
+        """Return the value as plain Python numbers, or say in a ``ValueError`` what it must be."""
+        if not self.parts:
+            return self._number(value, "")
+        try:
+            items = list(value)  # type: ignore[call-overload]
+        except TypeError:
+            items = []
+        if isinstance(value, str) or len(items) != len(self.parts):
+            raise ValueError(f" is {value!r}; it must be {len(self.parts)} numbers: {', '.join(self.parts)}.")
+        numbers = tuple(self._number(item, f"'s {part}") for item, part in zip(items, self.parts, strict=True))
+        if self.parts == PAIR and numbers[0] > numbers[1]:
+            raise ValueError(f" is {_show(numbers)}{self._unit}; its min must not be over its max.")
+        return numbers
+
+    @property
+    def _unit(self) -> str:
+        return f" {self.unit}" if self.unit else ""
+
+    @property
+    def range(self) -> str:
+        """The range in words, for messages and help texts."""
+        return f"{self.low:g} to {self.high:g}{self._unit}"
+
+    def _number(self, value: object, part: str) -> float:
+        if hasattr(value, "item") and getattr(value, "shape", None) == ():
+            value = value.item()  # type: ignore[attr-defined]
+        kind = "a whole number" if self.whole else "a number"
+        if isinstance(value, bool) or not isinstance(value, Real):
+            raise ValueError(f"{part} is {value!r}; it must be {kind}, {self.range}.")
+        if self.whole and math.isfinite(value) and value != int(value):
+            raise ValueError(f"{part} is {value}{self._unit}; it must be {kind}, {self.range}.")
+        if not self.low <= value <= self.high:
+            raise ValueError(f"{part} is {value}{self._unit}; it must be {self.range}.")
+        return int(value) if self.whole else float(value)
+
+
+PAIR = ("min", "max")
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """One member of a ``Choice``, given as member, name or integer code.
+
+    Attributes:
+        choices: the members there are.
+        about: what is chosen.
+        functions: whether a function of the user's own will do as well.
+        several: whether a list of choices will do, applied in turn.
+    """
+
+    choices: type[Choice]
+    about: str
+    functions: bool = False
+    several: bool = False
+
+    def __call__(self, value: object) -> object:
+        """Return the member (or function, or tuple of them), or say in a ``ValueError`` what there is to choose."""
+        if self.several and isinstance(value, list | tuple):
+            if not value:
+                raise ValueError(f" is empty; it must name at least one of {self.range}.")
+            return tuple(map(self._one, value)) if len(value) > 1 else self._one(value[0])
+        return self._one(value)
+
+    @property
+    def range(self) -> str:
+        """The choices in words, for messages and help texts."""
+        return ", ".join(f"{choice.name} ({choice.value})" for choice in self.choices)
+
+    def _one(self, value: object) -> object:
+        if self.functions and callable(value) and not isinstance(value, type):
+            return value
+        if isinstance(value, str) and value in self.choices.__members__:
+            return self.choices[value]
+        if isinstance(value, int) and not isinstance(value, bool) and value in list(self.choices):
+            return self.choices(value)
+        guess = _did_you_mean(value, self.choices.__members__)
+        own = ", or a function of your own" if self.functions else ""
+        raise ValueError(f" is {value!r}; it must be one of {self.range}{own}.{guess}")
+
+
+Declared = Quantity | OneOf
+
+
+def quantity(default: float, *, low: float, high: float, unit: str = "", about: str) -> Any:
+    """Declare a number; an ``int`` default asks for whole numbers."""
+    return _declare(default, Quantity(low, high, unit, about, whole=isinstance(default, int)))
+
+
+def limits(default: tuple[float, float], *, low: float, high: float, unit: str = "", about: str) -> Any:
+    """Declare a (min, max) pair that holds each robot between two numbers."""
+    return _declare(default, Quantity(low, high, unit, about, whole=isinstance(default[0], int), parts=PAIR))
+
+
+def vector(default: tuple[float, float, float], *, low: float, high: float, unit: str = "", about: str) -> Any:
+    """Declare an (x, y, z) vector: x forward, y left, z up."""
+    return _declare(default, Quantity(low, high, unit, about, parts=("x", "y", "z")))
+
+
+def one_of(default: Choice, *, about: str, functions: bool = False, several: bool = False) -> Any:
+    """Declare a choice among the members of the default's kind."""
+    return _declare(default, OneOf(type(default), about, functions, several))
+
+
+def _declare(default: Any, declared: Declared) -> Any:
+    return Field(default, description=declared.about, json_schema_extra=partial(_schema, declared))
+
+
+def _schema(declared: Declared, schema: dict[str, Any]) -> None:
+    """Carry a declaration on its pydantic field, and its range into the JSON schema."""
+    if isinstance(declared, Quantity):
+        schema |= {"minimum": declared.low, "maximum": declared.high, "unit": declared.unit}
+
+
+class SettingsModel(BaseModel):
+    """Settings: frozen, checked as a whole when made, all their faults told at once."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+    def __init__(self, **values: Any) -> None:
+        """Check the values.
+
+        Raises:
+            SettingsError: naming each field, its value, unit, range and what it is for.
+        """
+        try:
+            super().__init__(**values)
+        except ValidationError as error:
+            raise SettingsError("\n".join(_sentences(type(self), error))) from None
+
+    def __repr_args__(self) -> Any:
+        """Show only what differs from the default."""
+        return [(name, value) for name, value in self if value != type(self).model_fields[name].default]
+
+
+class Domain(SettingsModel):
+    """The settings of one thing, each field declared by one of the functions above."""
+
+    @classmethod
+    def declared(cls) -> dict[str, Declared]:
+        """Say for each field what was declared of it: the source of forms, flags and glossaries."""
+        extras = {name: field.json_schema_extra for name, field in cls.model_fields.items()}
+        return {name: extra.args[0] for name, extra in extras.items() if isinstance(extra, partial)}
+
+    @field_validator("*", mode="plain", check_fields=False)
+    @classmethod
+    def _check(cls, value: object, info: ValidationInfo) -> object:
+        name = info.field_name or ""
+        declared = cls.declared()[name]
+        try:
+            return declared(value)
+        except ValueError as error:
+            raise ValueError(f"{cls.__name__}.{name}{error} It is {declared.about}.") from None
+
+    @field_serializer("*", check_fields=False)
+    def _plain(self, value: object) -> object:
+        """Write a choice by its name, and a function as what ``load`` must be given back."""
+        match value:
+            case Choice():
+                return value.name
+            case tuple():
+                return [self._plain(item) for item in cast(tuple[object, ...], value)]
+            case int() | float():
+                return value
+            case _:
+                return {"function": function_name(value)}
+
+
+def function_name(function: object) -> str:
+    """Name a function as people know it; ``partial(tournament, size=7)`` is ``tournament(size=7)``."""
+    if isinstance(function, partial):
+        bound = [*map(repr, function.args), *(f"{name}={value!r}" for name, value in function.keywords.items())]
+        return f"{function_name(function.func)}({', '.join(bound)})"
+    return getattr(function, "__name__", type(function).__name__)
+
+
+def _sentences(model: type[BaseModel], error: ValidationError) -> list[str]:
+    """Turn each of pydantic's findings into a sentence of ours."""
+    sentences: list[str] = []
+    for fault in error.errors(include_url=False):
+        if fault["type"] == "extra_forbidden":
+            *_, name = fault["loc"]
+            guess = _did_you_mean(name, model.model_fields) or f" It has {', '.join(model.model_fields)}."
+            sentences.append(f"{model.__name__} has no setting {name!r}.{guess}")
+        elif fault["type"] == "value_error":
+            sentences.append(str(fault["ctx"]["error"]))  # type: ignore[typeddict-item]
+        else:
+            where = ".".join([model.__name__, *map(str, fault["loc"])])
+            sentences.append(f"{where} is {fault['input']!r}; {fault['msg']}.")
+    return sentences
+
+
+def _did_you_mean(name: object, known: Mapping[str, Any]) -> str:
+    close = get_close_matches(str(name).lower(), known, n=1, cutoff=0.6)
+    return f" Did you mean {close[0]!r}?" if close else ""
+
+
+def _show(numbers: tuple[float, ...]) -> str:
+    return f"({', '.join(f'{number:g}' for number in numbers)})"

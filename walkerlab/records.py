@@ -1,0 +1,158 @@
+"""The tidy table: a row for each individual and generation. What is written, shown and plotted is this table."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from walkerlab.evaluation import Evaluation
+from walkerlab.ga.loop import Population
+from walkerlab.genome import Genome
+
+COLUMNS: dict[str, tuple[type, str, str]] = {
+    "generation": (int, "", "0 is the random one"),
+    "individual": (int, "", "number of the robot, the same wherever it appears"),
+    "born": (int, "generation", "generation in which it first walked; an elite is older than its generation"),
+    "parents": (str, "", "numbers of its parents, joined by blanks"),
+    "operators": (str, "", "what made it: selection > crossover > mutation, or random"),
+    "fitness": (float, "", "higher is better; -inf if the walk does not count"),
+    "verdict": (str, "", "ok, or why the walk does not count"),
+    "distance": (float, "m", "net forward travel of the centre of mass"),
+    "velocity": (float, "m/s", "mean forward speed over the last two thirds of the walk"),
+    "n_segments": (int, "", "body segments"),
+    "n_legs": (int, "", "legs"),
+    "weight": (float, "kg", "the whole mass"),
+    "body_length": (float, "m", "front of the first to end of the last segment"),
+    "genome": (str, "", "the gene, as text"),
+}
+"""Each column: its type, unit and meaning."""
+
+MEASURED = ("fitness", "verdict", "distance", "velocity", "n_segments", "n_legs", "weight", "body_length")
+
+
+def tabulate(population: Population[Evaluation], operators: str) -> pd.DataFrame:
+    """Write a generation as a table.
+
+    Args:
+        population: evaluated.
+        operators: what made those that were born in this generation.
+
+    Returns:
+        A row for each individual, with the columns of ``COLUMNS`` and their units in ``.attrs``.
+    """
+    rows = [
+        {
+            "generation": population.generation,
+            "individual": individual,
+            "born": born,
+            "parents": " ".join(map(str, parents)),
+            "operators": operators if parents else "random",
+            **{name: getattr(evaluation, name) for name in MEASURED},
+            "genome": str(evaluation.genome),
+        }
+        for individual, born, parents, evaluation in zip(
+            population.individuals, population.born, population.parents, population.evaluations, strict=True
+        )
+    ]
+    return tidy(pd.DataFrame(rows))
+
+
+def tidy(table: pd.DataFrame) -> pd.DataFrame:
+    """Give a table the columns, types and units of ``COLUMNS``."""
+    table = table.reindex(columns=list(COLUMNS)).astype({name: kind for name, (kind, *_) in COLUMNS.items()})
+    table.attrs = {"units": {name: unit for name, (_, unit, _) in COLUMNS.items() if unit}}
+    return table
+
+
+def join(tables: list[pd.DataFrame]) -> pd.DataFrame:
+    """Lay generations under each other."""
+    return tidy(pd.concat(tables, ignore_index=True)) if tables else tidy(pd.DataFrame(columns=list(COLUMNS)))
+
+
+def last_population(records: pd.DataFrame) -> Population[Evaluation]:
+    """Read the last generation back out of the table, ready to breed: the inverse of ``tabulate``."""
+    last = records[records.generation == records.generation.max()]
+    evaluations = [Evaluation(genome=Genome.parse(row.genome), **_measured(row)) for row in last.itertuples()]
+    return Population(
+        generation=int(last.generation.iloc[0]),
+        genomes=np.array([evaluation.genome.values for evaluation in evaluations]),
+        individuals=last.individual.to_numpy(dtype=np.intp).copy(),
+        born=last.born.to_numpy(dtype=np.intp).copy(),
+        parents=tuple(parent_numbers(parents) for parents in last.parents),
+        evaluations=evaluations,
+        n_born=int(records.individual.max()) + 1,
+    )
+
+
+def _measured(row: Any) -> dict[str, Any]:
+    return {name: getattr(row, name) for name in MEASURED}
+
+
+def parent_numbers(parents: str) -> tuple[int, ...]:
+    """Read a cell of the ``parents`` column."""
+    return tuple(map(int, parents.split()))
+
+
+@dataclass(frozen=True)
+class Individual:
+    """One robot of a run.
+
+    Attributes:
+        individual: its number in the run.
+        genome: its genome.
+        fitness: higher is better; ``-inf`` if its walk does not count.
+        verdict: ``ok``, or why it does not count.
+        generation: in which it was born.
+        parents: their numbers; none in generation 0.
+    """
+
+    individual: int
+    genome: Genome
+    fitness: float
+    verdict: str
+    generation: int
+    parents: tuple[int, ...]
+
+
+def champion(records: pd.DataFrame) -> Individual:
+    """Return the fittest of a table; among equals, the one that was born first.
+
+    Raises:
+        ValueError: if the table is empty.
+    """
+    if records.empty:
+        raise ValueError("no robot has walked yet, so there is no champion")
+    row = records.sort_values(["fitness", "individual"], ascending=[False, True], kind="stable").iloc[0]
+    return Individual(
+        individual=int(row.individual),
+        genome=Genome.parse(row.genome),
+        fitness=float(row.fitness),
+        verdict=row.verdict,
+        generation=int(row.born),
+        parents=parent_numbers(row.parents),
+    )
+
+
+def lineage(records: pd.DataFrame, individual: int) -> pd.DataFrame:
+    """Return the rows of an individual and all its ancestors, youngest first, each at its birth.
+
+    Raises:
+        ValueError: if no such individual has walked.
+    """
+    births = records[records.generation == records.born].set_index("individual", drop=False)
+    if individual not in births.index:
+        raise ValueError(f"individual {individual} is not in this run; its numbers go from 0 to {births.index.max()}")
+    parents = {int(number): parent_numbers(text) for number, text in births.parents.items()}
+
+    def ancestors(number: int) -> Iterator[int]:
+        waiting, seen = [number], {number}
+        while waiting:
+            yield (one := waiting.pop())
+            fresh = [parent for parent in parents[one] if parent not in seen]
+            seen.update(fresh)
+            waiting += fresh
+
+    found = births.loc[sorted(ancestors(individual), reverse=True)]
+    return tidy(found.reset_index(drop=True))

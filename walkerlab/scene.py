@@ -1,0 +1,213 @@
+"""One world, compiled: a genome and the settings become an ``MjModel`` and the controls that drive it."""
+
+import math
+import threading
+from dataclasses import dataclass
+from functools import lru_cache
+
+import mujoco
+import numpy as np
+
+from walkerlab.entities import generate_robot, generate_terrain
+from walkerlab.entities.terrain import bounds
+from walkerlab.entities.walker import SIDES
+from walkerlab.genes import Floats, Indices
+from walkerlab.genome import Genome, Legs, Phenotype, Segment, express
+from walkerlab.settings import Settings, Simulation, Structure, Terrain
+
+CONTROL_RATE = 50.0  # Hz, at which servos take a new target
+RAMP = 0.5  # s, over which a gait swells from rest to its full swing
+CLEARANCE = 0.005  # m, between the ground and the lowest point of a robot at the start
+
+BODY_DENSITY = 600.0  # kg/m³ of a trunk: mass and length together give its girth
+SPLAY = math.radians(30)
+LEG_SHARE = 0.3  # of a segment's mass, that is its legs'
+THIGH_SHARE = 0.6  # of a leg's mass
+LEG_GIRTH = 0.07  # radius of a thigh over the length of the leg
+SERVO_BAND = 0.3  # rad of error at which a servo gives its full torque
+SPINE_STIFFNESS = 30.0  # N·m/rad for each kg·m of mass times length behind the joint
+ROTOR = 0.001  # kg·m² of rotor inertia for each N·m of torque: with the band, a servo of 9 Hz whatever it turns
+
+
+@dataclass(frozen=True)
+class Scene:
+    """One compiled world.
+
+    Attributes:
+        model: ready for ``mj_step``; actuators in the order of ``controls``.
+        start: (nq,) pose at the start: the robot's lowest point just over the ground, joints at rest.
+        bounds: (2, 2) least and greatest x and y [m] of the ground that was built; infinite on a plane.
+        phenotype: the robot in it.
+        simulation: the settings it will be stepped by.
+    """
+
+    model: mujoco.MjModel
+    start: Floats
+    bounds: Floats
+    phenotype: Phenotype
+    simulation: Simulation
+
+    def controls(self, n_steps: int) -> Floats:
+        """Compute the servo targets of the whole walk; the gait needs no feedback.
+
+        Returns:
+            (n_steps, nu) in rad, a new value ``CONTROL_RATE`` times a second.
+        """
+        amplitude, phase, offset = _motion(self.phenotype)
+        first, tick = ticks(n_steps, self.simulation.timestep)
+        time = np.arange(len(first))[:, np.newaxis] / CONTROL_RATE
+        swell = np.minimum(time / RAMP, 1.0)
+        wave = offset + swell * amplitude * np.sin(math.tau * self.phenotype.frequency * time + phase)
+        return wave[tick]
+
+    @property
+    def rest(self) -> Floats:
+        """(nu,) servo targets of the body at rest."""
+        return _motion(self.phenotype)[2]
+
+
+def ticks(n_steps: int, timestep: float) -> tuple[Indices, Indices]:
+    """Lay the gait's clock over the steps of the physics.
+
+    Returns:
+        The first step of each tick, (n_ticks,), and the tick of each step, (n_steps,).
+    """
+    tick = np.floor(np.arange(n_steps) * timestep * CONTROL_RATE + 1e-9).astype(np.intp)
+    return np.unique(tick, return_index=True)[1], tick
+
+
+def compile_scene(genome: Genome | str, settings: Settings) -> Scene:
+    """Build the world in which one individual walks.
+
+    Args:
+        genome: a genome or its text; brought within the robot limits first.
+        settings: of terrain, robot and simulation.
+
+    Raises:
+        GenomeError: if a text is no genome.
+    """
+    genome = (Genome.parse(genome) if isinstance(genome, str) else genome).within(settings.robot)
+    phenotype = express(genome)
+    plans = _own_plans(phenotype.plan, settings.terrain)
+    _write_measures(plans, phenotype)
+    plans.option.timestep = settings.simulation.timestep
+    model = plans.compile()
+    return Scene(model, _start(model, settings.terrain), np.array(bounds(settings.terrain)), phenotype, settings.simulation)
+
+
+# ------------------------------------------------------------------------------------------------ body plans
+
+
+@lru_cache(maxsize=512)
+def _plan_xml(plan: tuple[bool, ...], terrain: Terrain) -> str:
+    """Have composer build one body plan on one ground, in nominal measures."""
+    ground, walker = generate_terrain(terrain), generate_robot(plan)
+    frame = ground.attach(walker)
+    frame.add("freejoint", name="free")
+    root = ground.mjcf_model
+    root.option.integrator = "implicitfast"
+    root.option.cone = "pyramidal"
+    root.option.noslip_iterations = 0
+    root.option.flag.autoreset = "disable"
+    body = walker.mjcf_model.find("body", "seg1")
+    root.sensor.add("subtreecom", name="com", body=body)
+    root.sensor.add("contact", name="touch", subtree1=body, body2="world", data="found", num=1)
+    return root.to_xml_string()
+
+
+@lru_cache(maxsize=512)
+def _plan_spec(plan: tuple[bool, ...], terrain: Terrain, thread: int) -> mujoco.MjSpec:
+    return mujoco.MjSpec.from_string(_plan_xml(plan, terrain))
+
+
+def _own_plans(plan: tuple[bool, ...], terrain: Terrain) -> mujoco.MjSpec:
+    """Return this thread's own spec of a plan, every measure of which is about to be written."""
+    return _plan_spec(plan, terrain, threading.get_ident())
+
+
+def _write_measures(spec: mujoco.MjSpec, phenotype: Phenotype) -> None:
+    """Write one individual's numbers into the spec of its body plan: all of them, every time."""
+    behind = 0.0
+    for number, segment in reversed(list(enumerate(phenotype.segments, start=1))):
+        behind += segment.mass
+        _write_segment(spec, number, segment, phenotype, behind)
+        if segment.legs:
+            _write_legs(spec, number, segment, segment.legs)
+
+
+def _girth(segment: Segment) -> float:
+    """The radius [m] that gives the trunk its density, within what its length can bear."""
+    mass = segment.mass * (1 - LEG_SHARE if segment.legs else 1)
+    return float(np.clip(math.sqrt(mass / (math.pi * BODY_DENSITY * segment.length)), 0.02, 0.35 * segment.length))
+
+
+def _write_segment(spec: mujoco.MjSpec, number: int, segment: Segment, phenotype: Phenotype, behind: float) -> None:
+    girth = _girth(segment)
+    trunk = spec.geom(f"walker/trunk{number}")
+    trunk.size[0] = girth
+    trunk.fromto = [-girth, 0, 0, -(segment.length - girth), 0, 0]
+    trunk.mass = segment.mass * (1 - LEG_SHARE if segment.legs else 1)
+    if number > 1:
+        spec.body(f"walker/seg{number}").pos = [-phenotype.segments[number - 2].length, 0, 0]
+        stiffness = SPINE_STIFFNESS * behind * segment.length
+        for axis in ("pitch", "yaw"):
+            joint = spec.joint(f"walker/{axis}{number}")
+            joint.stiffness[0] = stiffness
+            joint.damping[0] = 0.05 * stiffness
+
+
+def _write_legs(spec: mujoco.MjSpec, number: int, segment: Segment, legs: Legs) -> None:
+    radius, half = LEG_GIRTH * legs.length, legs.length / 2
+    mass = segment.mass * LEG_SHARE / 2
+    bones = (("thigh", "hip", legs.hip, mass * THIGH_SHARE), ("shank", "knee", legs.knee, mass * (1 - THIGH_SHARE)))
+    for side, sign in zip(SIDES, (1, -1), strict=True):
+        for bone, hinge, swing, bone_mass in bones:
+            name = f"{side}_{bone}{number}"
+            outward = sign * (_girth(segment) + radius)
+            splay = SPLAY if bone == "thigh" else 0.0
+            tip = [0, sign * half * math.sin(splay), -half * math.cos(splay)]
+            spec.body(f"walker/{name}").pos = [-segment.length / 2, outward, 0] if bone == "thigh" else knee
+            geom = spec.geom(f"walker/{name}")
+            geom.size[0] = radius if bone == "thigh" else 0.8 * radius
+            geom.fromto = [0, 0, 0, *tip]
+            geom.mass = bone_mass
+            knee = tip
+            spec.joint(f"walker/{side}_{hinge}{number}").armature = ROTOR * legs.force
+            servo = spec.actuator(f"walker/{side}_{hinge}{number}")
+            servo.gainprm[0] = legs.force / SERVO_BAND
+            servo.biasprm[1] = -legs.force / SERVO_BAND
+            servo.forcerange = [-legs.force, legs.force]
+
+
+# --------------------------------------------------------------------------------------------------- the gait
+
+
+def _motion(phenotype: Phenotype) -> tuple[Floats, Floats, Floats]:
+    """Amplitude, phase and offset of each actuator, (nu,) each [rad], in the order in which legs were grown."""
+    rows = [
+        (swing.amplitude, swing.phase - lag, swing.offset)
+        for segment in phenotype.segments
+        if (legs := segment.legs)
+        for lag in (0.0, legs.stride)
+        for swing in (legs.hip, legs.knee)
+    ]
+    amplitude, phase, offset = np.array(rows, dtype=np.float64).reshape(-1, 3).T
+    return amplitude, phase, offset
+
+
+# -------------------------------------------------------------------------------------------------- the start
+
+
+def _start(model: mujoco.MjModel, terrain: Terrain) -> Floats:
+    """Stand the robot on the ground at the origin, its belly along the slope, its lowest point just clear."""
+    data = mujoco.MjData(model)
+    pitch = -math.radians(terrain.incline) if terrain.structure == Structure.incline else 0.0
+    data.qpos[3:7] = [math.cos(pitch / 2), 0, math.sin(pitch / 2), 0]
+    mujoco.mj_kinematics(model, data)
+    own = model.body_rootid[model.geom_bodyid] == model.body_rootid[-1]
+    axis = data.geom_xmat[own].reshape(-1, 3, 3)[:, :, 2]
+    up = np.array([math.sin(pitch), 0, math.cos(pitch)])
+    reach = np.abs(axis @ up) * model.geom_size[own, 1] + model.geom_size[own, 0]
+    lowest = float(np.min(data.geom_xpos[own] @ up - reach))
+    data.qpos[:3] += (CLEARANCE - lowest) * up
+    return data.qpos.copy()

@@ -1,0 +1,112 @@
+"""The run file: one SQLite file that holds the settings and the tidy table, a generation to a transaction.
+
+Whatever moment the process dies at, the file holds whole generations. It stores text and numbers only: nothing in
+it can run when it is opened.
+"""
+
+import json
+import platform
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from walkerlab.records import COLUMNS, tidy
+
+APPLICATION = 0x77616C6B  # "walk", in the file's header
+SCHEMA = 1
+
+_SQL = {int: "INTEGER", float: "REAL", str: "TEXT"}
+_FACTS = "CREATE TABLE run (fact TEXT PRIMARY KEY, value TEXT NOT NULL)"
+_RECORDS = (
+    f"CREATE TABLE records ({', '.join(f'{name} {_SQL[kind]}' for name, (kind, *_) in COLUMNS.items())}, "
+    "PRIMARY KEY (generation, individual))"
+)
+
+
+class RunFileError(ValueError):
+    """A run file that cannot be used as asked; it says why, and what would."""
+
+
+def create(path: Path, settings: dict[str, Any]) -> None:
+    """Make a new run file.
+
+    Args:
+        path: where; its folder is made if need be.
+        settings: as plain data.
+
+    Raises:
+        RunFileError: if something is there already: a run is never written over.
+    """
+    if path.exists():
+        raise RunFileError(
+            f"{path} exists already, and a run is never written over. "
+            "Resume it, or give the new run another name or folder."
+        )
+    path.parent.mkdir(parents=True, exist_ok=True)
+    facts = {
+        "settings": json.dumps(settings),
+        "python": platform.python_version(),
+        "machine": f"{platform.system()} {platform.machine()}",
+        **{name: version(name) for name in ("walkerlab", "mujoco", "dm-control", "numpy")},
+    }
+    with _open(path, new=True) as db:
+        db.execute(f"PRAGMA application_id = {APPLICATION}")
+        db.execute(f"PRAGMA user_version = {SCHEMA}")
+        db.execute(_FACTS)
+        db.execute(_RECORDS)
+        db.executemany("INSERT INTO run VALUES (?, ?)", facts.items())
+
+
+def append(path: Path, generation: pd.DataFrame) -> None:
+    """Add one generation: all of it, or nothing."""
+    marks = ", ".join("?" * len(COLUMNS))
+    rows = generation[list(COLUMNS)].astype(object).itertuples(index=False, name=None)
+    with _open(path) as db:
+        db.executemany(f"INSERT INTO records VALUES ({marks})", rows)
+
+
+def change_settings(path: Path, settings: dict[str, Any]) -> None:
+    """Write down the settings under which a run goes on."""
+    with _open(path) as db:
+        db.execute("UPDATE run SET value = ? WHERE fact = 'settings'", [json.dumps(settings)])
+
+
+def read(path: Path) -> tuple[dict[str, str], dict[str, Any], pd.DataFrame]:
+    """Read a run file: its facts, its settings as plain data, and its table.
+
+    Raises:
+        RunFileError: if there is no such file, or it is not one of ours.
+    """
+    with _open(path) as db:
+        facts = dict(db.execute("SELECT fact, value FROM run"))
+        columns = ", ".join(COLUMNS)
+        table = pd.read_sql_query(f"SELECT {columns} FROM records ORDER BY generation, rowid", db)
+    return facts, json.loads(facts["settings"]), tidy(table)
+
+
+@contextmanager
+def _open(path: Path, *, new: bool = False) -> Iterator[sqlite3.Connection]:
+    """Open a run file for one transaction."""
+    if not new and not path.is_file():
+        raise RunFileError(f"there is no run file at {path}")
+    db = sqlite3.connect(path)
+    try:
+        db.execute("PRAGMA trusted_schema = OFF")
+        if not new and db.execute("PRAGMA application_id").fetchone() != (APPLICATION,):
+            raise RunFileError(f"{path} is a SQLite file, but not a run of walkerlab's")
+        if not new and (found := db.execute("PRAGMA user_version").fetchone()[0]) > SCHEMA:
+            raise RunFileError(
+                f"{path} has layout {found}, and this walkerlab knows layouts up to {SCHEMA}: a newer one wrote it. "
+                "Update with: pip install --upgrade walkerlab"
+            )
+        with db:
+            yield db
+    except sqlite3.Error as error:
+        raise RunFileError(f"{path} cannot be used as a run file: {error}") from error
+    finally:
+        db.close()
