@@ -11,10 +11,17 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 _ROOMS = {
-    "algorithm": ("crossover_population", "generate_robot_gene", "generate_robot_population", "mutate_population", "select_from_population"),
+    "algorithm": (
+        "crossover_population",
+        "generate_robot_gene",
+        "generate_robot_population",
+        "mutate_population",
+        "select_from_population",
+    ),
     "entities": ("generate_robot", "generate_terrain"),
     "evaluation": ("Evaluation", "evaluate", "evaluate_population"),
-    "evolution": ("Evolution", "Generation", "Run", "evolve", "load", "resume"),
+    "evolution": ("Evolution", "Generation", "evolve", "resume"),
+    "run": ("Run", "load"),
     "export": ("export_mjcf",),
     "ga.crossover": ("Children",),
     "ga.slots": ("OperatorError",),
@@ -22,7 +29,20 @@ _ROOMS = {
     "quantity": ("SettingsError",),
     "rollout": ("Rollout", "simulate"),
     "scene": ("Scene", "compile_scene"),
-    "settings": ("Algorithm", "Camera", "Crossover", "Feature", "Fitness", "Mutation", "Robot", "Selection", "Settings", "Simulation", "Structure", "Terrain"),
+    "settings": (
+        "Algorithm",
+        "Camera",
+        "Crossover",
+        "Feature",
+        "Fitness",
+        "Mutation",
+        "Robot",
+        "Selection",
+        "Settings",
+        "Simulation",
+        "Structure",
+        "Terrain",
+    ),
     "store": ("RunFileError",),
 }
 """Where each public name lives."""
@@ -46,9 +66,7 @@ if TYPE_CHECKING:
     from walkerlab.evaluation import evaluate_population as evaluate_population
     from walkerlab.evolution import Evolution as Evolution
     from walkerlab.evolution import Generation as Generation
-    from walkerlab.evolution import Run as Run
     from walkerlab.evolution import evolve as evolve
-    from walkerlab.evolution import load as load
     from walkerlab.evolution import resume as resume
     from walkerlab.export import export_mjcf as export_mjcf
     from walkerlab.ga.crossover import Children as Children
@@ -60,6 +78,8 @@ if TYPE_CHECKING:
     from walkerlab.quantity import SettingsError as SettingsError
     from walkerlab.rollout import Rollout as Rollout
     from walkerlab.rollout import simulate as simulate
+    from walkerlab.run import Run as Run
+    from walkerlab.run import load as load
     from walkerlab.scene import Scene as Scene
     from walkerlab.scene import compile_scene as compile_scene
     from walkerlab.settings import Algorithm as Algorithm

@@ -96,9 +96,7 @@ def generate_robot_population(robot: Robot, size: int, *, seed: int) -> Floats:
 
 def select_from_population(fitness: Floats, n_parents: int, algorithm: Algorithm, *, generation: int) -> Indices:
     """Choose (n_parents,) indices into (n,) fitness, as this generation's step does."""
-    return select_in_turn(
-        operators(algorithm).select, fitness, n_parents, seed=algorithm.seed, generation=generation
-    )
+    return select_in_turn(operators(algorithm).select, fitness, n_parents, seed=algorithm.seed, generation=generation)
 
 
 def crossover_population(
@@ -106,9 +104,7 @@ def crossover_population(
 ) -> Children:
     """Cross (n_parents, n_genes) parents into children, with their parents' indices."""
     cross, genes = operators(algorithm).cross, genes_of(robot)
-    return cross_in_turn(
-        cross, parents, fitness, n_children, genes=genes, seed=algorithm.seed, generation=generation
-    )
+    return cross_in_turn(cross, parents, fitness, n_children, genes=genes, seed=algorithm.seed, generation=generation)
 
 
 def mutate_population(genomes: Floats, robot: Robot, algorithm: Algorithm, *, generation: int) -> Floats:

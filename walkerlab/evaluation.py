@@ -50,7 +50,7 @@ def evaluate(
     settings: Settings,
     executor: Executor | None = None,
     *,
-    on_done: Callable[[int], None] = lambda n: None,
+    on_done: Callable[[int], None] = lambda _: None,
 ) -> list[Evaluation]:
     """Let each individual walk, and rate it.
 

@@ -1,6 +1,5 @@
 """The wiring: settings become generation after generation, each tabulated, and stored if there is a run file."""
 
-import json
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass
@@ -11,44 +10,16 @@ from typing import Any, Self
 import pandas as pd
 from tqdm.auto import tqdm
 
-from walkerlab import records, store
+from walkerlab import fitness, records, store
 from walkerlab.algorithm import check_own_operators, generate_robot_population, operators, slot_names
 from walkerlab.evaluation import Evaluation, evaluate
 from walkerlab.ga.loop import Population, first_population, next_population
 from walkerlab.genes import Floats
 from walkerlab.genome import genes_of, repair
 from walkerlab.records import Individual
+from walkerlab.run import Run, load, missing_functions
 from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
-
-
-@dataclass(frozen=True, eq=False)
-class Run:
-    """What an evolution has brought forth so far.
-
-    Attributes:
-        settings: from which it was made.
-        records: the tidy table; the units are in ``records.attrs["units"]``.
-        path: its run file, or None.
-    """
-
-    settings: Settings
-    records: pd.DataFrame
-    path: Path | None = None
-
-    @property
-    def champion(self) -> Individual:
-        """The fittest robot of all generations."""
-        return records.champion(self.records)
-
-    def lineage(self, individual: int) -> pd.DataFrame:
-        """Return the rows of an individual and its ancestors, youngest first, with the operators behind each."""
-        return records.lineage(self.records, individual)
-
-    @property
-    def n_generations(self) -> int:
-        """How many generations have walked."""
-        return int(self.records.generation.nunique())
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +38,8 @@ class Generation:
 class Evolution:
     """An evolution, one generation at a time: iterate over it, stop when you like, and go on later.
 
-        for generation in wl.Evolution(settings):
-            print(generation.number, generation.champion.fitness)
+    for generation in wl.Evolution(settings):
+        print(generation.number, generation.champion.fitness)
     """
 
     def __init__(
@@ -77,7 +48,7 @@ class Evolution:
         path: str | Path | None = None,
         executor: Executor | None = None,
         *,
-        on_walks: Callable[[int], None] = lambda n: None,
+        on_walks: Callable[[int], None] = lambda _: None,
     ) -> None:
         """Check all that can be checked before any physics runs, and make the run file.
 
@@ -121,6 +92,7 @@ class Evolution:
         while self._population is None or self._population.generation + 1 < algorithm.generations:
             population = self._next()
             table = records.tabulate(population, slot_names(algorithm))
+            records.name_fitness(table, *fitness.label(algorithm.fitness))
             if self.path:
                 store.append(self.path, table)
             self._population = population
@@ -172,15 +144,6 @@ def evolve(
         return _finish(Evolution(settings, path, executor, on_walks=bar.update), bar)
 
 
-def load(path: str | Path) -> Run:
-    """Read a run from its file.
-
-    Raises:
-        RunFileError: if there is no such file, or it is not a run, or a function of the user's own is in its settings.
-    """
-    return _load(Path(path), {})
-
-
 def resume(
     path: str | Path,
     generations: int | None = None,
@@ -201,26 +164,18 @@ def resume(
         RunFileError: if there is no such file, it is not a run, or a function of the user's own was not given back.
         SettingsError: if ``generations`` is out of range.
     """
-    run = _load(Path(path), functions)
+    run = load(path, **functions)
+    if missing := missing_functions(run.settings):
+        given = ", ".join(f"{slot}={name}" for slot, name in missing.items())
+        raise RunFileError(
+            f"{path} was made with functions of your own, and a run file holds no code. Give them back: "
+            f"resume(path, {given})"
+        )
     settings = run.settings if generations is None else run.settings.with_(generations=generations)
     with _bar(settings, progress, done=run.n_generations) as bar:
         evolution = Evolution._of(run, settings, executor=executor, on_walks=bar.update)
         store.change_settings(Path(path), settings.model_dump())
         return _finish(evolution, bar)
-
-
-def _load(path: Path, functions: dict[str, Any]) -> Run:
-    _, plain, table = store.read(path)
-    for slot, value in plain["algorithm"].items():
-        if slot in functions:
-            plain["algorithm"][slot] = functions[slot]
-        elif "function" in json.dumps(value):
-            names = [one["function"] for one in (value if isinstance(value, list) else [value]) if "function" in one]
-            raise RunFileError(
-                f"{path} was made with your own function {', '.join(names)} for Algorithm.{slot}, and a run file "
-                f"holds no code. Give it back: resume(path, {slot}={names[0]})"
-            )
-    return Run(Settings(**plain), table, path)
 
 
 def _bar(settings: Settings, progress: bool, done: int = 0) -> Any:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from walkerlab.quantity import function_name
 from walkerlab.rollout import Rollout
 from walkerlab.settings import Fitness
 
@@ -29,6 +30,11 @@ def velocity(rollout: Rollout) -> float:
 FUNCTIONS: dict[Fitness, Callable[[Rollout], float]] = {Fitness.distance: distance, Fitness.velocity: velocity}
 
 
+def label(fitness: Fitness | Callable[..., Any]) -> tuple[str, str]:
+    """Return the name and the unit of a fitness; that of a function of the user's own is not known."""
+    return (fitness.name, UNITS[fitness]) if isinstance(fitness, Fitness) else (function_name(fitness), "")
+
+
 def score(rollout: Rollout, fitness: Fitness | Callable[..., Any]) -> float:
     """Rate one walk; a walk that does not count gets ``NOT_COUNTED``, whatever the function would say.
 
@@ -40,9 +46,8 @@ def score(rollout: Rollout, fitness: Fitness | Callable[..., Any]) -> float:
     function = FUNCTIONS[fitness] if isinstance(fitness, Fitness) else fitness
     value = function(rollout)
     if not isinstance(value, int | float | np.number) or not math.isfinite(value):
-        name = getattr(function, "__name__", repr(function))
         raise ValueError(
-            f"the fitness function {name!r} returned {value!r} for a walk of {rollout.time[-1]:g} s; "
-            "it must return one finite number, higher being better"
+            f"the fitness function {function_name(function)!r} returned {value!r} for a walk; it must return "
+            "one finite number, higher being better"
         )
     return float(value)

@@ -1,8 +1,9 @@
 """Genomes: what a robot inherits, as numbers and as text, and the repair that keeps it within the limits.
 
-    wl1 segments=2 | seg length=0.31 mass=2.1 legs length=0.28 force=14 | seg … | gait frequency=1.6 | step …
+wl1 segments=2 | seg length=0.31 mass=2.1 legs length=0.28 force=14 | seg … | gait frequency=1.6 | step …
 """
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -98,7 +99,7 @@ class Genome:
 
     def __post_init__(self) -> None:
         """Take a read-only copy."""
-        values = np.array(self.values, dtype=np.float64)
+        values = np.array(self.values, dtype=np.float64) + 0.0  # -0.0 becomes 0.0: equal genomes are alike bit for bit
         n_parts, rest = divmod(values.size - len(_WHOLE), len(_PART))
         if values.ndim != 1 or rest or not 1 <= n_parts <= MAX_SEGMENTS:
             raise ValueError(
@@ -130,6 +131,10 @@ class Genome:
     def __str__(self) -> str:
         """Write the text form, from which ``parse`` gives back the very same numbers."""
         return " ".join(_write(token, index, self.values) for token, index in _layout(self.n_parts))
+
+    def __repr__(self) -> str:
+        """Show what can be pasted back."""
+        return f"Genome.parse({str(self)!r})"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Genome) and np.array_equal(self.values, other.values)
@@ -166,7 +171,7 @@ class Swing:
 
 @dataclass(frozen=True)
 class Legs:
-    """A pair of legs: length [m] of each, torque [N·m] of each joint, and how they swing; right lags by stride [rad]."""
+    """A pair of legs: length [m] and torque [N·m] of each, how they swing, and how far right lags left [rad]."""
 
     length: float
     force: float
@@ -209,12 +214,12 @@ class Phenotype:
     @property
     def weight(self) -> float:
         """Its whole mass, in kg."""
-        return sum(segment.mass for segment in self.segments)
+        return math.fsum(segment.mass for segment in self.segments)
 
     @property
     def body_length(self) -> float:
         """From the front of the first to the end of the last segment, in m."""
-        return sum(segment.length for segment in self.segments)
+        return math.fsum(segment.length for segment in self.segments)
 
 
 def express(genome: Genome) -> Phenotype:
@@ -238,11 +243,12 @@ def express(genome: Genome) -> Phenotype:
 
 
 def repair(genomes: ArrayLike, robot: Robot) -> Floats:
-    """Move each genome to a nearby one whose robot obeys every limit; one that obeys stays as it is.
+    """Move each genome to a nearby one whose robot obeys every limit; one that obeys, on the grid, stays as it is.
 
     Genes are brought into their ranges and onto the grid; the segment count into what the limits allow; lengths
     (and masses) of the grown segments are stretched towards an end of their range until their sum fits; pairs of
-    legs sprout from the front, or are lost from the rear, until their number fits.
+    legs sprout from the front, or are lost from the rear, until their number fits. Limits go before the grid: where
+    no place on it obeys them, a gene stays off it.
 
     Args:
         genomes: (n, n_genes) in physical units; not changed.
@@ -263,35 +269,52 @@ def repair(genomes: ArrayLike, robot: Robot) -> Floats:
         raise ValueError(f"genome {row}: {genes.names[column]} is {given[row, column]}; it must be a finite number")
 
     clipped = np.clip(given, genes.low, genes.high)
-    on_edge = (clipped == genes.low) | (clipped == genes.high)
-    values = np.where(on_edge, clipped, np.clip(np.round(clipped, GRID), genes.low, genes.high))
+    turned = np.mod(np.round(np.mod(given, genes.high), GRID), genes.high)
+    values = np.where(genes.is_cyclic, turned, _on_grid(clipped, genes.low, genes.high))
     values = np.where(genes.is_count, np.rint(clipped), values)
-    values = np.where(genes.is_cyclic, np.round(np.mod(np.round(given, GRID), genes.high), GRID), values)
 
     parts = genes.parts(values)
     grown = np.arange(genes.n_parts) < genes.n_grown(values)[:, np.newaxis]
     for feature, (least, most) in ((Feature.length, robot.body_length), (Feature.mass, robot.weight)):
         low, high, *_ = _ranges(robot)[feature]
         column = _PART.index(feature)
-        parts[:, :, column] = _with_sum(parts[:, :, column], grown, low, high, least, most)
+        parts[:, :, column] = _with_sum(genes.parts(clipped)[:, :, column], grown, low, high, least, most)
     column = _PART.index(Feature.legs)
     parts[:, :, column] = _with_pairs(parts[:, :, column], grown, *robot.leg_pairs)
     return values
 
 
+def _on_grid(x: Floats, low: float | Floats, high: float | Floats) -> Floats:
+    """Round to the grid; the ends of low..high stay, wherever they lie."""
+    return np.where((x == low) | (x == high), x, np.clip(np.round(x, GRID), low, high))
+
+
 def _with_sum(x: Floats, grown: NDArray[np.bool_], low: float, high: float, least: float, most: float) -> Floats:
-    """Stretch the grown of (n, n_parts) values within low..high until each row's sum lies in least..most."""
-    count = grown.sum(axis=1, keepdims=True)
-    total = np.where(grown, x, 0.0).sum(axis=1, keepdims=True)
-    tolerance = 1e-9 * most
-    step = 10.0**-GRID
+    """Stretch the grown of (n, n_parts) values within low..high until each row's sum lies in least..most.
+
+    They are put on the grid one by one, or if that spoils the sum, by the steps of their running sum, or not at all.
+    """
+    tolerance = 1e-10 * most
+
+    def total(x: Floats) -> Floats:
+        return np.where(grown, x, 0.0).sum(axis=1, keepdims=True)
+
+    def fits(x: Floats) -> NDArray[np.bool_]:
+        return (least - tolerance <= total(x)) & (total(x) <= most + tolerance)
+
+    lows, highs = total(np.full_like(x, low)), total(np.full_like(x, high))
     with np.errstate(divide="ignore", invalid="ignore"):
-        shrunk = low + (x - low) * (most - count * low) / (total - count * low)
-        longer = high - (high - x) * (count * high - least) / (count * high - total)
-    shrunk = np.clip(np.floor(shrunk / step + 1e-6) / 10**GRID, low, high)
-    longer = np.clip(np.ceil(longer / step - 1e-6) / 10**GRID, low, high)
-    fitted = np.where(total > most + tolerance, shrunk, np.where(total < least - tolerance, longer, x))
-    return np.where(grown, fitted, x)
+        shrunk = low + (x - low) * (most - lows) / (total(x) - lows)
+        longer = high - (high - x) * (highs - least) / (highs - total(x))
+    free = np.where(total(x) > most + tolerance, shrunk, np.where(total(x) < least - tolerance, longer, x))
+    free = np.clip(free, low, high)
+
+    running = np.cumsum(np.where(grown, free, 0.0), axis=1) * 10**GRID
+    running = np.where(2 * total(free) > least + most, np.floor(running + 1e-6), np.ceil(running - 1e-6))
+    tiled = np.clip(np.diff(running, axis=1, prepend=0.0) / 10**GRID, low, high)
+    rounded = _on_grid(free, low, high)
+    fitted = np.where(fits(rounded), rounded, np.where(fits(tiled), tiled, free))
+    return np.where(grown, fitted, _on_grid(x, low, high))
 
 
 def _with_pairs(legs: Floats, grown: NDArray[np.bool_], least: int, most: int) -> Floats:
@@ -338,7 +361,7 @@ def _layout(n_parts: int) -> tuple[tuple[str, int | None], ...]:
 
 _LEGS = {"nolegs": 0.0, "legs": 1.0}
 _MAX_TEXT = 20_000
-_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?"
+_NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d{1,3})?"
 
 
 def _write(token: str, index: int | None, values: Floats) -> str:
@@ -356,15 +379,15 @@ def _parse(text: str) -> list[float]:
         raise GenomeError(f"a genome's text has at most {_MAX_TEXT} characters; this one has {len(text)}")
     found = [(match.group(), match.start()) for match in re.finditer(r"\||[^\s|]+", text)]
     n_parts = sum(word == "seg" for word, _ in found)
-    if n_parts > MAX_SEGMENTS:
-        raise GenomeError(f"a genome describes at most {MAX_SEGMENTS} segments; this text has {n_parts}")
-    layout = _layout(max(n_parts, 1))
-    values = [0.0] * (len(_WHOLE) + max(n_parts, 1) * len(_PART))
+    n_parts = min(max(n_parts, 1), int(MAX_SEGMENTS))
+    layout = _layout(n_parts)
+    values = [0.0] * (len(_WHOLE) + n_parts * len(_PART))
     for place, (token, index) in enumerate(layout):
         word, start = found[place] if place < len(found) else ("the end of the text", len(text.rstrip()))
         if index is None:
             if word != token:
-                raise _error(text, start, f"'{token}'", word)
+                why = f" after at most {MAX_SEGMENTS} segments" if (token, word) == ("gait", "seg") else ""
+                raise _error(text, start, f"'{token}'{why}", word)
         elif token == "legs" and word in _LEGS:
             values[index] = _LEGS[word]
         else:
@@ -382,7 +405,7 @@ def _parse(text: str) -> list[float]:
 
 
 def _error(text: str, start: int, expected: str, got: str) -> GenomeError:
-    before, after = " ".join(text[max(0, start - 30) : start].split("\n")), text[start : start + 30].split("\n")[0]
+    before, after = (re.sub(r"\s", " ", part) for part in (text[max(0, start - 30) : start], text[start : start + 30]))
     got = got if len(got) <= 40 else got[:40] + "…"
     return GenomeError(
         f"not a genome: at character {start + 1} expected {expected}, got '{got}'\n"

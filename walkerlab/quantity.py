@@ -5,13 +5,12 @@ step_height: float = quantity(0.08, low=0.0, high=0.4, unit="m", about="the rise
 Terrain.step_height is 0.9 m; it must be 0 to 0.4 m. It is the rise of each stair.
 """
 
-import math
-from collections.abc import Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass
 from difflib import get_close_matches
 from enum import IntEnum
 from functools import partial
-from numbers import Real
+from numbers import Integral, Real
 from typing import Any, Self, cast
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_serializer, field_validator
@@ -76,7 +75,7 @@ class Quantity:
     @property
     def range(self) -> str:
         """The range in words, for messages and help texts."""
-        return f"{self.low:g} to {self.high:g}{self._unit}"
+        return f"{self.low:.10g} to {self.high:.10g}{self._unit}"
 
     def _number(self, value: object, part: str) -> float:
         if hasattr(value, "item") and getattr(value, "shape", None) == ():
@@ -84,10 +83,10 @@ class Quantity:
         kind = "a whole number" if self.whole else "a number"
         if isinstance(value, bool) or not isinstance(value, Real):
             raise ValueError(f"{part} is {value!r}; it must be {kind}, {self.range}.")
-        if self.whole and math.isfinite(value) and value != int(value):
-            raise ValueError(f"{part} is {value}{self._unit}; it must be {kind}, {self.range}.")
         if not self.low <= value <= self.high:
             raise ValueError(f"{part} is {value}{self._unit}; it must be {self.range}.")
+        if self.whole and value != int(value):
+            raise ValueError(f"{part} is {value}{self._unit}; it must be {kind}, {self.range}.")
         return int(value) if self.whole else float(value)
 
 
@@ -128,9 +127,10 @@ class OneOf:
             return value
         if isinstance(value, str) and value in self.choices.__members__:
             return self.choices[value]
-        if isinstance(value, int) and not isinstance(value, bool) and value in list(self.choices):
+        of_another_kind = isinstance(value, bool | Choice) and not isinstance(value, self.choices)
+        if isinstance(value, Integral) and not of_another_kind and value in list(self.choices):
             return self.choices(value)
-        guess = _did_you_mean(value, self.choices.__members__)
+        guess = did_you_mean(value, self.choices.__members__)
         own = ", or a function of your own" if self.functions else ""
         raise ValueError(f" is {value!r}; it must be one of {self.range}{own}.{guess}")
 
@@ -184,6 +184,11 @@ class SettingsModel(BaseModel):
         except ValidationError as error:
             raise SettingsError("\n".join(_sentences(type(self), error))) from None
 
+    @classmethod
+    def advice(cls, name: str) -> str:
+        """Say what might have been meant by a name that there is not."""
+        return did_you_mean(name, cls.model_fields) or f" It has {', '.join(cls.model_fields)}."
+
     def __repr_args__(self) -> Any:
         """Show only what differs from the default."""
         return [(name, value) for name, value in self if value != type(self).model_fields[name].default]
@@ -218,8 +223,14 @@ class Domain(SettingsModel):
                 return [self._plain(item) for item in cast(tuple[object, ...], value)]
             case int() | float():
                 return value
+            case partial():
+                return {"function": _address(value.func), "with": value.keywords}
             case _:
-                return {"function": function_name(value)}
+                return {"function": _address(value), "with": {}}
+
+
+def _address(function: object) -> str:
+    return f"{getattr(function, '__module__', '')}.{function_name(function)}"
 
 
 def function_name(function: object) -> str:
@@ -230,14 +241,13 @@ def function_name(function: object) -> str:
     return getattr(function, "__name__", type(function).__name__)
 
 
-def _sentences(model: type[BaseModel], error: ValidationError) -> list[str]:
+def _sentences(model: type[SettingsModel], error: ValidationError) -> list[str]:
     """Turn each of pydantic's findings into a sentence of ours."""
     sentences: list[str] = []
     for fault in error.errors(include_url=False):
         if fault["type"] == "extra_forbidden":
             *_, name = fault["loc"]
-            guess = _did_you_mean(name, model.model_fields) or f" It has {', '.join(model.model_fields)}."
-            sentences.append(f"{model.__name__} has no setting {name!r}.{guess}")
+            sentences.append(f"{model.__name__} has no setting {name!r}.{model.advice(str(name))}")
         elif fault["type"] == "value_error":
             sentences.append(str(fault["ctx"]["error"]))  # type: ignore[typeddict-item]
         else:
@@ -246,10 +256,11 @@ def _sentences(model: type[BaseModel], error: ValidationError) -> list[str]:
     return sentences
 
 
-def _did_you_mean(name: object, known: Mapping[str, Any]) -> str:
-    close = get_close_matches(str(name).lower(), known, n=1, cutoff=0.6)
+def did_you_mean(name: object, known: Iterable[str]) -> str:
+    """Ask for the known name that is most like this one; say nothing if none is."""
+    close = get_close_matches(str(name).lower(), list(known), n=1, cutoff=0.6)
     return f" Did you mean {close[0]!r}?" if close else ""
 
 
 def _show(numbers: tuple[float, ...]) -> str:
-    return f"({', '.join(f'{number:g}' for number in numbers)})"
+    return f"({', '.join(f'{number:.10g}' for number in numbers)})"

@@ -66,6 +66,12 @@ def tidy(table: pd.DataFrame) -> pd.DataFrame:
     return table
 
 
+def name_fitness(table: pd.DataFrame, name: str, unit: str) -> None:
+    """Write on a table what its fitness is, for the axes of plots."""
+    table.attrs["fitness"] = name
+    table.attrs["units"] = {**table.attrs.get("units", {}), "fitness": unit}
+
+
 def join(tables: list[pd.DataFrame]) -> pd.DataFrame:
     """Lay generations under each other."""
     return tidy(pd.concat(tables, ignore_index=True)) if tables else tidy(pd.DataFrame(columns=list(COLUMNS)))

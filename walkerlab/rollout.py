@@ -83,7 +83,7 @@ def walk(scene: Scene, *, poses: bool = True) -> Rollout:
     with _warnings_counted_not_printed():
         state, settled = _settle(scene, data)
         n_steps = round(simulation.duration / simulation.timestep) + 1
-        states, sensors = step_through(model, [data], state, scene.controls(n_steps)[np.newaxis])
+        states, sensors = _step(model, data, state, scene.controls(n_steps)[np.newaxis])
     first, _ = ticks(n_steps, simulation.timestep)
     # A sensor is read before its step and a state after it: the state that a sensor saw is the one before.
     com, touch = sensors[0, first, :3], sensors[0, first, 3]
@@ -104,12 +104,18 @@ def _settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float]:
     hold = np.tile(scene.rest, (1, n_steps, 1))
     settled = 0.0
     while settled < SETTLE_LIMIT:
-        states, sensors = step_through(model, [data], state, hold)
+        states, sensors = _step(model, data, state, hold)
         state, com = states[:, -1].copy(), sensors[0, :, :3]
         settled += SETTLE_CHUNK
         if np.linalg.norm(com[-1] - com[n_steps // 2]) < REST_SPEED * (n_steps - 1 - n_steps // 2) * timestep:
             break
     return state, settled
+
+
+def _step(model: mujoco.MjModel, data: mujoco.MjData, state: Floats, controls: Floats) -> tuple[Floats, Floats]:
+    """Step on from a state as if nobody had looked: the solver starts from where it was."""
+    warmstart = data.qacc_warmstart[np.newaxis].copy()
+    return step_through(model, [data], state, controls, initial_warmstart=warmstart)
 
 
 def _judge(time: Floats, com: Floats, on_ground: NDArray[np.bool_], scene: Scene, *, warned: bool) -> str:

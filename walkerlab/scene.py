@@ -9,18 +9,18 @@ import mujoco
 import numpy as np
 
 from walkerlab.entities import generate_robot, generate_terrain
-from walkerlab.entities.terrain import bounds
+from walkerlab.entities.terrain import bounds, slope
 from walkerlab.entities.walker import SIDES
 from walkerlab.genes import Floats, Indices
 from walkerlab.genome import Genome, Legs, Phenotype, Segment, express
-from walkerlab.settings import Settings, Simulation, Structure, Terrain
+from walkerlab.settings import Settings, Simulation, Terrain
 
 CONTROL_RATE = 50.0  # Hz, at which servos take a new target
 RAMP = 0.5  # s, over which a gait swells from rest to its full swing
 CLEARANCE = 0.005  # m, between the ground and the lowest point of a robot at the start
 
 BODY_DENSITY = 600.0  # kg/m³ of a trunk: mass and length together give its girth
-SPLAY = math.radians(30)
+SPLAY = math.radians(30)  # of the thighs outward: a stance wide enough not to topple
 LEG_SHARE = 0.3  # of a segment's mass, that is its legs'
 THIGH_SHARE = 0.6  # of a leg's mass
 LEG_GIRTH = 0.07  # radius of a thigh over the length of the leg
@@ -37,6 +37,7 @@ class Scene:
         model: ready for ``mj_step``; actuators in the order of ``controls``.
         start: (nq,) pose at the start: the robot's lowest point just over the ground, joints at rest.
         bounds: (2, 2) least and greatest x and y [m] of the ground that was built; infinite on a plane.
+        genome: the genome it was built from, within the limits.
         phenotype: the robot in it.
         simulation: the settings it will be stepped by.
     """
@@ -44,6 +45,7 @@ class Scene:
     model: mujoco.MjModel
     start: Floats
     bounds: Floats
+    genome: Genome
     phenotype: Phenotype
     simulation: Simulation
 
@@ -76,53 +78,62 @@ def ticks(n_steps: int, timestep: float) -> tuple[Indices, Indices]:
     return np.unique(tick, return_index=True)[1], tick
 
 
-def compile_scene(genome: Genome | str, settings: Settings) -> Scene:
+def compile_scene(genome: Genome | str, settings: Settings, *, scenery: bool = False) -> Scene:
     """Build the world in which one individual walks.
 
     Args:
         genome: a genome or its text; brought within the robot limits first.
         settings: of terrain, robot and simulation.
+        scenery: whether to add sky, chequered ground and a sun, which cost more to compile than the rest.
 
     Raises:
         GenomeError: if a text is no genome.
     """
+    return _compile(*_describe(genome, settings, scenery=scenery), settings)
+
+
+def describe_scene(genome: Genome | str, settings: Settings) -> tuple[mujoco.MjSpec, Scene]:
+    """Build the same world with scenery, and hand out its description as well: a spec of the caller's own."""
+    spec, genome = _describe(genome, settings, scenery=True)
+    return spec.copy(), _compile(spec, genome, settings)
+
+
+def _describe(genome: Genome | str, settings: Settings, *, scenery: bool) -> tuple[mujoco.MjSpec, Genome]:
     genome = (Genome.parse(genome) if isinstance(genome, str) else genome).within(settings.robot)
     phenotype = express(genome)
-    plans = _own_plans(phenotype.plan, settings.terrain)
-    _write_measures(plans, phenotype)
-    plans.option.timestep = settings.simulation.timestep
-    model = plans.compile()
-    return Scene(model, _start(model, settings.terrain), np.array(bounds(settings.terrain)), phenotype, settings.simulation)
+    spec = _plan_spec(phenotype.plan, settings.terrain, scenery, threading.get_ident())
+    _write_measures(spec, phenotype)
+    spec.option.timestep = settings.simulation.timestep
+    return spec, genome
+
+
+def _compile(spec: mujoco.MjSpec, genome: Genome, settings: Settings) -> Scene:
+    model = spec.compile()
+    start, ends = _start(model, settings.terrain), np.array(bounds(settings.terrain))
+    return Scene(model, start, ends, genome, express(genome), settings.simulation)
 
 
 # ------------------------------------------------------------------------------------------------ body plans
 
 
 @lru_cache(maxsize=512)
-def _plan_xml(plan: tuple[bool, ...], terrain: Terrain) -> str:
+def _plan_xml(plan: tuple[bool, ...], terrain: Terrain, scenery: bool) -> str:
     """Have composer build one body plan on one ground, in nominal measures."""
-    ground, walker = generate_terrain(terrain), generate_robot(plan)
-    frame = ground.attach(walker)
-    frame.add("freejoint", name="free")
-    root = ground.mjcf_model
+    ground, walker = generate_terrain(terrain, scenery=scenery), generate_robot(plan)
+    ground.attach(walker).add("freejoint", name="free")
+    root, body = ground.mjcf_model, walker.root_body
     root.option.integrator = "implicitfast"
-    root.option.cone = "pyramidal"
-    root.option.noslip_iterations = 0
-    root.option.flag.autoreset = "disable"
-    body = walker.mjcf_model.find("body", "seg1")
+    root.option.flag.autoreset = "disable"  # a world that blows up must not start anew unseen
     root.sensor.add("subtreecom", name="com", body=body)
     root.sensor.add("contact", name="touch", subtree1=body, body2="world", data="found", num=1)
     return root.to_xml_string()
 
 
 @lru_cache(maxsize=512)
-def _plan_spec(plan: tuple[bool, ...], terrain: Terrain, thread: int) -> mujoco.MjSpec:
-    return mujoco.MjSpec.from_string(_plan_xml(plan, terrain))
-
-
-def _own_plans(plan: tuple[bool, ...], terrain: Terrain) -> mujoco.MjSpec:
-    """Return this thread's own spec of a plan, every measure of which is about to be written."""
-    return _plan_spec(plan, terrain, threading.get_ident())
+def _plan_spec(plan: tuple[bool, ...], terrain: Terrain, scenery: bool, thread: int) -> mujoco.MjSpec:
+    """Return a thread's own spec of a plan, into which every individual's measures are written anew."""
+    assert thread == threading.get_ident()
+    return mujoco.MjSpec.from_string(_plan_xml(plan, terrain, scenery))
 
 
 def _write_measures(spec: mujoco.MjSpec, phenotype: Phenotype) -> None:
@@ -157,23 +168,23 @@ def _write_segment(spec: mujoco.MjSpec, number: int, segment: Segment, phenotype
 
 
 def _write_legs(spec: mujoco.MjSpec, number: int, segment: Segment, legs: Legs) -> None:
-    radius, half = LEG_GIRTH * legs.length, legs.length / 2
+    thick, half = LEG_GIRTH * legs.length, legs.length / 2
     mass = segment.mass * LEG_SHARE / 2
-    bones = (("thigh", "hip", legs.hip, mass * THIGH_SHARE), ("shank", "knee", legs.knee, mass * (1 - THIGH_SHARE)))
-    for side, sign in zip(SIDES, (1, -1), strict=True):
-        for bone, hinge, swing, bone_mass in bones:
-            name = f"{side}_{bone}{number}"
-            outward = sign * (_girth(segment) + radius)
-            splay = SPLAY if bone == "thigh" else 0.0
-            tip = [0, sign * half * math.sin(splay), -half * math.cos(splay)]
-            spec.body(f"walker/{name}").pos = [-segment.length / 2, outward, 0] if bone == "thigh" else knee
-            geom = spec.geom(f"walker/{name}")
-            geom.size[0] = radius if bone == "thigh" else 0.8 * radius
-            geom.fromto = [0, 0, 0, *tip]
-            geom.mass = bone_mass
-            knee = tip
-            spec.joint(f"walker/{side}_{hinge}{number}").armature = ROTOR * legs.force
-            servo = spec.actuator(f"walker/{side}_{hinge}{number}")
+    for side, left in zip(SIDES, (1, -1), strict=True):
+        hip = [-segment.length / 2, left * (_girth(segment) + thick), 0]
+        knee = [0, left * half * math.sin(SPLAY), -half * math.cos(SPLAY)]
+        foot = [0, 0, -half]
+        for bone, joint, start, end, radius, share in (
+            ("thigh", "hip", hip, knee, thick, THIGH_SHARE),
+            ("shank", "knee", knee, foot, 0.8 * thick, 1 - THIGH_SHARE),
+        ):
+            spec.body(f"walker/{side}_{bone}{number}").pos = start
+            geom = spec.geom(f"walker/{side}_{bone}{number}")
+            geom.size[0] = radius
+            geom.fromto = [0, 0, 0, *end]
+            geom.mass = mass * share
+            spec.joint(f"walker/{side}_{joint}{number}").armature = ROTOR * legs.force
+            servo = spec.actuator(f"walker/{side}_{joint}{number}")
             servo.gainprm[0] = legs.force / SERVO_BAND
             servo.biasprm[1] = -legs.force / SERVO_BAND
             servo.forcerange = [-legs.force, legs.force]
@@ -201,7 +212,7 @@ def _motion(phenotype: Phenotype) -> tuple[Floats, Floats, Floats]:
 def _start(model: mujoco.MjModel, terrain: Terrain) -> Floats:
     """Stand the robot on the ground at the origin, its belly along the slope, its lowest point just clear."""
     data = mujoco.MjData(model)
-    pitch = -math.radians(terrain.incline) if terrain.structure == Structure.incline else 0.0
+    pitch = -slope(terrain)
     data.qpos[3:7] = [math.cos(pitch / 2), 0, math.sin(pitch / 2), 0]
     mujoco.mj_kinematics(model, data)
     own = model.body_rootid[model.geom_bodyid] == model.body_rootid[-1]

@@ -5,9 +5,9 @@ from typing import Any, Self
 
 from pydantic import model_validator
 
-from walkerlab.quantity import Choice, Domain, SettingsError, SettingsModel, limits, one_of, quantity, vector
+from walkerlab.quantity import Choice, Domain, SettingsModel, did_you_mean, limits, one_of, quantity, vector
 
-_TINY = 1e-9
+_TINY = 1e-12  # m; room for the rounding of floats, as 3 × 0.1 is more than 0.3
 
 
 class Structure(Choice):
@@ -215,16 +215,27 @@ class Settings(SettingsModel):
     def with_(self, **changes: Any) -> Self:
         """Return a copy with some settings changed, each named alone: ``s.with_(selection="top_half", duration=4)``.
 
+        A whole domain may be named as well: ``s.with_(terrain=Terrain(structure="stairs"), duration=4)``.
+
         Raises:
             SettingsError: if no domain has such a setting, or the value will not do.
         """
-        domains = type(self).model_fields
-        owners = {name: domain for domain in domains for name in type(getattr(self, domain)).model_fields}
-        strangers = {name: value for name, value in changes.items() if name not in owners}
-        if strangers:
-            known = ", ".join(owners)
-            raise SettingsError("\n".join(f"There is no setting {name!r}; there are {known}." for name in strangers))
-        parts = {domain: dict(getattr(self, domain)) for domain in domains}
+        owners = self._owners()
+        parts: dict[str, Any] = dict(self) | {name: changes[name] for name in changes if name not in owners}
         for name, value in changes.items():
-            parts[owners[name]][name] = value
+            if name in owners:
+                parts[owners[name]] = dict(parts[owners[name]]) | {name: value}
         return type(self)(**parts)
+
+    @classmethod
+    def advice(cls, name: str) -> str:
+        """Say what might have been meant by a name that there is not, looking into the domains as well."""
+        owners = cls._owners()
+        if name in owners:
+            return f" It is one of {owners[name]}: {owners[name]}={owners[name].capitalize()}({name}=…)."
+        return did_you_mean(name, [*cls.model_fields, *owners]) or super().advice(name)
+
+    @classmethod
+    def _owners(cls) -> dict[str, str]:
+        """Say for each single setting of which domain it is."""
+        return {name: domain for domain, field in cls.model_fields.items() for name in dict(field.default)}

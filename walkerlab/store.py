@@ -84,9 +84,11 @@ def read(path: Path) -> tuple[dict[str, str], dict[str, Any], pd.DataFrame]:
     """
     with _open(path) as db:
         facts = dict(db.execute("SELECT fact, value FROM run"))
-        columns = ", ".join(COLUMNS)
-        table = pd.read_sql_query(f"SELECT {columns} FROM records ORDER BY generation, rowid", db)
-    return facts, json.loads(facts["settings"]), tidy(table)
+        rows = db.execute(f"SELECT {', '.join(COLUMNS)} FROM records ORDER BY generation, rowid").fetchall()
+    try:
+        return facts, json.loads(facts["settings"]), tidy(pd.DataFrame(rows, columns=list(COLUMNS)))
+    except (KeyError, TypeError, ValueError) as error:
+        raise RunFileError(f"{path} is damaged: {error!r}") from error
 
 
 @contextmanager
@@ -105,6 +107,7 @@ def _open(path: Path, *, new: bool = False) -> Iterator[sqlite3.Connection]:
                 "Update with: pip install --upgrade walkerlab"
             )
         with db:
+            db.execute("BEGIN")
             yield db
     except sqlite3.Error as error:
         raise RunFileError(f"{path} cannot be used as a run file: {error}") from error

@@ -256,6 +256,19 @@ def test_crossing_twice_names_the_first_parents():
         assert set(genome) <= set(origin)
 
 
+@pytest.mark.parametrize("n_elites", [0, 1, 2, 5])
+def test_parents_come_in_whole_couples(n_elites):
+    asked = []
+
+    def spy(fitness, n_parents, *, rng):
+        asked.append(n_parents)
+        return selection.uniform(fitness, n_parents, rng=rng)
+
+    after = evolve(operators(select=spy), bits(4), 6, 1, n_elites=n_elites)[-1]
+    assert asked == [2 * -(-(6 - n_elites) // 2)]
+    assert len(after.genomes) == 6
+
+
 def test_a_child_is_expected_to_be_as_fit_as_its_parents_mean():
     seen = []
 

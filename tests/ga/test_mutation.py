@@ -106,6 +106,16 @@ def test_macro_draws_from_the_whole_range():
     assert kstest(mutated[:, 0], "uniform", args=(-3, 10)).pvalue > SURE
 
 
+def test_macro_draws_a_count_from_the_whole_range_but_never_the_same():
+    table, n = genes_of(["count"], [1], [9]), 9000
+    mutated = macro(np.full((n, 1), 5.0), table, rate=1.0, rng=rng())[:, 0].astype(int)
+    expected = np.full(9, n / 9)
+    expected[[3, 4, 5]] = n / 6, 0, n / 6  # who would stay at 5 moves by one
+    seen = np.bincount(mutated - 1, minlength=9)
+    assert not seen[4]
+    assert chisquare(np.delete(seen, 4), np.delete(expected, 4)).pvalue > SURE
+
+
 def only_upheaval(genomes, table, *address):
     """Macro's coming and going of parts alone: it happens to every genome, and no gene is ever hit."""
     with patch.object(mutation, "UPHEAVAL", np.inf):

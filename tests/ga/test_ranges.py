@@ -1,5 +1,5 @@
 import numpy as np
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from walkerlab.ga.ranges import reflect, wrap
@@ -8,6 +8,7 @@ lows, rooms, far = st.floats(-1e3, 1e3), st.floats(1e-3, 1e3), st.floats(-1e5, 1
 
 
 @given(lows, rooms, far)
+@example(0.0, 1.0, -1e-18)  # rounds to the upper end, which is the lower
 def test_wrap_goes_round_by_whole_turns(low, room, value):
     high = low + room
     inside = wrap(np.array([value]), np.array([low]), np.array([high]))[0]

@@ -1,59 +1,87 @@
 """The ground: a level plane, an incline, or stairs."""
 
 import math
+from typing import Any
 
 from dm_control import composer
 
 from walkerlab.settings import Structure, Terrain
 
-ARENA_LENGTH = 30.0  # m, ahead of the start
+ARENA_LENGTH = 30.0  # m of stairs ahead of the landing
 ARENA_WIDTH = 10.0  # m
 LANDING = 1.0  # m of level ground ahead of the robot's nose before the first stair
 FRICTION = (0.9, 0.01, 0.001)  # sliding, torsional [m], rolling [m]: rubber feet on a sports floor
 
+LIGHT, DARK = (0.87, 0.88, 0.84, 1), (0.79, 0.81, 0.77, 1)
+
 
 class Ground(composer.Arena):
-    """The ground that all robots of a run walk on, forward being +x; its geoms decide the friction of what they meet.
+    """The ground that all robots of a run walk on, forward being +x; it decides the friction of what touches it.
 
-        flat ______________   incline ___---‾‾‾   stairs ____┌──┌──┌──
+    flat ______________   incline ___---‾‾‾   stairs ____┌──┌──┌──
     """
 
-    def _build(self, terrain: Terrain, name: str = "ground") -> None:
+    def _build(self, terrain: Terrain, *, scenery: bool = False, name: str = "ground") -> None:
         super()._build(name=name)
         root = self._mjcf_root
         root.option.gravity = terrain.gravity
+        root.option.cone = "pyramidal"
+        root.option.noslip_iterations = 0
         root.default.geom.friction = FRICTION
-        pitch = math.radians(terrain.incline) if terrain.structure == Structure.incline else 0.0
-        plane = root.worldbody.add(
-            "geom", name="plane", type="plane", size=(0, 0, 1), euler=(0, -pitch, 0), rgba=(0.78, 0.80, 0.76, 1)
+        root.default.geom.priority = 1
+        root.worldbody.add(
+            "geom", name="plane", type="plane", size=(0, 0, 1), euler=(0, -slope(terrain), 0), rgba=LIGHT
         )
-        self._ground = [plane]
         if terrain.structure == Structure.stairs:
-            self._ground += self._stairs(terrain.step_height, terrain.step_depth)
-        for geom in self._ground:
-            geom.priority = 1
+            self._lay_stairs(terrain.step_height, terrain.step_depth)
+        if scenery:
+            self._add_scenery()
 
-    def _stairs(self, rise: float, tread: float) -> list[object]:
+    def _lay_stairs(self, rise: float, tread: float) -> None:
         """Lay slabs, each a tread deep and thick enough to reach into the one below."""
-        count = math.ceil(ARENA_LENGTH / tread)
         thick = rise + 0.02
-        shades = ((0.70, 0.72, 0.70, 1), (0.78, 0.80, 0.76, 1))
-        return [
+        for i in range(1, math.ceil(ARENA_LENGTH / tread) + 1):
             self._mjcf_root.worldbody.add(
                 "geom",
                 name=f"stair{i}",
                 type="box",
                 size=(tread / 2, ARENA_WIDTH / 2, thick / 2),
                 pos=(LANDING + (i - 0.5) * tread, 0, i * rise - thick / 2),
-                rgba=shades[i % 2],
+                rgba=DARK if i % 2 else LIGHT,
             )
-            for i in range(1, count + 1)
-        ]
+
+    def _add_scenery(self) -> None:
+        """Add what only eyes need: a sky, squares of 1 m on the plane, and a sun that casts shadows."""
+        root: Any = self._mjcf_root
+        root.visual.map.znear, root.visual.map.zfar = 0.01, 60
+        root.visual.quality.shadowsize = 4096
+        root.visual.rgba.haze = (0.95, 0.96, 0.98, 1)
+        root.asset.add(
+            "texture", name="sky", type="skybox", builtin="gradient",
+            rgb1=(0.95, 0.96, 0.98), rgb2=(0.55, 0.72, 0.88), width=256, height=256,
+        )  # fmt: skip
+        squares = root.asset.add(
+            "texture",
+            name="squares",
+            type="2d",
+            builtin="checker",
+            rgb1=LIGHT[:3],
+            rgb2=DARK[:3],
+            width=256,
+            height=256,
+        )
+        paint = root.asset.add("material", name="squares", texture=squares, texrepeat=(0.5, 0.5), texuniform="true")
+        plane = root.find("geom", "plane")
+        plane.material, plane.rgba = paint, None
+        root.worldbody.add(
+            "light", name="sun", directional="true", castshadow="true",
+            pos=(0, 0, 10), dir=(0.3, 0.5, -1), diffuse=(0.5, 0.5, 0.5), specular=(0.1, 0.1, 0.1),
+        )  # fmt: skip
 
 
-def generate_terrain(terrain: Terrain) -> Ground:
-    """Build the ground that these settings describe."""
-    return Ground(terrain)
+def slope(terrain: Terrain) -> float:
+    """Return the pitch of the ground at the start, in rad; positive is uphill."""
+    return math.radians(terrain.incline) if terrain.structure == Structure.incline else 0.0
 
 
 def bounds(terrain: Terrain) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -61,3 +89,13 @@ def bounds(terrain: Terrain) -> tuple[tuple[float, float], tuple[float, float]]:
     if terrain.structure != Structure.stairs:
         return (-math.inf, -math.inf), (math.inf, math.inf)
     return (-math.inf, -ARENA_WIDTH / 2), (LANDING + ARENA_LENGTH, ARENA_WIDTH / 2)
+
+
+def generate_terrain(terrain: Terrain, *, scenery: bool = False) -> Ground:
+    """Build the ground that these settings describe.
+
+    Args:
+        terrain: the settings.
+        scenery: whether to add what only eyes need.
+    """
+    return Ground(terrain, scenery=scenery)

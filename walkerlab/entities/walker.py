@@ -10,10 +10,12 @@ BodyPlan = tuple[bool, ...]
 """For each grown segment from the front, whether it has a pair of legs."""
 
 SIDES = ("left", "right")
+TRUNK = (0.90, 0.62, 0.00, 1)
+LIMB = {"left": (0.00, 0.45, 0.70, 1), "right": (0.34, 0.71, 0.91, 1)}  # the nearer in side view is the right one
 
 
 class Walker(composer.Entity):
-    """A chain of segments along -x from the nose at the origin, each with a pair of two-joint legs or none.
+    r"""A chain of segments along -x from the nose at the origin, each with a pair of two-joint legs or none.
 
                  seg3    seg2    seg1
                (======)o(======)o(======)  -> x
@@ -22,13 +24,13 @@ class Walker(composer.Entity):
 
     Capsule bodies; hip and knee turn in the fore-and-aft plane, positive forward, each driven by a servo that holds
     an angle with limited torque; the spine bends passively, like a stiff spring.
-    """  # noqa: D301
+    """
 
     def _build(self, plan: BodyPlan, name: str = "walker") -> None:
         self._mjcf_root = mjcf.RootElement(model=name)
         default = self._mjcf_root.default
         default.geom.type = "capsule"
-        default.geom.rgba = (0.93, 0.55, 0.14, 1)
+        default.geom.priority = 0
         default.joint.limited = "false"
         default.position.dampratio = 1
         default.position.kp = 1
@@ -41,12 +43,17 @@ class Walker(composer.Entity):
         """The model, with nominal measures."""
         return self._mjcf_root
 
+    @property
+    def root_body(self) -> mjcf.Element:
+        """The first segment, which carries all others."""
+        return self._mjcf_root.find("body", "seg1")
+
     def _grow_segment(self, parent: mjcf.Element, number: int, legged: bool) -> mjcf.Element:
         segment = parent.add("body", name=f"seg{number}", pos=(0, 0, 0))
         if number > 1:
             segment.add("joint", name=f"pitch{number}", axis=(0, 1, 0))
             segment.add("joint", name=f"yaw{number}", axis=(0, 0, 1))
-        segment.add("geom", name=f"trunk{number}", size=[0.05], fromto=(0, 0, 0, -0.3, 0, 0), mass=1)
+        segment.add("geom", name=f"trunk{number}", size=[0.05], fromto=(0, 0, 0, -0.3, 0, 0), mass=1, rgba=TRUNK)
         if legged:
             for side in SIDES:
                 self._grow_leg(segment, number, side)
@@ -57,7 +64,14 @@ class Walker(composer.Entity):
         for bone, joint in (("thigh", "hip"), ("shank", "knee")):
             limb = limb.add("body", name=f"{side}_{bone}{number}", pos=(0, 0, -0.1))
             hinge = limb.add("joint", name=f"{side}_{joint}{number}", axis=(0, -1, 0), armature=0.001)
-            limb.add("geom", name=f"{side}_{bone}{number}", size=[0.02], fromto=(0, 0, 0, 0, 0, -0.1), mass=0.1)
+            limb.add(
+                "geom",
+                name=f"{side}_{bone}{number}",
+                size=[0.02],
+                fromto=(0, 0, 0, 0, 0, -0.1),
+                mass=0.1,
+                rgba=LIMB[side],
+            )
             self._mjcf_root.actuator.add("position", name=f"{side}_{joint}{number}", joint=hinge, forcerange=(-1, 1))
 
 

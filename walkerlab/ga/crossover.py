@@ -2,7 +2,6 @@
 
 A function that also takes a keyword ``genes`` is handed the gene table.
 """
-# ruff: noqa: ARG001 - an operator takes all that its slot hands over, needed or not
 
 from typing import NamedTuple
 

@@ -74,16 +74,11 @@ class Population(Generic[Evaluation]):
     n_born: int
 
     def __post_init__(self) -> None:
-        """Make sure that each individual has been evaluated, and guard the arrays.
+        """Make sure that all can be compared, and guard the arrays.
 
         Raises:
-            ValueError: if evaluations are missing, or a fitness is NaN or +inf.
+            ValueError: if a fitness is NaN or +inf.
         """
-        if len(self.evaluations) != len(self.genomes):
-            raise ValueError(
-                f"evaluate returned {len(self.evaluations)} results where {len(self.genomes)} were due; "
-                "it must return one for each genome, in the order given."
-            )
         for individual, fitness in zip(self.individuals, self.fitness, strict=True):
             if not fitness < np.inf:
                 raise ValueError(
@@ -119,7 +114,7 @@ def first_population(genomes: Floats, evaluate: Callable[[Floats], Sequence[Eval
         individuals=np.arange(n),
         born=np.zeros(n, dtype=np.intp),
         parents=((),) * n,
-        evaluations=evaluate(genomes.copy()),
+        evaluations=_evaluations(evaluate, genomes),
         n_born=n,
     )
 
@@ -185,7 +180,7 @@ def next_population(
         individuals=np.concatenate([population.individuals[elites], population.n_born + np.arange(n_children)]),
         born=np.concatenate([population.born[elites], np.full(n_children, generation)]),
         parents=(*(population.parents[i] for i in elites), *(tuple(np.unique(row).tolist()) for row in parents)),
-        evaluations=[*(population.evaluations[i] for i in elites), *evaluate(children.copy())],
+        evaluations=[*(population.evaluations[i] for i in elites), *_evaluations(evaluate, children)],
         n_born=population.n_born + n_children,
     )
 
@@ -277,6 +272,17 @@ def mutate_in_turn(operators: Sequence[Mutate], genomes: Floats, genes: Genes, *
         with _turn("mutation", mutate, seed, generation, place) as rng:
             genomes = run_mutate(mutate, genomes, genes, rng=rng)
     return genomes
+
+
+def _evaluations(evaluate: Callable[[Floats], Sequence[Evaluation]], genomes: Floats) -> Sequence[Evaluation]:
+    """Evaluate a copy, which may be written into, and make sure that no result is missing."""
+    evaluations = evaluate(genomes.copy())
+    if len(evaluations) != len(genomes):
+        raise ValueError(
+            f"evaluate returned {len(evaluations)} results where {len(genomes)} were due; "
+            "it must return one for each genome, in the order given."
+        )
+    return evaluations
 
 
 @contextmanager

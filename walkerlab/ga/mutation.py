@@ -4,7 +4,6 @@ A real gene that would leave its range is reflected back into it, a cyclic one g
 hit moves by whole steps, at least one; at an end of its range it turns round. So a hit gene really changes,
 wherever its range leaves room.
 """
-# ruff: noqa: ARG001 - the mutations are called alike, so each takes both rate and scale
 
 import numpy as np
 from numpy.random import Generator
@@ -99,7 +98,7 @@ def macro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0
 
     With a chance of ``UPHEAVAL`` times the rate, one grown part of a genome, any of them alike, is doubled
     beside itself (the last unexpressed part is lost for it) or dropped (it becomes the first of the unexpressed
-    ones); the count follows, within its range. Doubling a part is how segments came to be (Ohno 1970).
+    ones); the count follows, within its range. A copy is free to vary (gene duplication: Ohno 1970).
 
     Args:
         genomes: (n, n_genes).

@@ -1,0 +1,91 @@
+"""Many walks on any executor: the same answers, in the order of the questions."""
+
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from multiprocessing import get_context
+
+import numpy as np
+import pytest
+
+import walkerlab as wl
+from walkerlab.algorithm import generate_robot_population
+
+SETTINGS = wl.Settings().with_(duration=1.0)
+GENOMES = generate_robot_population(SETTINGS.robot, 9, seed=3)
+
+
+class Backwards(Executor):
+    """Does nothing until somebody waits, and then the last task first."""
+
+    def __init__(self):
+        self.tasks = []
+
+    def submit(self, function, /, *args, **kwargs):
+        future = Future()
+        self.tasks.append((future, function, args, kwargs))
+        future.result = lambda timeout=None: self._finish(future)
+        return future
+
+    def _finish(self, wanted):
+        while self.tasks:
+            future, function, args, kwargs = self.tasks.pop()
+            future.set_result(function(*args, **kwargs))
+        return Future.result(wanted)
+
+
+def table(evaluations):
+    return [(str(e.genome), e.fitness, e.verdict, e.distance, e.velocity, e.weight) for e in evaluations]
+
+
+EXPECTED = table(wl.evaluate(GENOMES, SETTINGS, executor=Backwards()))
+
+
+@pytest.mark.parametrize("executor", [
+    lambda: ThreadPoolExecutor(1), lambda: ThreadPoolExecutor(4), Backwards,
+    lambda: ProcessPoolExecutor(2, mp_context=get_context("forkserver")),
+], ids=["1 thread", "4 threads", "backwards", "2 processes"])  # fmt: skip
+def test_any_executor_gives_the_same(executor):
+    with executor() as pool:
+        assert table(wl.evaluate(GENOMES, SETTINGS, executor=pool)) == EXPECTED
+
+
+def test_loky_gives_the_same_with_a_fitness_that_only_this_process_knows():
+    reach = {"seen": 0}
+
+    def in_a_cell(rollout):
+        reach["seen"] += 1
+        return float(rollout.com[:, 0].max())
+
+    plain = wl.evaluate(GENOMES, SETTINGS)
+    own = wl.evaluate(GENOMES, SETTINGS.with_(fitness=in_a_cell))
+    assert table(plain) == EXPECTED
+    assert [e.distance for e in own] == [e.distance for e in plain]
+    assert reach["seen"] == len(GENOMES)
+
+
+def test_genomes_texts_and_arrays_are_the_same_question():
+    genomes = [wl.Genome(values) for values in GENOMES[:3]]
+    with ThreadPoolExecutor(1) as pool:
+        answers = [
+            table(wl.evaluate(given, SETTINGS, pool)) for given in (genomes, list(map(str, genomes)), GENOMES[:3])
+        ]
+    assert answers[0] == answers[1] == answers[2] == EXPECTED[:3]
+
+
+def test_a_genome_from_elsewhere_is_brought_within_the_limits():
+    strong = wl.Robot(weight=(50, 60), body_length=(2, 3), segment_length=(0.5, 1), segments=(3, 6))
+    foreign = wl.Genome.random(strong, rng=np.random.default_rng(0))
+    (evaluation,) = wl.evaluate([foreign], SETTINGS, Backwards())
+    assert evaluation.weight <= 12
+    assert evaluation.body_length <= 1.2
+    assert evaluation.genome != foreign
+
+
+def test_progress_is_told_and_adds_up():
+    told = []
+    wl.evaluate(GENOMES, SETTINGS, Backwards(), on_done=told.append)
+    assert sum(told) == len(GENOMES)
+    assert len(told) > 1
+
+
+def test_nobody_to_evaluate_is_no_fault():
+    assert wl.evaluate([], SETTINGS, Backwards()) == []

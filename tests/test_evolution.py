@@ -1,0 +1,225 @@
+"""Generation after generation: the same table whoever computes it, and nothing lost on the way."""
+
+import itertools
+import signal
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import walkerlab as wl
+from walkerlab.ga import crossover, mutation, selection
+from walkerlab.settings import Crossover, Fitness, Mutation, Selection
+
+SETTINGS = wl.Settings().with_(duration=1.0, population_size=6, generations=3, n_elites=1, seed=5)
+same = partial(pd.testing.assert_frame_equal, check_exact=True)
+
+
+@pytest.fixture(scope="module")
+def threads():
+    with ThreadPoolExecutor(2) as pool:
+        yield pool
+
+
+@pytest.fixture(scope="module")
+def run(threads):
+    return wl.evolve(SETTINGS, executor=threads, progress=False)
+
+
+def evolve(threads, **changes):
+    return wl.evolve(SETTINGS.with_(**changes), executor=threads, progress=False)
+
+
+class TestTheTable:
+    def test_it_has_a_row_for_each_individual_and_generation(self, run):
+        assert run.records.groupby("generation").size().tolist() == [6, 6, 6]
+        assert not run.records.duplicated(["generation", "individual"]).any()
+
+    def test_the_best_live_on_unchanged(self, run):
+        for number in (1, 2):
+            before = run.records[run.records.generation == number - 1]
+            now = run.records[run.records.generation == number]
+            best = before.loc[before.fitness.idxmax()]
+            elite = now[now.born < number]
+            assert elite.individual.tolist() == [best.individual]
+            assert elite.fitness.tolist() == [best.fitness]
+        assert run.records.groupby("generation").fitness.max().is_monotonic_increasing
+
+    def test_the_champion_is_the_fittest_of_all(self, run):
+        champion = run.champion
+        assert champion.fitness == run.records.fitness.max()
+        assert wl.simulate(champion.genome, SETTINGS).verdict == champion.verdict == "ok"
+
+    def test_parents_are_older_and_a_lineage_ends_in_generation_0(self, run):
+        line = run.lineage(run.champion.individual)
+        assert line.individual.iloc[0] == run.champion.individual
+        assert line.born.min() == 0
+        born = line.set_index("individual").born
+        for row in line.itertuples():
+            assert all(born[int(parent)] < row.born for parent in row.parents.split())
+            assert bool(row.parents) == (row.operators != "random")
+
+    def test_units_are_told(self, run):
+        assert run.records.attrs["units"]["velocity"] == "m/s"
+        assert run.records.attrs["units"]["fitness"] == "m"
+
+
+class TestRepeatable:
+    def test_threads_and_processes_and_their_number_change_nothing(self, run):
+        with ThreadPoolExecutor(4) as four, ThreadPoolExecutor(1) as one:
+            same(evolve(four).records, run.records)
+            same(evolve(one).records, run.records)
+        same(wl.evolve(SETTINGS, progress=False).records, run.records)
+
+    def test_one_at_a_time_is_the_same_evolution(self, run, threads):
+        evolution = wl.Evolution(SETTINGS, executor=threads)
+        tables = [generation.records for generation in evolution]
+        same(pd.concat(tables, ignore_index=True), run.records)
+        same(evolution.run.records, run.records)
+
+    def test_changing_only_the_mutation_leaves_selection_as_it_was(self, run, threads):
+        other = evolve(threads, mutation="macro")
+
+        def parents(of):
+            return of.records[of.records.born == 1].drop_duplicates("individual").parents.tolist()
+
+        assert parents(other) == parents(run)
+        assert other.records.genome.tolist() != run.records.genome.tolist()
+
+    def test_another_seed_is_another_evolution(self, run, threads):
+        assert evolve(threads, seed=6).records.genome.iloc[0] != run.records.genome.iloc[0]
+
+
+class TestNeverLost:
+    def test_a_run_file_gives_the_run_back(self, run, threads, tmp_path):
+        path = tmp_path / "deep" / "run.walk"
+        kept = wl.evolve(SETTINGS, path, executor=threads, progress=False)
+        same(wl.load(path).records, run.records)
+        same(kept.records, run.records)
+        assert wl.load(path).settings == SETTINGS
+        assert wl.load(path).records.attrs == run.records.attrs
+        assert [p.name for p in path.parent.iterdir()] == ["run.walk"]
+
+    def test_stopped_and_resumed_it_is_the_table_of_an_uninterrupted_run(self, run, threads, tmp_path):
+        path = tmp_path / "run.walk"
+        wl.evolve(SETTINGS.with_(generations=1), path, executor=threads, progress=False)
+        resumed = wl.resume(path, generations=3, executor=threads, progress=False)
+        same(resumed.records, run.records)
+        same(wl.load(path).records, run.records)
+        assert wl.load(path).settings == SETTINGS
+
+    def test_a_run_is_never_written_over(self, threads, tmp_path):
+        path = tmp_path / "run.walk"
+        path.write_text("my homework")
+        with pytest.raises(wl.RunFileError, match="exists already"):
+            wl.Evolution(SETTINGS, path, threads)
+        assert path.read_text() == "my homework"
+
+    def test_ctrl_c_keeps_the_generations_that_are_done(self, run, threads):
+        calls = itertools.count()
+
+        def interrupted(rollout):
+            if next(calls) == 9:
+                raise KeyboardInterrupt
+            return float(rollout.com[-1, 0] - rollout.com[0, 0])
+
+        kept = evolve(threads, fitness=interrupted)
+        assert kept.n_generations == 1
+        same(kept.records.drop(columns="operators"), run.records.head(6).drop(columns="operators"))
+
+    def test_a_killed_process_leaves_whole_generations_that_resume_to_the_same_table(self, run, threads, tmp_path):
+        path = tmp_path / "run.walk"
+        script = (
+            "import os, signal, walkerlab as wl\n"
+            "from concurrent.futures import ThreadPoolExecutor\n"
+            f"s = wl.Settings(**{SETTINGS.model_dump()!r})\n"
+            f"for g in wl.Evolution(s, {str(path)!r}, ThreadPoolExecutor(1), \n"
+            "        on_walks=lambda n, d=[]: (d.append(n), sum(d) > 8 and os.kill(os.getpid(), signal.SIGKILL))):\n"
+            "    pass\n"
+        )
+        killed = subprocess.run([sys.executable, "-c", script], capture_output=True, check=False)
+        assert killed.returncode == -signal.SIGKILL, killed.stderr.decode()
+        assert wl.load(path).n_generations == 1
+        same(wl.resume(path, executor=threads, progress=False).records, run.records)
+
+
+class TestOperatorSlots:
+    DESIGN = (tuple(Fitness)[:2], tuple(Selection)[:2], tuple(Crossover)[:3], tuple(Mutation)[:4])
+    TINY = SETTINGS.with_(population_size=4, generations=2)
+
+    @pytest.mark.parametrize("combination", list(itertools.product(*DESIGN)), ids=lambda c: "-".join(x.name for x in c))
+    def test_every_combination_of_the_design_runs_as_names_codes_and_functions_alike(self, combination, threads):
+        fitness, select, cross, mutate = combination
+        tables = [
+            wl.evolve(
+                self.TINY.with_(fitness=f, selection=s, crossover=c, mutation=m), executor=threads, progress=False
+            ).records.drop(columns="operators")
+            for f, s, c, m in (
+                (fitness.name, select.name, cross.name, mutate.name),
+                (int(fitness), int(select), int(cross), int(mutate)),
+                (
+                    getattr(wl.fitness, fitness.name),
+                    getattr(selection, select.name),
+                    getattr(crossover, cross.name),
+                    getattr(mutation, mutate.name),
+                ),
+            )
+        ]
+        same(tables[0], tables[1])
+        same(tables[0], tables[2])
+        assert len(tables[0]) == 8
+
+    def test_two_operators_in_one_slot_are_applied_in_turn(self, threads):
+        run = evolve(threads, selection=["top_half", 0], crossover=["paired", "weighted"], mutation=["micro", "macro"])
+        assert run.records.operators.iloc[-1] == "top_half+gradient > paired+weighted > micro+macro"
+        assert len(run.records) == 18
+        assert max(len(parents.split()) for parents in run.records.parents) > 2, "a double crossing has grandparents"
+
+    def test_functions_from_a_cell_work_in_every_slot_with_workers(self):
+        def best_two(fitness, n_parents, *, rng):
+            return rng.permutation(np.resize(np.argsort(-fitness)[:2], n_parents))
+
+        def mean(parents, fitness, n_children, *, rng):
+            mothers, fathers = rng.integers(len(parents), size=(2, n_children))
+            return (parents[mothers] + parents[fathers]) / 2, np.stack([mothers, fathers], axis=1)
+
+        def nudge(genomes, genes, *, rng, rate):
+            assert rate == 0.5, "the slider reaches a mutation that asks for it"
+            return genomes + 0.01 * rng.normal(size=genomes.shape)
+
+        def height(rollout):
+            return rollout.com[:, 2].mean()
+
+        own = {"selection": best_two, "crossover": mean, "mutation": nudge, "fitness": height}
+        run = wl.evolve(SETTINGS.with_(mutation_rate=0.5, **own), progress=False)
+        assert run.records.operators.iloc[-1] == "best_two > mean > nudge"
+        assert (run.records.fitness > 0).all()
+
+    def test_a_run_with_functions_needs_them_back_to_go_on_but_not_to_be_looked_at(self, threads, tmp_path):
+        def nudge(genomes, genes, *, rng):
+            return genomes + 0.01 * rng.normal(size=genomes.shape)
+
+        path = tmp_path / "run.walk"
+        ours = {"mutation": nudge, "selection": partial(selection.tournament, size=2)}
+        whole = evolve(threads, **ours)
+        wl.evolve(SETTINGS.with_(generations=1, **ours), path, executor=threads, progress=False)
+        assert wl.load(path).n_generations == 1
+        assert wl.load(path).settings.algorithm.selection.keywords == {"size": 2}
+        with pytest.raises(wl.RunFileError, match=r"resume\(path, mutation=nudge\)"):
+            wl.resume(path, generations=3, executor=threads, progress=False)
+        same(wl.resume(path, 3, executor=threads, progress=False, mutation=nudge).records, whole.records)
+
+    def test_a_bad_operator_is_refused_before_any_physics_runs(self):
+        def shrinks(fitness, n_parents, *, rng):
+            return np.argsort(-fitness)[: n_parents // 2]
+
+        class NoPhysics(ThreadPoolExecutor):
+            def submit(self, *args, **kwargs):
+                raise AssertionError("physics ran")
+
+        with pytest.raises(wl.OperatorError, match="shrinks"):
+            evolve(NoPhysics(), selection=shrinks)

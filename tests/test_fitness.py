@@ -1,0 +1,62 @@
+"""A fitness rates the walk that was made, and nothing else."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import walkerlab as wl
+from walkerlab import fitness
+from walkerlab.randomness import stream
+from walkerlab.settings import Fitness
+
+ROLLOUT = wl.simulate(wl.Genome.random(wl.Robot(), rng=stream(0, "check")), wl.Settings().with_(duration=1.5))
+TIME = np.linspace(0, 9, 451)
+
+
+def walked(x):
+    """Return a rollout whose centre of mass was at these x."""
+    com = np.stack([x, np.zeros_like(x), np.full_like(x, 0.2)], axis=1)
+    return replace(ROLLOUT, time=TIME, com=com, verdict="ok")
+
+
+def test_distance_is_net_so_going_back_costs_what_going_forth_gained():
+    assert fitness.distance(walked(2 * TIME)) == pytest.approx(18)
+    assert fitness.distance(walked(5 + 2 * TIME)) == pytest.approx(18), "wherever it starts"
+    assert fitness.distance(walked(np.minimum(TIME, 9 - TIME))) == pytest.approx(0)
+    assert fitness.distance(walked(-TIME)) == pytest.approx(-9), "backward is less than nothing, not as good"
+
+
+def test_velocity_forgets_the_first_third():
+    assert fitness.velocity(walked(2 * TIME)) == pytest.approx(2)
+    late_start = np.maximum(TIME - 3, 0)
+    assert fitness.velocity(walked(late_start)) == pytest.approx(1)
+    early_sprint = np.minimum(TIME, 3)
+    assert fitness.velocity(walked(early_sprint)) == pytest.approx(0, abs=1e-9)
+
+
+def test_every_choice_has_its_function_and_unit():
+    assert set(fitness.FUNCTIONS) == set(Fitness)
+    assert set(fitness.UNITS) == set(Fitness)
+
+
+def test_a_walk_that_does_not_count_is_worse_than_any_that_does():
+    void = replace(walked(100 * TIME), verdict="airborne")
+    assert fitness.score(void, Fitness.distance) < fitness.score(walked(-100 * TIME), Fitness.distance)
+    assert not np.isnan(fitness.score(void, Fitness.distance))
+
+
+def test_a_function_of_the_users_own_is_not_asked_about_a_void_walk():
+    def unasked(rollout):
+        raise AssertionError
+
+    assert fitness.score(replace(ROLLOUT, verdict="too fast"), unasked) == -np.inf
+
+
+@pytest.mark.parametrize("answer", [None, float("nan"), float("inf"), "far", np.zeros(2)])
+def test_a_fitness_that_gives_no_number_is_named(answer):
+    def hop_height(rollout):
+        return answer
+
+    with pytest.raises(ValueError, match=r"hop_height.*one finite number"):
+        fitness.score(walked(TIME), hop_height)

@@ -1,0 +1,121 @@
+"""A rollout records what happened, and its verdict names what should not count."""
+
+import mujoco
+import numpy as np
+import pytest
+
+import walkerlab as wl
+from walkerlab.randomness import stream
+from walkerlab.rollout import VERDICTS, _judge, walk
+
+SETTINGS = wl.Settings().with_(duration=2.0)
+GENOMES = [wl.Genome.random(wl.Robot(), rng=stream(2, "check", i)) for i in range(8)]
+
+
+def test_the_record_is_what_plain_mujoco_computes():
+    """One step of Python at a time gives the very same walk as the loop in C."""
+    scene = wl.compile_scene(GENOMES[0], SETTINGS)
+    rollout = walk(scene)
+    data = mujoco.MjData(scene.model)
+    data.qpos[:] = scene.start
+    data.ctrl[:] = scene.rest
+    for _ in range(round(rollout.settled / 0.005)):
+        mujoco.mj_step(scene.model, data)
+    start = data.time
+    for i, control in enumerate(scene.controls(401)):
+        if i % 4 == 0:
+            assert data.time - start == pytest.approx(rollout.time[i // 4], abs=1e-9)
+            np.testing.assert_array_equal(data.qpos, rollout.poses[i // 4])
+        data.ctrl[:] = control
+        mujoco.mj_step(scene.model, data)
+        if i % 4 == 0:
+            np.testing.assert_array_equal(data.body("walker/seg1").subtree_com, rollout.com[i // 4])
+
+
+def test_a_walk_is_sampled_from_its_start_to_its_end():
+    rollout = wl.simulate(GENOMES[0], SETTINGS)
+    assert rollout.time[0] == 0
+    assert rollout.time[-1] == pytest.approx(2.0)
+    assert len(rollout.time) == len(rollout.com) == len(rollout.on_ground) == len(rollout.poses) == 101
+
+
+def test_the_same_walk_is_the_same_to_the_last_bit_with_or_without_poses():
+    with_poses, without = wl.simulate(GENOMES[1], SETTINGS), wl.simulate(GENOMES[1], SETTINGS, poses=False)
+    np.testing.assert_array_equal(with_poses.com, without.com)
+    assert without.poses.size == 0
+
+
+def test_falling_over_while_settling_is_not_travel():
+    """The walk starts once the body is still, so its first samples hardly move."""
+    for genome in GENOMES:
+        rollout = wl.simulate(genome, SETTINGS)
+        if rollout.settled < 3:
+            assert np.abs(np.diff(rollout.com[:3, 0])).max() < 0.02
+
+
+class TestVerdict:
+    """Each rule, broken in a walk that is otherwise fine; each guard can be turned off."""
+
+    scene = wl.compile_scene(GENOMES[0], wl.Settings(terrain=wl.Terrain(structure="stairs")))
+    time = np.arange(401) * 0.02
+
+    def judge(self, com=None, on_ground=None, warned=False, **guards):
+        plain = np.stack([self.time, 0 * self.time, 0 * self.time + 0.2], axis=1)  # 1 m/s along x
+        scene = type(self.scene)(**{**vars(self.scene), "simulation": wl.Simulation(**guards)})
+        on_ground = np.ones(401, dtype=bool) if on_ground is None else on_ground
+        return _judge(self.time, plain if com is None else com, on_ground, scene, warned=warned)
+
+    def com(self, **changes):
+        com = np.stack([self.time, 0 * self.time, 0 * self.time + 0.2], axis=1)
+        for axis, change in changes.items():
+            com[:, "xyz".index(axis)] = change(self.time)
+        return com
+
+    def test_a_plain_walk_counts(self):
+        assert self.judge() == "ok"
+
+    def test_what_breaks_the_physics(self):
+        assert self.judge(warned=True) == "unstable"
+        broken = self.com()
+        broken[200, 2] = np.nan
+        assert self.judge(broken) == "unstable"
+
+    def test_what_is_thrown(self):
+        jump = self.com(x=lambda t: np.where(t > 4, t + 1, t))
+        assert self.judge(jump) == "too fast"
+        assert self.judge(jump, max_speed=1000) == "ok"
+
+    def test_what_flies(self):
+        flight = (self.time < 2) | (self.time > 2.6)
+        assert self.judge(on_ground=flight) == "airborne"
+        assert self.judge(on_ground=flight, max_airborne=0.7) == "ok"
+        hops = np.arange(401) % 20 < 2  # 0.36 s each
+        assert self.judge(on_ground=hops) == "ok"
+
+    def test_what_leaves_the_stairs(self):
+        assert self.judge(self.com(y=lambda t: t)) == "out of arena"
+        assert self.judge(self.com(x=lambda t: 5 * t), max_speed=1000) == "out of arena"
+
+    def test_every_verdict_has_its_sentence(self):
+        assert set(VERDICTS) == {"ok", "unstable", "too fast", "airborne", "out of arena"}
+
+
+def test_a_world_that_blows_up_is_seen_and_stays_quiet(capfd):
+    """Without autoreset a blow-up stays blown up; MuJoCo's own words do not reach the student."""
+    scene = wl.compile_scene(GENOMES[0], SETTINGS)
+    scene.model.dof_armature[:] = 0
+    scene.model.actuator_gainprm[:, 0] *= 1e9
+    scene.model.actuator_biasprm[:, 1] *= 1e9
+    scene.model.actuator_forcelimited[:] = 0
+    rollout = walk(scene)
+    assert rollout.verdict == "unstable"
+    assert not rollout.counts
+    assert "".join(capfd.readouterr()) == ""
+
+
+def test_on_the_moon_the_robot_is_longer_in_the_air():
+    def hang_time(gravity):
+        settings = wl.Settings(terrain=wl.Terrain(gravity=(0, 0, gravity)))
+        return sum((~wl.simulate(genome, settings, poses=False).on_ground).mean() for genome in GENOMES)
+
+    assert hang_time(-1.62) > 1.5 * hang_time(-9.81)

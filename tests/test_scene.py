@@ -1,0 +1,121 @@
+"""The compiled world holds the robot that the genome expresses, and its numbers only."""
+
+import math
+
+import mujoco
+import numpy as np
+import pytest
+
+import walkerlab as wl
+from walkerlab import scene as scenes
+from walkerlab.genome import express
+from walkerlab.randomness import stream
+from walkerlab.settings import Structure
+
+
+def random_genomes(n, robot=None):
+    return [wl.Genome.random(robot or wl.Robot(), rng=stream(1, "check", i)) for i in range(n)]
+
+
+@pytest.mark.parametrize("genome", random_genomes(12), ids=range(12))
+def test_the_body_weighs_and_measures_what_the_genome_says(genome):
+    scene, robot = wl.compile_scene(genome, wl.Settings()), express(genome)
+    model = scene.model
+    data = mujoco.MjData(model)
+    data.qpos[:] = scene.start
+    mujoco.mj_kinematics(model, data)
+    trunks = [i for i in range(model.ngeom) if model.geom(i).name.startswith("walker/trunk")]
+    reach = model.geom_size[trunks, 0] + model.geom_size[trunks, 1]
+    front, rear = (data.geom_xpos[trunks, 0] + reach).max(), (data.geom_xpos[trunks, 0] - reach).min()
+
+    assert model.body_mass.sum() == pytest.approx(robot.weight, abs=1e-4)
+    assert front - rear == pytest.approx(robot.body_length, abs=1e-6)
+    assert front == pytest.approx(0.0, abs=1e-6)
+    assert model.nu == 2 * robot.n_legs
+    assert sorted(model.actuator_forcerange[:, 1]) == pytest.approx(
+        sorted(segment.legs.force for segment in robot.segments if segment.legs for _ in range(4))
+    )
+
+
+def test_numbers_written_into_a_plan_are_those_of_a_plan_built_afresh():
+    """Whoever walked before on the same plan must leave nothing behind."""
+    genomes = random_genomes(40)
+    used = [wl.compile_scene(genome, wl.Settings()).model for genome in genomes]
+    for genome, model in zip(genomes, used, strict=True):
+        scenes._plan_spec.cache_clear()
+        fresh = wl.compile_scene(genome, wl.Settings()).model
+        for field in ("body_mass", "body_pos", "geom_size", "geom_pos", "dof_armature", "dof_damping",
+                      "jnt_stiffness", "actuator_gainprm", "actuator_biasprm", "actuator_forcerange"):  # fmt: skip
+            np.testing.assert_array_equal(getattr(model, field), getattr(fresh, field), err_msg=field)
+
+
+def test_a_body_plan_is_built_by_composer_only_once():
+    scenes._plan_xml.cache_clear()
+    scenes._plan_spec.cache_clear()
+    for genome in random_genomes(60):
+        wl.compile_scene(genome, wl.Settings())
+    info = scenes._plan_xml.cache_info()
+    assert info.misses == len({express(genome).plan for genome in random_genomes(60)})
+
+
+@pytest.mark.parametrize("terrain", [
+    wl.Terrain(), wl.Terrain(structure="incline", incline=30), wl.Terrain(structure="incline", incline=-25),
+    wl.Terrain(structure="stairs", step_height=0.4, step_depth=0.1),
+], ids=lambda terrain: f"{terrain.structure.name} {terrain.incline:g}")  # fmt: skip
+def test_no_robot_starts_inside_the_ground_or_itself(terrain):
+    for genome in random_genomes(30):
+        scene = wl.compile_scene(genome, wl.Settings(terrain=terrain))
+        data = mujoco.MjData(scene.model)
+        data.qpos[:] = scene.start
+        mujoco.mj_forward(scene.model, data)
+        assert not [c for c in data.contact if c.dist < -1e-6], str(genome)
+        scene.model.geom_margin[:] = 4 * scenes.CLEARANCE
+        mujoco.mj_forward(scene.model, data)
+        ground = [c.dist for c in data.contact if min(scene.model.geom_bodyid[c.geom]) == 0]
+        assert min(ground) == pytest.approx(scenes.CLEARANCE, abs=1e-6), "it starts just clear of the ground"
+
+
+def test_the_right_leg_repeats_the_left_one_stride_later():
+    robot = wl.Robot(segments=(1, 1), body_length=(0.4, 0.5), segment_length=(0.4, 0.5), legs=(2, 2))
+    genome = random_genomes(1, robot)[0]
+    values = genome.values.copy()
+    names = list(wl.gene_table(robot).gene)
+    values[names.index("frequency")], values[names.index("seg1.stride")] = 1.0, math.pi
+    scene = wl.compile_scene(wl.Genome(values), wl.Settings(robot=robot))
+    controls = scene.controls(800)  # 4 s
+    left, right = controls[:, :2], controls[:, 2:]
+    assert np.abs(right[300:] - left[200:700]).max() < 0.01  # half a second later, to within a milliradian of phase
+    assert (controls[0] == scene.rest).all(), "a gait swells from rest"
+
+
+@pytest.mark.parametrize("timestep", [0.0005, 0.00125, 0.003, 0.005, 0.0097])
+def test_controls_depend_on_time_not_on_the_timestep(timestep):
+    genome = random_genomes(1)[0]
+    fine = wl.compile_scene(genome, wl.Settings().with_(timestep=0.0005)).controls(4000)
+    coarse = wl.compile_scene(genome, wl.Settings().with_(timestep=timestep)).controls(int(2 / timestep))
+    when = np.arange(len(coarse)) * timestep
+    off_the_tick = np.abs(when * 50 - np.rint(when * 50)) > 1e-6
+    np.testing.assert_allclose(coarse[off_the_tick], fine[np.floor(when / 0.0005 + 1e-9).astype(int)][off_the_tick])
+
+
+@pytest.mark.parametrize("structure", Structure)
+def test_scenery_changes_nothing_that_moves(structure):
+    settings = wl.Settings(terrain=wl.Terrain(structure=structure))
+    genome = random_genomes(1)[0]
+    plain, dressed = (wl.compile_scene(genome, settings, scenery=scenery) for scenery in (False, True))
+    ends = []
+    for scene in (plain, dressed):
+        data = mujoco.MjData(scene.model)
+        data.qpos[:] = scene.start
+        for control in scene.controls(400):
+            data.ctrl[:] = control
+            mujoco.mj_step(scene.model, data)
+        ends.append(data.qpos.copy())
+    np.testing.assert_array_equal(*ends)
+    assert plain.model.ntex == 0
+    assert dressed.model.ntex > 0
+
+
+def test_gravity_is_a_vector():
+    model = wl.compile_scene(random_genomes(1)[0], wl.Settings(terrain=wl.Terrain(gravity=(0.5, 0, -3.7)))).model
+    assert model.opt.gravity.tolist() == [0.5, 0, -3.7]

@@ -1,0 +1,1 @@
+"""What the command line's words do, a file for each; ``walkerlab.__main__`` is its grammar."""

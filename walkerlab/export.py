@@ -1,0 +1,38 @@
+"""A robot taken elsewhere: MJCF that any MuJoCo opens."""
+
+from pathlib import Path
+
+import mujoco
+
+from walkerlab.genome import Genome
+from walkerlab.scene import describe_scene
+from walkerlab.settings import Settings
+
+
+def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, name: str = "walker") -> Path:
+    """Write one individual's world as MJCF, which plain ``mujoco.MjModel.from_xml_path`` loads.
+
+    The keyframe ``start`` holds its pose at the start and the servo targets at rest; the custom text ``genome`` holds
+    its gene, from which ``walkerlab`` computes the controls of its gait.
+
+    Args:
+        genome: a genome or its text; brought within the robot limits first.
+        settings: of terrain, robot and simulation.
+        folder: where to write; made if need be.
+        name: of the file, without its ending.
+
+    Returns:
+        The path of the file.
+
+    Raises:
+        GenomeError: if a text is no genome.
+    """
+    spec, scene = describe_scene(genome, settings)
+    spec.modelname = name
+    spec.add_text(name="genome", data=str(scene.genome))
+    spec.add_key(name="start", qpos=scene.start, ctrl=scene.rest)
+    path = Path(folder) / f"{name}.xml"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(spec.to_xml(), encoding="utf-8")
+    mujoco.MjModel.from_xml_path(str(path))
+    return path
