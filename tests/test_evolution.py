@@ -174,9 +174,10 @@ class TestOperatorSlots:
         assert len(tables[0]) == 8
 
     def test_two_operators_in_one_slot_are_applied_in_turn(self, threads):
-        run = evolve(threads, selection=["top_half", 0], crossover=["paired", "weighted"], mutation=["micro", "macro"])
+        slots = {"selection": ["top_half", 0], "crossover": ["paired", "weighted"], "mutation": ["micro", "macro"]}
+        run = evolve(threads, population_size=12, generations=2, **slots)
         assert run.records.operators.iloc[-1] == "top_half+gradient > paired+weighted > micro+macro"
-        assert len(run.records) == 18
+        assert len(run.records) == 24
         assert max(len(parents.split()) for parents in run.records.parents) > 2, "a double crossing has grandparents"
 
     def test_functions_from_a_cell_work_in_every_slot_with_workers(self):

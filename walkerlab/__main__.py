@@ -8,6 +8,7 @@ from pathlib import Path
 
 import walkerlab as wl
 from walkerlab.commands import flags
+from walkerlab.interrupts import interrupts_held
 from walkerlab.quantity import SettingsError
 
 INTERRUPTED = 130  # what a shell expects of a program that Ctrl-C ended
@@ -35,6 +36,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # whoever was reading has read enough, as in: walkerlab show walk | head
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except ImportError as error:
+        return _say(f"{error}\nFor the mend, ask: walkerlab doctor", to=1)
     except (SettingsError, wl.RunFileError, OSError) as error:
         return _say(str(error), to=REFUSED)
 
@@ -85,8 +88,9 @@ def _grammar() -> argparse.ArgumentParser:
 
 
 def _evolve(given: argparse.Namespace) -> int:
-    from walkerlab.commands.outputs import RUN_FILE
-    from walkerlab.evaluation import n_cores
+    with interrupts_held():
+        from walkerlab.commands.outputs import RUN_FILE
+        from walkerlab.evaluation import n_cores
 
     settings = flags.settings_of(vars(given), given.strangers)
     path = given.out / RUN_FILE
@@ -111,7 +115,8 @@ def _evolve(given: argparse.Namespace) -> int:
 
 
 def _resume(given: argparse.Namespace) -> int:
-    path = _run_file(given.path)
+    with interrupts_held():
+        path = _run_file(given.path)
     done = wl.load(path).n_generations
     if given.generations is not None and given.generations < done:
         raise SettingsError(f"{path} has {done} generations already; --generations must be {done} or more, in all.")
@@ -134,13 +139,13 @@ def _finish(run: "wl.Run", *, quiet: bool) -> int:
         print(f"\nIn the folder {folder} there are now")
         print("\n".join(f"  {name:13} {about}" for name, about in outputs.FILES.items()))
         more = "" if stopped else f" --generations {2 * run.n_generations}"
-        print(
-            "\nWhat next?",
-            f"  walkerlab show {folder}                       what happened in each generation, and the champion's family",
-            f"  walkerlab resume {folder}{more:20} evolve on",
-            "  walkerlab lab                             play with walkers in notebooks",
-            sep="\n",
-        )
+        print("\nWhat next?")
+        for words, about in (
+            (f"show {folder}", "what happened, and the champion's family"),
+            (f"resume {folder}{more}", "evolve on"),
+            ("lab", "play with walkers in notebooks"),
+        ):
+            print(f"  walkerlab {words:30} {about}")
     return INTERRUPTED if stopped else 0
 
 

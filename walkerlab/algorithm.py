@@ -71,11 +71,12 @@ def check_own_operators(algorithm: Algorithm, genes: Genes) -> None:
         OperatorError: naming the operator, what was expected, what came, and the mend.
     """
     filled = operators(algorithm)
-    for given, made, try_out in (
-        (algorithm.selection, filled.select, check.check_select),
-        (algorithm.crossover, filled.cross, partial(check.check_cross, genes=genes)),
-        (algorithm.mutation, filled.mutate, partial(check.check_mutate, genes=genes)),
-    ):
+    slots: tuple[tuple[Any, tuple[Operator, ...], Callable[[Operator], None]], ...] = (
+        (algorithm.selection, filled.select, lambda select: check.check_select(select)),
+        (algorithm.crossover, filled.cross, lambda cross: check.check_cross(cross, genes)),
+        (algorithm.mutation, filled.mutate, lambda mutate: check.check_mutate(mutate, genes)),
+    )
+    for given, made, try_out in slots:
         for choice, function in zip(in_turn(given), made, strict=True):
             if not isinstance(choice, Choice):
                 try_out(function)

@@ -71,7 +71,9 @@ class Genes:
 
     def parts(self, genomes: Floats) -> Floats:
         """View (n, n_genes) genomes as (n, n_parts, genes of one part)."""
-        return genomes[:, self.n_whole :].reshape(len(genomes), self.n_parts, -1)
+        return genomes[:, self.n_whole :].reshape(
+            len(genomes), self.n_parts, (len(self) - self.n_whole) // self.n_parts
+        )
 
     def n_grown(self, genomes: Floats) -> Indices:
         """Count the grown parts of (n, n_genes) genomes: (n,) integers from 0 to ``n_parts``."""

@@ -126,7 +126,7 @@ class Genome:
         Raises:
             GenomeError: pointing at the place, and saying what was expected there.
         """
-        return cls(_parse(text))
+        return cls(np.array(_parse(text)))
 
     def __str__(self) -> str:
         """Write the text form, from which ``parse`` gives back the very same numbers."""
@@ -233,7 +233,7 @@ def express(genome: Genome) -> Phenotype:
             Swing(*(gene[Feature[f"{joint}_{motion}"]] for motion in ("amplitude", "phase", "offset")))
             for joint in ("hip", "knee")
         ]
-        legs = Legs(gene[Feature.leg_length], gene[Feature.leg_force], *swings, gene[Feature.stride])
+        legs = Legs(gene[Feature.leg_length], gene[Feature.leg_force], swings[0], swings[1], gene[Feature.stride])
         return Segment(gene[Feature.length], gene[Feature.mass], legs if gene[Feature.legs] else None)
 
     return Phenotype(tuple(map(segment, parts.tolist())), frequency)

@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
@@ -11,6 +12,9 @@ if TYPE_CHECKING:
 
 INK = {"best": "#0072B2", "median": "#D55E00", "spread": "#56B4E9", "text": "#404040"}
 """Colours that colour-blind people can tell apart (Okabe and Ito), and of unlike darkness in print."""
+
+
+QUARTILES = np.array([0.25, 0.5, 0.75])
 
 
 def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "") -> Axes:
@@ -28,7 +32,7 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     """
     axes = ax or _new_axes()
     counted = records[records.verdict == "ok"].groupby("generation").fitness
-    middle = counted.quantile([0.25, 0.5, 0.75]).unstack()
+    middle = counted.quantile(QUARTILES).unstack().reindex(columns=QUARTILES)
     best = counted.max()
     name = f"{label}: " if label else ""
     colour = INK["best"] if not axes.lines else None

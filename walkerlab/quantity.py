@@ -10,9 +10,10 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from enum import IntEnum
 from functools import partial
-from numbers import Integral, Real
+from numbers import Integral
 from typing import Any, Self, cast
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_serializer, field_validator
 
 
@@ -58,7 +59,7 @@ class Quantity:
         if not self.parts:
             return self._number(value, "")
         try:
-            items = list(value)  # type: ignore[call-overload]
+            items = list(cast(Iterable[object], value))
         except TypeError:
             items = []
         if isinstance(value, str) or len(items) != len(self.parts):
@@ -78,10 +79,10 @@ class Quantity:
         return f"{self.low:.10g} to {self.high:.10g}{self._unit}"
 
     def _number(self, value: object, part: str) -> float:
-        if hasattr(value, "item") and getattr(value, "shape", None) == ():
-            value = value.item()  # type: ignore[attr-defined]
+        if isinstance(value, np.generic):
+            value = value.item()
         kind = "a whole number" if self.whole else "a number"
-        if isinstance(value, bool) or not isinstance(value, Real):
+        if isinstance(value, bool) or not isinstance(value, int | float):
             raise ValueError(f"{part} is {value!r}; it must be {kind}, {self.range}.")
         if not self.low <= value <= self.high:
             raise ValueError(f"{part} is {value}{self._unit}; it must be {self.range}.")
@@ -111,11 +112,12 @@ class OneOf:
 
     def __call__(self, value: object) -> object:
         """Return the member (or function, or tuple of them), or say in a ``ValueError`` what there is to choose."""
-        if self.several and isinstance(value, list | tuple):
-            if not value:
-                raise ValueError(f" is empty; it must name at least one of {self.range}.")
-            return tuple(map(self._one, value)) if len(value) > 1 else self._one(value[0])
-        return self._one(value)
+        if not self.several or not isinstance(value, list | tuple):
+            return self._one(value)
+        members = tuple(map(self._one, cast(Iterable[object], value)))
+        if not members:
+            raise ValueError(f" is empty; it must name at least one of {self.range}.")
+        return members[0] if len(members) == 1 else members
 
     @property
     def range(self) -> str:
@@ -168,10 +170,10 @@ def _schema(declared: Declared, schema: dict[str, Any]) -> None:
         schema |= {"minimum": declared.low, "maximum": declared.high, "unit": declared.unit}
 
 
-class SettingsModel(BaseModel):
+class SettingsModel(BaseModel, frozen=True):
     """Settings: frozen, checked as a whole when made, all their faults told at once."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
 
     def __init__(self, **values: Any) -> None:
         """Check the values.
@@ -194,7 +196,7 @@ class SettingsModel(BaseModel):
         return [(name, value) for name, value in self if value != type(self).model_fields[name].default]
 
 
-class Domain(SettingsModel):
+class Domain(SettingsModel, frozen=True):
     """The settings of one thing, each field declared by one of the functions above."""
 
     @classmethod
@@ -224,9 +226,16 @@ class Domain(SettingsModel):
             case int() | float():
                 return value
             case partial():
-                return {"function": _address(value.func), "with": value.keywords}
+                bound = {name: _written(bound) for name, bound in value.keywords.items()}
+                return {"function": _address(value.func), "with": bound}
             case _:
                 return {"function": _address(value), "with": {}}
+
+
+def _written(bound: Any) -> str | int | float | None:
+    """Write what is bound to a function as it is, if it is a plain number or text, or else as Python shows it."""
+    plain = bound.item() if getattr(bound, "shape", None) == () else bound
+    return plain if isinstance(plain, str | int | float | None) else repr(plain)
 
 
 def _address(function: object) -> str:
@@ -249,7 +258,7 @@ def _sentences(model: type[SettingsModel], error: ValidationError) -> list[str]:
             *_, name = fault["loc"]
             sentences.append(f"{model.__name__} has no setting {name!r}.{model.advice(str(name))}")
         elif fault["type"] == "value_error":
-            sentences.append(str(fault["ctx"]["error"]))  # type: ignore[typeddict-item]
+            sentences.append(str(fault.get("ctx", {})["error"]))
         else:
             where = ".".join([model.__name__, *map(str, fault["loc"])])
             sentences.append(f"{where} is {fault['input']!r}; {fault['msg']}.")

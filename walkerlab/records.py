@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -80,7 +79,11 @@ def join(tables: list[pd.DataFrame]) -> pd.DataFrame:
 def last_population(records: pd.DataFrame) -> Population[Evaluation]:
     """Read the last generation back out of the table, ready to breed: the inverse of ``tabulate``."""
     last = records[records.generation == records.generation.max()]
-    evaluations = [Evaluation(genome=Genome.parse(row.genome), **_measured(row)) for row in last.itertuples()]
+    measured = zip(*(last[name].tolist() for name in MEASURED), strict=True)
+    evaluations = [
+        Evaluation(genome=Genome.parse(text), **dict(zip(MEASURED, row, strict=True)))
+        for text, row in zip(last.genome, measured, strict=True)
+    ]
     return Population(
         generation=int(last.generation.iloc[0]),
         genomes=np.array([evaluation.genome.values for evaluation in evaluations]),
@@ -90,10 +93,6 @@ def last_population(records: pd.DataFrame) -> Population[Evaluation]:
         evaluations=evaluations,
         n_born=int(records.individual.max()) + 1,
     )
-
-
-def _measured(row: Any) -> dict[str, Any]:
-    return {name: getattr(row, name) for name in MEASURED}
 
 
 def parent_numbers(parents: str) -> tuple[int, ...]:
@@ -150,7 +149,7 @@ def lineage(records: pd.DataFrame, individual: int) -> pd.DataFrame:
     births = records[records.generation == records.born].set_index("individual", drop=False)
     if individual not in births.index:
         raise ValueError(f"individual {individual} is not in this run; its numbers go from 0 to {births.index.max()}")
-    parents = {int(number): parent_numbers(text) for number, text in births.parents.items()}
+    parents = dict(zip(births.index.tolist(), map(parent_numbers, births.parents), strict=True))
 
     def ancestors(number: int) -> Iterator[int]:
         waiting, seen = [number], {number}

@@ -1,6 +1,6 @@
 """One walk: the scene is stepped, what a fitness needs is recorded, and a verdict says whether it counts."""
 
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import groupby
@@ -88,7 +88,7 @@ def walk(scene: Scene, *, poses: bool = True) -> Rollout:
     # A sensor is read before its step and a state after it: the state that a sensor saw is the one before.
     com, touch = sensors[0, first, :3], sensors[0, first, 3]
     positions = np.concatenate([state, states[0, :-1]])[first, 1 : 1 + model.nq] if poses else np.empty((0, model.nq))
-    time = first * simulation.timestep
+    time = first.astype(np.float64) * simulation.timestep
     warned = any(data.warning.number)
     verdict = _judge(time, com, touch > 0, scene, warned=warned)
     return Rollout(time, com, touch > 0, scene.phenotype, settled, verdict, positions)
@@ -136,7 +136,7 @@ def _judge(time: Floats, com: Floats, on_ground: NDArray[np.bool_], scene: Scene
 
 
 @contextmanager
-def _warnings_counted_not_printed() -> Iterator[None]:
+def _warnings_counted_not_printed() -> Generator[None, None, None]:
     """Keep MuJoCo's warnings off the screen and out of a log file; ``mjData.warning`` counts them all the same."""
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(lambda _: None)

@@ -85,7 +85,7 @@ class Camera(Choice):
     orbit = 4, "slowly round the robot"
 
 
-class Terrain(Domain):
+class Terrain(Domain, frozen=True):
     """The ground, and the forces over it."""
 
     structure: Structure = one_of(Structure.flat, about="the shape of the ground")
@@ -99,7 +99,7 @@ class Terrain(Domain):
     )
 
 
-class Robot(Domain):
+class Robot(Domain, frozen=True):
     """Limits that every robot obeys, whatever the operators do."""
 
     weight: tuple[float, float] = limits((3.0, 12.0), low=0.1, high=200.0, unit="kg", about="the robot's whole mass")
@@ -161,7 +161,7 @@ class Robot(Domain):
         return self
 
 
-class Algorithm(Domain):
+class Algorithm(Domain, frozen=True):
     """The genetic algorithm: what is better, who breeds, how, and for how long."""
 
     fitness: Fitness | Callable[..., float] = one_of(
@@ -190,7 +190,7 @@ class Algorithm(Domain):
         return self
 
 
-class Simulation(Domain):
+class Simulation(Domain, frozen=True):
     """How long a walk is, how finely it is computed, and how it is judged and watched."""
 
     duration: float = quantity(8.0, low=1.0, high=120.0, unit="s", about="the length of the measured walk")
@@ -204,7 +204,7 @@ class Simulation(Domain):
     )
 
 
-class Settings(SettingsModel):
+class Settings(SettingsModel, frozen=True):
     """All that a run is made from."""
 
     terrain: Terrain = Terrain()

@@ -7,7 +7,7 @@ it can run when it is opened.
 import json
 import platform
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
@@ -92,7 +92,7 @@ def read(path: Path) -> tuple[dict[str, str], dict[str, Any], pd.DataFrame]:
 
 
 @contextmanager
-def _open(path: Path, *, new: bool = False) -> Iterator[sqlite3.Connection]:
+def _open(path: Path, *, new: bool = False) -> Generator[sqlite3.Connection, None, None]:
     """Open a run file for one transaction."""
     if not new and not path.is_file():
         raise RunFileError(f"there is no run file at {path}")

@@ -11,12 +11,10 @@ FIRST = "00_meet_a_walker.ipynb"
 def originals() -> list[Path]:
     """Return the notebooks that walkerlab came with: inside an installed package, or beside the one of a checkout."""
     package = Path(__file__).parents[1]
-    return next(
-        filter(
-            None, (sorted(folder.glob("*.ipynb")) for folder in (package / "notebooks", package.parent / "notebooks"))
-        ),
-        [],
+    installed, checkout = (
+        sorted(folder.glob("*.ipynb")) for folder in (package / "notebooks", package.parent / "notebooks")
     )
+    return installed or checkout
 
 
 def copy_notebooks(folder: Path) -> list[Path]:
@@ -36,6 +34,6 @@ def open_lab(folder: Path, options: Sequence[str] = ()) -> None:
     Raises:
         ImportError: if JupyterLab is not installed.
     """
-    from jupyterlab.labapp import LabApp
+    from jupyterlab.labapp import LabApp  # type: ignore[import-untyped]
 
     LabApp.launch_instance([str(folder / FIRST), "--ServerApp.ip=127.0.0.1", *options])

@@ -1,7 +1,7 @@
 """A run in words: what it reached, how it got there, and whom its champion descends from."""
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -20,7 +20,8 @@ Plain = Mapping[str, Mapping[str, Any]]
 
 def champion_story(records: pd.DataFrame, settings: Plain) -> str:
     """Tell what the champion can do, and what it looks like."""
-    best, row = champion(records), _births(records).loc[champion(records).individual]
+    best = champion(records)
+    row: Any = _births(records).loc[best.individual]
     if best.verdict != "ok":
         return f"No walk counted, so there is no champion to speak of. Why: {best.verdict}. {VERDICTS[best.verdict]}"
     return (
@@ -78,10 +79,10 @@ def descent(records: pd.DataFrame, individual: int) -> str:
 
 
 def _fathers(records: pd.DataFrame, individual: int) -> Iterator[Any]:
-    rows = {row.Index: row for row in _births(records).itertuples()}
+    rows: dict[int, Any] = {int(str(row.Index)): row for row in _births(records).itertuples()}
     yield rows[individual]
     while parents := parent_numbers(str(rows[individual].parents)):
-        individual = max(parents, key=lambda parent: rows[parent].fitness)
+        individual = max(parents, key=lambda parent: float(rows[parent].fitness))
         yield rows[individual]
 
 
@@ -107,9 +108,9 @@ def _words(value: Any) -> str:
     match value:
         case {"function": name}:
             return f"{name} (a function of your own)"
-        case list() | tuple():
-            return ", ".join(_words(one) for one in value)
-        case float() | int():
+        case list():
+            return ", ".join(map(_words, cast(list[Any], value)))
+        case float():
             return f"{value:g}"
         case _:
             return str(value)

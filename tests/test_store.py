@@ -1,0 +1,255 @@
+import json
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+from walkerlab import store
+from walkerlab.records import COLUMNS, tidy
+from walkerlab.settings import Settings
+from walkerlab.store import RunFileError
+
+WHOLE = st.integers(-(2**63), 2**63 - 1)
+CELLS = {int: WHOLE, float: st.floats(), str: st.text(st.characters(codec="utf-8", exclude_characters="\0"))}
+
+
+@pytest.fixture
+def path(tmp_path):
+    path = tmp_path / "run.wl"
+    store.create(path, Settings().model_dump())
+    return path
+
+
+def generation(number, n=5):
+    """Return one generation with awkward values in every kind of column."""
+    awkward = {
+        int: np.arange(n),
+        float: np.resize([-np.inf, np.nan, 0.1 + 0.2, 5e-324, -0.0, np.inf, 1.7976931348623157e308], n),
+        str: np.resize(["", "ok", "it's; DROP TABLE records --", "‾‾ €𝄞", "a\nb\tc"], n),
+    }
+    table = pd.DataFrame({name: awkward[kind] for name, (kind, *_) in COLUMNS.items()})
+    return tidy(table.assign(generation=number, individual=np.arange(n) + 100 * number))
+
+
+def table_of(path):
+    return store.read(path)[2]
+
+
+def same(one, other):
+    pd.testing.assert_frame_equal(one, other, check_exact=True)
+    assert one.attrs == other.attrs
+    return True
+
+
+def broken(path, *statements):
+    with closing(sqlite3.connect(path)) as db, db:
+        for statement in statements:
+            db.execute(statement)
+    return path
+
+
+# -------------------------------------------------------------------------------------------------- round trips
+
+
+def test_a_run_comes_back_as_it_was_written(path):
+    assert same(table_of(path), tidy(pd.DataFrame(columns=list(COLUMNS))))
+    tables = [generation(number) for number in range(3)]
+    for table in tables:
+        store.append(path, table)
+    assert same(table_of(path), tidy(pd.concat(tables, ignore_index=True)))
+    facts, settings, _ = store.read(path)
+    assert Settings(**settings) == Settings()
+    assert {"python", "machine", "walkerlab", "mujoco", "dm-control", "numpy"} <= set(facts)
+
+
+@hypothesis_settings(max_examples=25)
+@given(rows=st.lists(st.fixed_dictionaries({name: CELLS[kind] for name, (kind, *_) in COLUMNS.items()}), min_size=1))
+def test_any_table_comes_back_bit_for_bit(tmp_path_factory, rows):
+    path = tmp_path_factory.mktemp("any") / "run.wl"
+    store.create(path, {})
+    table = tidy(pd.DataFrame(rows).assign(generation=0, individual=range(len(rows))))
+    store.append(path, table)
+    assert same(table_of(path), table)
+
+
+def test_rows_keep_the_order_in_which_they_were_written(path):
+    table = generation(0).iloc[::-1].reset_index(drop=True)
+    store.append(path, table)
+    assert same(table_of(path), table)
+
+
+def test_settings_change_and_the_table_stays(path):
+    store.append(path, generation(0))
+    before = table_of(path)
+    store.change_settings(path, Settings().with_(generations=99).model_dump())
+    assert Settings(**store.read(path)[1]).algorithm.generations == 99
+    assert same(table_of(path), before)
+
+
+# -------------------------------------------------------------------------------------- a generation or nothing
+
+
+def test_of_a_generation_that_fails_half_way_nothing_is_there(path):
+    store.append(path, generation(0))
+    before = table_of(path)
+    half = generation(1)
+    half.loc[4, "individual"] = half.loc[0, "individual"]  # no two rows may be the same individual
+    with pytest.raises(RunFileError, match="cannot be used"):
+        store.append(path, half)
+    assert same(table_of(path), before)
+    store.append(path, generation(1))
+    assert len(table_of(path)) == 10
+
+
+KILLED_HALF_WAY = """
+import os, signal, sys
+from pathlib import Path
+sys.path[:0] = sys.argv[2:]
+import pandas as pd
+from tests.test_store import generation, store
+
+class Deadly:
+    def __conform__(self, protocol):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+half = generation(1, n=4000).astype({"genome": object})
+genomes = ["x" * 2000] * 3999  # far more than SQLite holds in memory: half of it is on the disk already
+half["genome"] = pd.Series([*genomes, Deadly()], dtype=object)
+store.append(Path(sys.argv[1]), half)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="nothing there kills like SIGKILL")
+def test_of_a_generation_that_was_killed_half_way_nothing_is_there(path, request):
+    store.append(path, generation(0))
+    size, before = path.stat().st_size, table_of(path)
+    killed = subprocess.run([sys.executable, "-c", KILLED_HALF_WAY, path, request.config.rootpath], check=False)
+    assert killed.returncode == -9
+    assert path.stat().st_size > 10 * size
+    assert same(table_of(path), before)
+    store.append(path, generation(1))
+    assert len(table_of(path)) == 10
+
+
+def test_a_file_is_made_whole_or_not_at_all(tmp_path, monkeypatch):
+    monkeypatch.setattr(store, "_RECORDS", "CREATE TABLE nonsense")
+    with pytest.raises(RunFileError):
+        store.create(tmp_path / "run.wl", {})
+    with closing(sqlite3.connect(tmp_path / "run.wl")) as db:
+        assert db.execute("SELECT * FROM sqlite_schema").fetchall() == []
+        assert db.execute("PRAGMA application_id").fetchone() == (0,)
+
+
+# --------------------------------------------------------------------------------------------------- wrong files
+
+
+def refusals(path):
+    """Return what each way to use a run file says against this one."""
+    for use in (
+        lambda: store.read(path),
+        lambda: store.append(path, generation(9)),
+        lambda: store.change_settings(path, {}),
+    ):
+        with pytest.raises(RunFileError) as caught:
+            use()
+        assert str(path) in str(caught.value)
+        yield str(caught.value)
+
+
+def test_a_run_is_never_written_over(path, tmp_path):
+    store.append(path, generation(0))
+    text = tmp_path / "thesis.txt"
+    text.write_text("three years of work")
+    for taken in (path, text, tmp_path):
+        before = taken.read_bytes() if taken.is_file() else None
+        with pytest.raises(RunFileError, match="never written over"):
+            store.create(taken, {})
+        assert before == (taken.read_bytes() if taken.is_file() else None)
+
+
+def test_files_that_are_no_runs_are_refused_and_left_as_they_were(tmp_path):
+    text, empty, foreign = tmp_path / "a.txt", tmp_path / "empty", tmp_path / "foreign.db"
+    text.write_text("generation,individual\n0,1\n" * 100)
+    empty.touch()
+    broken(foreign, "CREATE TABLE records (generation)", "CREATE TABLE run (fact, value)")
+    for path, reason in ((text, "not a database"), (empty, "not a run"), (foreign, "not a run")):
+        before = path.read_bytes()
+        assert all(reason in refusal for refusal in refusals(path))
+        assert path.read_bytes() == before
+    assert {file.name for file in tmp_path.iterdir()} == {"a.txt", "empty", "foreign.db"}
+
+
+def test_what_is_not_there_is_refused_and_not_made(tmp_path):
+    for path in (tmp_path / "none.wl", tmp_path / "no folder" / "none.wl", tmp_path):
+        assert all("there is no run file" in refusal for refusal in refusals(path))
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_run_of_a_newer_walkerlab_is_refused_with_the_mend(path):
+    broken(path, f"PRAGMA user_version = {store.SCHEMA + 1}")
+    before = path.read_bytes()
+    assert all("newer" in refusal and "pip install --upgrade walkerlab" in refusal for refusal in refusals(path))
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        "DROP TABLE records",
+        "DROP TABLE run",
+        "DELETE FROM run WHERE fact = 'settings'",
+        "UPDATE run SET value = '{' WHERE fact = 'settings'",
+        "UPDATE records SET fitness = 'high'",
+        "UPDATE records SET n_legs = NULL",
+        "ALTER TABLE records DROP COLUMN genome",
+    ],
+)
+def test_a_damaged_run_is_refused(path, damage):
+    store.append(path, generation(0))
+    broken(path, damage)
+    with pytest.raises(RunFileError, match=path.name):
+        store.read(path)
+
+
+def test_a_cut_off_file_is_refused(path):
+    store.append(path, generation(0, n=2000))
+    path.write_bytes(path.read_bytes()[:20_000])
+    with pytest.raises(RunFileError, match=path.name):
+        store.read(path)
+
+
+# ------------------------------------------------------------------------------------------------ what it leaves
+
+
+def test_a_file_holds_text_and_numbers_only(path):
+    store.append(path, generation(0))
+    with closing(sqlite3.connect(path)) as db:
+        for table in ("run", "records"):
+            columns = [column for _, column, *_ in db.execute(f"PRAGMA table_info({table})")]
+            kinds = ", ".join(f"typeof({column})" for column in columns)
+            found = {kind for row in db.execute(f"SELECT {kinds} FROM {table}") for kind in row}
+            assert found <= {"text", "integer", "real", "null"}
+        assert json.loads(dict(db.execute("SELECT * FROM run"))["settings"]) == Settings().model_dump()
+
+
+def test_a_run_is_one_file_in_a_folder_that_is_made_if_need_be(tmp_path):
+    path = tmp_path / "new" / "folder" / "my run?#%20.wl"
+    store.create(path, {})
+    store.append(path, generation(0))
+    store.read(path)
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_reading_changes_nothing(path):
+    store.append(path, generation(0))
+    before, when = path.read_bytes(), path.stat().st_mtime_ns
+    store.read(path)
+    assert (path.read_bytes(), path.stat().st_mtime_ns) == (before, when)
+    assert list(path.parent.iterdir()) == [path]
