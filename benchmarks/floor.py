@@ -29,7 +29,7 @@ def prepare(genome, settings):
     hold = np.tile(scene.rest, (round(settled / timestep), 1))
     controls = np.concatenate([hold, scene.controls(round(duration / timestep) + 1)])
     data = mujoco.MjData(scene.model)
-    data.qpos[:] = scene.start
+    scene.place(data)
     state = np.empty(mujoco.mj_stateSize(scene.model, STATE))
     mujoco.mj_getState(scene.model, data, state, STATE)
     return scene.model, data, state[np.newaxis], controls[np.newaxis]

@@ -20,7 +20,8 @@ def test_plain_mujoco_walks_the_exported_robot_as_we_do(structure, tmp_path):
     scene = wl.compile_scene(GENOME, settings)
     model = mujoco.MjModel.from_xml_path(str(wl.export_mjcf(GENOME, settings, tmp_path / "new")))
     ours, theirs = mujoco.MjData(scene.model), mujoco.MjData(model)
-    ours.qpos[:], ours.ctrl[:] = scene.start, scene.rest
+    scene.place(ours)
+    ours.ctrl[:] = scene.rest
     mujoco.mj_resetDataKeyframe(model, theirs, 0)
     np.testing.assert_allclose(theirs.qpos, ours.qpos, atol=1e-6)
     for control in scene.controls(400):  # 2 s; the file holds six digits, so they part slowly

@@ -17,7 +17,7 @@ def test_the_record_is_what_plain_mujoco_computes():
     scene = wl.compile_scene(GENOMES[0], SETTINGS)
     rollout = walk(scene)
     data = mujoco.MjData(scene.model)
-    data.qpos[:] = scene.start
+    scene.place(data)
     data.ctrl[:] = scene.rest
     for _ in range(round(rollout.settled / 0.005)):
         mujoco.mj_step(scene.model, data)

@@ -22,7 +22,7 @@ def test_the_body_weighs_and_measures_what_the_genome_says(genome):
     scene, robot = wl.compile_scene(genome, wl.Settings()), express(genome)
     model = scene.model
     data = mujoco.MjData(model)
-    data.qpos[:] = scene.start
+    scene.place(data)
     mujoco.mj_kinematics(model, data)
     trunks = [i for i in range(model.ngeom) if model.geom(i).name.startswith("walker/trunk")]
     reach = model.geom_size[trunks, 0] + model.geom_size[trunks, 1]
@@ -66,7 +66,7 @@ def test_no_robot_starts_inside_the_ground_or_itself(terrain):
     for genome in random_genomes(30):
         scene = wl.compile_scene(genome, wl.Settings(terrain=terrain))
         data = mujoco.MjData(scene.model)
-        data.qpos[:] = scene.start
+        scene.place(data)
         mujoco.mj_forward(scene.model, data)
         assert not [c for c in data.contact if c.dist < -1e-6], str(genome)
         scene.model.geom_margin[:] = 4 * scenes.CLEARANCE
@@ -106,7 +106,7 @@ def test_scenery_changes_nothing_that_moves(structure):
     ends = []
     for scene in (plain, dressed):
         data = mujoco.MjData(scene.model)
-        data.qpos[:] = scene.start
+        scene.place(data)
         for control in scene.controls(400):
             data.ctrl[:] = control
             mujoco.mj_step(scene.model, data)

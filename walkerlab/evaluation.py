@@ -10,9 +10,10 @@ import numpy as np
 
 from walkerlab import fitness as measures
 from walkerlab.genes import Floats
-from walkerlab.genome import Genome, express
-from walkerlab.rollout import Rollout, simulate
-from walkerlab.settings import Algorithm, Settings
+from walkerlab.genome import Genome, express, genes_of, repair
+from walkerlab.rollout import Rollout, walk
+from walkerlab.scene import scene_of
+from walkerlab.settings import Algorithm, Robot, Settings
 
 CHUNKS = 8  # tasks for each core and batch: enough to level out slow walks, few enough to cost nothing
 IDLE_TIMEOUT = 300  # s without work after which loky's workers go home
@@ -70,7 +71,7 @@ def evaluate(
         GenomeError: if a text is no genome.
         ValueError: if a fitness function gives anything but a finite number.
     """
-    robots = [_genome(genome).within(settings.robot) for genome in genomes]
+    robots = _within(genomes, settings.robot)
     world = settings.model_copy(update={"algorithm": Algorithm()})
     size = max(1, len(robots) // (CHUNKS * n_cores()))
     chunks = [robots[i : i + size] for i in range(0, len(robots), size)]
@@ -108,18 +109,25 @@ def _leave_interrupts_to_the_caller() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def _genome(given: Genome | str | Floats) -> Genome:
-    match given:
+def _within(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Genome]:
+    """Read the genomes, and bring them within the limits."""
+    if isinstance(genomes, np.ndarray) and genomes.shape[1:] == (len(genes_of(robot)),):
+        return [Genome(values) for values in repair(genomes, robot)]
+    return [_read(genome).within(robot) for genome in genomes]
+
+
+def _read(genome: Genome | str | Floats) -> Genome:
+    match genome:
         case Genome():
-            return given
+            return genome
         case str():
-            return Genome.parse(given)
+            return Genome.parse(genome)
         case _:
-            return Genome(np.asarray(given))
+            return Genome(np.asarray(genome))
 
 
 def _walk_all(genomes: Sequence[Genome], settings: Settings) -> list[Rollout]:
-    return [simulate(genome, settings, poses=False) for genome in genomes]
+    return [walk(scene_of(genome, settings), poses=False) for genome in genomes]
 
 
 def _rate(genome: Genome, rollout: Rollout, settings: Settings) -> Evaluation:

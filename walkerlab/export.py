@@ -27,10 +27,13 @@ def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, na
     Raises:
         GenomeError: if a text is no genome.
     """
-    spec, scene = describe_scene(genome, settings)
+    spec, scene = describe_scene(genome, settings, scenery=True)
+    start = mujoco.MjData(scene.model)
+    scene.place(start)
+    spec = spec.copy()
     spec.modelname = name
     spec.add_text(name="genome", data=str(scene.genome))
-    spec.add_key(name="start", qpos=scene.start, ctrl=scene.rest)
+    spec.add_key(name="start", qpos=start.qpos, ctrl=scene.rest)
     path = Path(folder) / f"{name}.xml"
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(spec.to_xml(), encoding="utf-8")

@@ -97,7 +97,7 @@ def walk(scene: Scene, *, poses: bool = True) -> Rollout:
 def _settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float]:
     """Hold the pose of rest until the body is still: the (1, n_state) state reached, and the seconds it took."""
     model, timestep = scene.model, scene.simulation.timestep
-    data.qpos[:] = scene.start
+    scene.place(data)
     state = np.empty((1, mujoco.mj_stateSize(model, _STATE)))
     mujoco.mj_getState(model, data, state[0], _STATE)
     n_steps = round(SETTLE_CHUNK / timestep)

@@ -35,7 +35,7 @@ class Scene:
 
     Attributes:
         model: ready for ``mj_step``; actuators in the order of ``controls``.
-        start: (nq,) pose at the start: the robot's lowest point just over the ground, joints at rest.
+        pitch: of the ground at the start, in rad; positive is uphill.
         bounds: (2, 2) least and greatest x and y [m] of the ground that was built; infinite on a plane.
         genome: the genome it was built from, within the limits.
         phenotype: the robot in it.
@@ -43,7 +43,7 @@ class Scene:
     """
 
     model: mujoco.MjModel
-    start: Floats
+    pitch: float
     bounds: Floats
     genome: Genome
     phenotype: Phenotype
@@ -62,12 +62,25 @@ class Scene:
         wave = offset + swell * amplitude * np.sin(math.tau * self.phenotype.frequency * time + phase)
         return wave[tick]
 
+    def place(self, data: mujoco.MjData) -> None:
+        """Stand the robot on the ground at the origin: its belly along the slope, its lowest point just clear."""
+        model = self.model
+        data.qpos[3:7] = [math.cos(self.pitch / 2), 0, -math.sin(self.pitch / 2), 0]
+        mujoco.mj_kinematics(model, data)
+        own = model.geom_bodyid > 0
+        up = np.array([-math.sin(self.pitch), 0, math.cos(self.pitch)])
+        axis = data.geom_xmat[own].reshape(-1, 3, 3)[:, :, 2]
+        reach = np.abs(axis @ up) * model.geom_size[own, 1] + model.geom_size[own, 0]
+        lowest = float(np.min(data.geom_xpos[own] @ up - reach))
+        data.qpos[:3] += (CLEARANCE - lowest) * up
+
     @property
     def rest(self) -> Floats:
         """(nu,) servo targets of the body at rest."""
         return _motion(self.phenotype)[2]
 
 
+@lru_cache(maxsize=16)
 def ticks(n_steps: int, timestep: float) -> tuple[Indices, Indices]:
     """Lay the gait's clock over the steps of the physics.
 
@@ -89,28 +102,27 @@ def compile_scene(genome: Genome | str, settings: Settings, *, scenery: bool = F
     Raises:
         GenomeError: if a text is no genome.
     """
-    return _compile(*_describe(genome, settings, scenery=scenery), settings)
+    return describe_scene(genome, settings, scenery=scenery)[1]
 
 
-def describe_scene(genome: Genome | str, settings: Settings) -> tuple[mujoco.MjSpec, Scene]:
-    """Build the same world with scenery, and hand out its description as well: a spec of the caller's own."""
-    spec, genome = _describe(genome, settings, scenery=True)
-    return spec.copy(), _compile(spec, genome, settings)
+def describe_scene(genome: Genome | str, settings: Settings, *, scenery: bool) -> tuple[mujoco.MjSpec, Scene]:
+    """Build the same world, and hand out its description too; it is good until this thread's next scene."""
+    genome = Genome.parse(genome) if isinstance(genome, str) else genome
+    return _build(genome.within(settings.robot), settings, scenery=scenery)
 
 
-def _describe(genome: Genome | str, settings: Settings, *, scenery: bool) -> tuple[mujoco.MjSpec, Genome]:
-    genome = (Genome.parse(genome) if isinstance(genome, str) else genome).within(settings.robot)
-    phenotype = express(genome)
-    spec = _plan_spec(phenotype.plan, settings.terrain, scenery, threading.get_ident())
+def scene_of(genome: Genome, settings: Settings) -> Scene:
+    """Build the world of a genome that is known to be within the limits."""
+    return _build(genome, settings, scenery=False)[1]
+
+
+def _build(genome: Genome, settings: Settings, *, scenery: bool) -> tuple[mujoco.MjSpec, Scene]:
+    phenotype, terrain = express(genome), settings.terrain
+    spec = _plan_spec(phenotype.plan, terrain, scenery, threading.get_ident())
     _write_measures(spec, phenotype)
     spec.option.timestep = settings.simulation.timestep
-    return spec, genome
-
-
-def _compile(spec: mujoco.MjSpec, genome: Genome, settings: Settings) -> Scene:
-    model = spec.compile()
-    start, ends = _start(model, settings.terrain), np.array(bounds(settings.terrain))
-    return Scene(model, start, ends, genome, express(genome), settings.simulation)
+    ends = np.array(bounds(terrain))
+    return spec, Scene(spec.compile(), slope(terrain), ends, genome, phenotype, settings.simulation)
 
 
 # ------------------------------------------------------------------------------------------------ body plans
@@ -204,21 +216,3 @@ def _motion(phenotype: Phenotype) -> tuple[Floats, Floats, Floats]:
     ]
     amplitude, phase, offset = np.array(rows, dtype=np.float64).reshape(-1, 3).T
     return amplitude, phase, offset
-
-
-# -------------------------------------------------------------------------------------------------- the start
-
-
-def _start(model: mujoco.MjModel, terrain: Terrain) -> Floats:
-    """Stand the robot on the ground at the origin, its belly along the slope, its lowest point just clear."""
-    data = mujoco.MjData(model)
-    pitch = -slope(terrain)
-    data.qpos[3:7] = [math.cos(pitch / 2), 0, math.sin(pitch / 2), 0]
-    mujoco.mj_kinematics(model, data)
-    own = model.body_rootid[model.geom_bodyid] == model.body_rootid[-1]
-    axis = data.geom_xmat[own].reshape(-1, 3, 3)[:, :, 2]
-    up = np.array([math.sin(pitch), 0, math.cos(pitch)])
-    reach = np.abs(axis @ up) * model.geom_size[own, 1] + model.geom_size[own, 0]
-    lowest = float(np.min(data.geom_xpos[own] @ up - reach))
-    data.qpos[:3] += (CLEARANCE - lowest) * up
-    return data.qpos.copy()

@@ -62,7 +62,7 @@ def settings_of(given: Mapping[str, Any], strangers: Sequence[str] = ()) -> Sett
     Raises:
         SettingsError: with every fault of the call, a line each.
     """
-    parts: dict[str, dict[str, Any]] = {domain: {} for domain in DOMAINS}
+    parts: dict[str, Any] = {domain: {} for domain in DOMAINS}
     for place, value in given.items():
         domain, dot, field = place.partition(".")
         if dot:

@@ -79,7 +79,8 @@ def descent(records: pd.DataFrame, individual: int) -> str:
 
 
 def _fathers(records: pd.DataFrame, individual: int) -> Iterator[Any]:
-    rows: dict[int, Any] = {int(str(row.Index)): row for row in _births(records).itertuples()}
+    births: Any = _births(records).itertuples()
+    rows: dict[int, Any] = {row.Index: row for row in births}
     yield rows[individual]
     while parents := parent_numbers(str(rows[individual].parents)):
         individual = max(parents, key=lambda parent: float(rows[parent].fitness))
