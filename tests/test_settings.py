@@ -259,6 +259,13 @@ def test_a_name_like_no_other_gets_the_list():
     assert "Did you mean 'terrain'?" in refusal(Settings, terain={})
 
 
+def test_all_faults_within_one_setting_are_told_at_once():
+    x, z = refusal(Terrain, gravity=(99, 0, nan)).splitlines()
+    assert x.startswith("Terrain.gravity's x is 99 m/s²; it must be -30 to 30 m/s².")
+    assert z.startswith("Terrain.gravity's z is nan m/s²; it must be -30 to 30 m/s².")
+    assert len(refusal(Robot, weight=("heavy", -1), legs=(0, 99)).splitlines()) == 4
+
+
 def test_elites_leave_room_for_children():
     message = refusal(Algorithm, population_size=10, n_elites=10)
     assert "Algorithm.n_elites is 10" in message

@@ -25,11 +25,11 @@ def interrupts_held() -> Generator[None]:
     handler = signal.signal(signal.SIGINT, lambda *call: heard.append(call)) if listening else None
     if CAN_MASK:
         resource_tracker.ensure_running()  # were it started later, Python 3.11 and 3.12 would drop the mask
-        mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if CAN_MASK else None
     try:
         yield
     finally:
-        if CAN_MASK:
+        if mask is not None:
             signal.pthread_sigmask(signal.SIG_SETMASK, mask)
         if listening:
             signal.signal(signal.SIGINT, handler)

@@ -55,7 +55,7 @@ class Quantity:
     parts: tuple[str, ...] = ()
 
     def __call__(self, value: object) -> float | tuple[float, ...]:
-        """Return the value as plain Python numbers, or say in a ``ValueError`` what it must be."""
+        """Return the value as plain Python numbers, or raise a ``ValueError`` with a clause for each fault."""
         if not self.parts:
             return self._number(value, "")
         try:
@@ -64,7 +64,14 @@ class Quantity:
             items = []
         if isinstance(value, str) or len(items) != len(self.parts):
             raise ValueError(f" is {value!r}; it must be {len(self.parts)} numbers: {', '.join(self.parts)}.")
-        numbers = tuple(self._number(item, f"'s {part}") for item, part in zip(items, self.parts, strict=True))
+        numbers, faults = tuple[float, ...](), list[str]()
+        for item, part in zip(items, self.parts, strict=True):
+            try:
+                numbers += (self._number(item, f"'s {part}"),)
+            except ValueError as fault:
+                faults.append(str(fault))
+        if faults:
+            raise ValueError(*faults)
         if self.parts == PAIR and numbers[0] > numbers[1]:
             raise ValueError(f" is {_show(numbers)}{self._unit}; its min must not be over its max.")
         return numbers
@@ -213,7 +220,8 @@ class Domain(SettingsModel, frozen=True):
         try:
             return declared(value)
         except ValueError as error:
-            raise ValueError(f"{cls.__name__}.{name}{error} It is {declared.about}.") from None
+            faults = (f"{cls.__name__}.{name}{fault} It is {declared.about}." for fault in error.args)
+            raise ValueError("\n".join(faults)) from None
 
     @field_serializer("*", check_fields=False)
     def _plain(self, value: object) -> object:

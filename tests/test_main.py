@@ -1,0 +1,293 @@
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import mujoco
+import pandas as pd
+import pytest
+
+import walkerlab as wl
+from walkerlab.__main__ import main
+from walkerlab.commands import flags, lab, outputs
+
+TINY = ["--population-size", "6", "--generations", "2", "--duration", "1", "--quiet"]
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("done") / "walk"
+    assert main(["evolve", "--out", str(folder), *TINY]) == 0
+    return folder
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+# ------------------------------------------------------------------------------------------------- the flags
+
+
+def help_of(command: str, capsys: pytest.CaptureFixture[str]) -> str:
+    with pytest.raises(SystemExit) as stopped:
+        main([command, "--help"])
+    assert stopped.value.code == 0
+    return " ".join(capsys.readouterr().out.split())
+
+
+def test_every_setting_has_a_flag_and_every_flag_a_setting(capsys):
+    declared = {(name, field) for name, domain in wl.Settings() for field in type(domain).declared()}
+    assert set(flags.flag_names()) == declared
+    own = {"--help", "--out", "--quiet"}
+    shown = set(re.findall(r" (--[a-z][a-z-]*)", help_of("evolve", capsys).partition("options:")[2]))
+    assert shown - own == set(flags.flag_names().values())
+
+
+def test_the_help_gives_each_setting_its_meaning_range_and_default(capsys):
+    said = help_of("evolve", capsys)
+    for _, domain in wl.Settings():
+        for declared in type(domain).declared().values():
+            assert f"{declared.about}: {declared.range}" in said
+    assert "the rise of each stair: 0 to 0.4 m [0.08]" in said
+
+
+def test_a_field_that_two_domains_share_gets_a_flag_for_each(monkeypatch):
+    monkeypatch.setattr(flags, "DOMAINS", {"terrain": wl.Terrain, "ground": wl.Terrain})
+    names = flags.flag_names()
+    assert names["terrain", "gravity"] == "--terrain-gravity"
+    assert names["ground", "gravity"] == "--ground-gravity"
+
+
+def parsed(*words: str) -> wl.Settings:
+    import argparse
+
+    parser = argparse.ArgumentParser()
+    flags.add_flags(parser)
+    given, strangers = parser.parse_known_args(words)
+    return flags.settings_of(vars(given), strangers)
+
+
+def test_flags_say_what_python_says():
+    words = "--structure 2 --step-height 0.1 --segments 2 3 --gravity 0 0 -3.7 --selection top_half 0 --camera front"
+    assert parsed(*words.split()) == wl.Settings().with_(
+        structure="stairs",
+        step_height=0.1,
+        segments=(2, 3),
+        gravity=(0, 0, -3.7),
+        selection=["top_half", "gradient"],
+        camera="front",
+    )
+    assert parsed() == wl.Settings()
+
+
+def test_all_faults_of_a_call_are_told_at_once_and_nothing_is_made(here, capsys):
+    words = "evolve --step-height 0.9 --segments 2 --gravity 0 0 down --selection best --step-hight 1 --duration nan"
+    assert main(words.split()) == 2
+    said = capsys.readouterr().err
+    for fault in (
+        "Terrain.step_height is 0.9 m; it must be 0 to 0.4 m.",
+        "Robot.segments is [2]; it must be 2 numbers: min, max.",
+        "Terrain.gravity's z is 'down'; it must be a number, -30 to 30 m/s².",
+        "Algorithm.selection is 'best'; it must be one of gradient (0)",
+        "Simulation.duration is nan s;",
+        "There is no flag '--step-hight'. Did you mean --step-height?",
+    ):
+        assert fault in said
+    assert "Traceback" not in said
+    assert not list(here.iterdir())
+
+
+# ---------------------------------------------------------------------------------------------------- evolve
+
+
+def test_a_run_leaves_its_six_files(done):
+    assert set(contents(done)) == set(outputs.FILES)
+    run = wl.load(done / "run.walk")
+    assert run.n_generations == 2
+    pd.testing.assert_frame_equal(pd.read_csv(done / "records.csv", keep_default_na=False), run.records)
+    assert wl.Genome.parse((done / "champion.txt").read_text(encoding="utf-8")) == run.champion.genome
+    n_legs = wl.express(run.champion.genome).n_legs
+    assert mujoco.MjModel.from_xml_path(str(done / "champion.xml")).nu == 2 * n_legs
+    assert "generation</text>" in (done / "fitness.svg").read_text(encoding="utf-8")
+    assert (done / "fitness.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_quiet_says_nothing_and_loud_tells_what_came_and_what_next(here, capfd):
+    assert main(["evolve", *TINY]) == 0
+    assert capfd.readouterr() == ("", "")
+    assert main(["evolve", *TINY[:-1], "--out", "loud"]) == 0
+    said = capfd.readouterr().out
+    champion = wl.load("loud/run.walk").champion
+    assert f"robot {champion.individual}, born in generation {champion.generation}" in said
+    assert f"{champion.fitness:.3f} m" in said
+    for word in [*outputs.FILES, "walkerlab show loud", "walkerlab resume loud --generations", "walkerlab lab"]:
+        assert word in said
+
+
+def test_a_run_is_never_written_over(done, capsys):
+    before = contents(done)
+    assert main(["evolve", "--out", str(done), *TINY]) == 2
+    said = capsys.readouterr().err
+    assert f"walkerlab resume {done / 'run.walk'}" in said
+    assert "--out" in said
+    assert contents(done) == before
+
+
+def test_a_folder_that_cannot_be_is_told_without_a_traceback(here, capsys):
+    Path("walk").write_text("a file, not a folder")
+    assert main(["evolve", *TINY]) == 2
+    assert "walk" in capsys.readouterr().err
+
+
+def test_a_run_in_which_no_walk_counts_still_ends_well(here, capsys):
+    assert main(["evolve", *TINY[:-1], "--max-airborne", "0.05", "--gravity", "0", "0", "1"]) == 0
+    said = capsys.readouterr().out
+    assert "No walk counted" in said
+    assert "airborne" in said
+    assert set(contents(here / "walk")) == set(outputs.FILES)
+    assert main(["show", "walk"]) == 0
+
+
+# ---------------------------------------------------------------------------------------------------- Ctrl-C
+
+
+def started(folder: Path) -> subprocess.Popen[str]:
+    """Start an endless run in a process group of its own, as a terminal does."""
+    command = [sys.executable, "-m", "walkerlab", "evolve", "--out", str(folder)]
+    command += ["--population-size", "4", "--n-elites", "0", "--generations", "10000", "--duration", "1"]
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, encoding="utf-8", start_new_session=True)
+
+
+def n_generations(folder: Path) -> int:
+    try:
+        return wl.load(folder / "run.walk").n_generations
+    except wl.RunFileError:
+        return 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no process groups to send Ctrl-C to")
+def test_ctrl_c_keeps_what_is_done_and_a_resume_adds_to_it(tmp_path, capsys):
+    import os
+
+    folder = tmp_path / "walk"
+    process = started(folder)
+    deadline = time.monotonic() + 60
+    while n_generations(folder) < 2 and time.monotonic() < deadline:
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    assert process.returncode == 130
+    assert "Traceback" not in err
+    assert f"walkerlab resume {folder}" in out
+    assert set(contents(folder)) == set(outputs.FILES)
+    kept = n_generations(folder)
+    assert kept >= 2
+    assert f"Stopped after {kept} of 10000 generations" in out
+    assert main(["resume", str(folder), "--generations", str(kept + 1), "--quiet"]) == 0
+    assert n_generations(folder) == kept + 1
+    assert pd.read_csv(folder / "records.csv").generation.nunique() == kept + 1
+
+
+def test_ctrl_c_before_the_first_generation_leaves_no_run_behind(here, monkeypatch, capsys):
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("walkerlab.evolution._finish", interrupted)
+    assert main(["evolve", *TINY]) == 130
+    assert "nothing to keep" in capsys.readouterr().err
+    assert not (here / "walk" / "run.walk").exists()
+    monkeypatch.undo()
+    monkeypatch.chdir(here)
+    assert main(["evolve", *TINY]) == 0
+
+
+# --------------------------------------------------------------------------------------------- resume and show
+
+
+def test_resume_takes_the_folder_or_the_file_and_gives_the_table_of_an_uninterrupted_run(here):
+    assert main(["evolve", "--out", "whole", *TINY[:2], "--generations", "4", *TINY[4:]]) == 0
+    assert main(["evolve", "--out", "parts", *TINY]) == 0
+    assert main(["resume", "parts", "--generations", "3", "--quiet"]) == 0
+    assert main(["resume", "parts/run.walk", "--generations", "4", "--quiet"]) == 0
+    whole, parts = wl.load("whole/run.walk"), wl.load("parts/run.walk")
+    pd.testing.assert_frame_equal(whole.records, parts.records)
+    assert contents(Path("whole"))["records.csv"] == contents(Path("parts"))["records.csv"]
+
+
+@pytest.mark.parametrize("command", ["resume", "show"])
+def test_no_run_there_is_told_without_a_traceback(here, command, capsys):
+    assert main([command, "nowhere"]) == 2
+    assert "there is no run file at nowhere" in capsys.readouterr().err
+    Path("text.walk").write_text("hello, I am no run")
+    assert main([command, "text.walk"]) == 2
+    assert "text.walk" in capsys.readouterr().err
+
+
+def test_resume_refuses_to_undo_generations(done, capsys):
+    assert main(["resume", str(done), "--generations", "1"]) == 2
+    assert "2 generations already" in capsys.readouterr().err
+    assert n_generations(done) == 2
+
+
+def test_show_tells_settings_versions_generations_verdicts_champion_and_descent(done, capsys):
+    assert main(["show", str(done)]) == 0
+    said = capsys.readouterr().out
+    champion = wl.load(done / "run.walk").champion
+    for word in (
+        "2 of 2 generations",
+        f"mujoco {mujoco.__version__}",
+        "Algorithm.population_size = 6  (default 60)",
+        "ok: The walk counts.",
+        str(champion.genome),
+        "line of descent",
+    ):
+        assert word in said
+    assert "step_height" not in said  # it is as by default
+
+
+def test_a_line_of_descent_goes_back_to_a_random_robot_by_the_fitter_parent(done):
+    from walkerlab.commands.report import descent
+
+    run = wl.load(done / "run.walk")
+    births = run.records[run.records.generation == run.records.born].set_index("individual")
+    child = int(births.index.max())
+    (first, *rest) = [int(line.split()[0]) for line in descent(run.records, child).splitlines()[2:]]
+    assert first == child
+    assert births.born[rest[-1]] == 0
+    parents = [int(parent) for parent in births.parents[child].split()]
+    assert rest[0] in parents
+    assert births.fitness[rest[0]] == max(births.fitness[parent] for parent in parents)
+
+
+# ------------------------------------------------------------------------------------------------------- lab
+
+
+def test_lab_copies_the_notebooks_but_never_over_a_students_work(here, monkeypatch, capsys):
+    calls: list[list[str]] = []
+    monkeypatch.setattr("jupyterlab.labapp.LabApp.launch_instance", calls.append)
+    assert main(["lab", "--no-browser", "--port", "8899"]) == 0
+    first = here / lab.FOLDER / lab.FIRST
+    assert first.read_bytes() == next(path for path in lab.originals() if path.name == lab.FIRST).read_bytes()
+    first.write_text("mine")
+    assert main(["lab"]) == 0
+    assert first.read_text() == "mine"
+    assert all("--ServerApp.ip=127.0.0.1" in call for call in calls)
+    assert calls[0][-2:] == ["--no-browser", "--port=8899"]
+
+
+def test_help_is_quick_because_nothing_heavy_is_loaded():
+    code = (
+        "import sys; from walkerlab.__main__ import _grammar; _grammar();"
+        "print({'mujoco', 'pandas', 'matplotlib', 'dm_control'} & set(sys.modules))"
+    )
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert answer.stdout.strip() == "set()"

@@ -1,0 +1,61 @@
+import itertools
+import re
+from pathlib import Path
+from statistics import median
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
+BUDGET = "generations = 2"
+
+each_notebook = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+
+
+def read(path: Path) -> nbformat.NotebookNode:
+    return nbformat.read(path, as_version=4)
+
+
+def code_cells(path: Path) -> list[nbformat.NotebookNode]:
+    return [cell for cell in read(path).cells if cell.cell_type == "code"]
+
+
+def n_lines(cell: nbformat.NotebookNode) -> int:
+    return len([line for line in cell.source.splitlines() if line.strip()])
+
+
+def test_there_is_a_notebook():
+    assert NOTEBOOKS
+
+
+@each_notebook
+def test_it_is_valid_and_stripped(path):
+    nbformat.validate(read(path))
+    assert all(not cell.outputs and cell.execution_count is None for cell in code_cells(path))
+
+
+@each_notebook
+def test_its_cells_are_short_and_define_no_class(path):
+    lengths = list(map(n_lines, code_cells(path)))
+    assert median(lengths) <= 6
+    assert max(lengths) <= 15
+    assert not any(re.search(r"^\s*class ", cell.source, re.MULTILINE) for cell in code_cells(path))
+
+
+@each_notebook
+def test_a_question_stands_before_every_cell(path):
+    cells = read(path).cells
+    for before, cell in itertools.pairwise(cells):
+        if cell.cell_type == "code":
+            assert before.cell_type == "markdown"
+            assert "?" in before.source
+
+
+@each_notebook
+def test_it_runs_whole_with_a_small_budget(path, tmp_path):
+    notebook = read(path)
+    [parameters] = [cell for cell in notebook.cells if "parameters" in cell.metadata.get("tags", [])]
+    parameters.source, replaced = re.subn(r"^generations = \d+$", BUDGET, parameters.source, flags=re.MULTILINE)
+    assert replaced == 1
+    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
