@@ -5,7 +5,8 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
-from walkerlab.genome import Genome, genes_of
+from walkerlab.genome import Genome
+from walkerlab.limits import genes_of
 from walkerlab.quantity import OneOf, Quantity
 from walkerlab.settings import Algorithm, Robot, Settings, Simulation, Terrain
 

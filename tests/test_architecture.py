@@ -17,8 +17,10 @@ HOUSE = Path(walkerlab.__file__).parent
 FLOORS = (
     ("quantity", "randomness", "genes", "interrupts"),
     ("settings", "ga"),
-    ("genome", "entities"),
-    ("scene", "algorithm"),
+    ("limits", "entities"),
+    ("genome",),
+    ("phenotype", "algorithm"),
+    ("scene",),
     ("rollout", "export"),
     ("fitness",),
     ("evaluation",),
@@ -60,7 +62,10 @@ LIGHT |= {
     f"walkerlab.{room}": {"pandas", "mujoco", "dm_control", "matplotlib", "ipywidgets"}
     for room in ("quantity", "settings", "randomness", "genes", "ga")
 }
-LIGHT |= {f"walkerlab.{room}": {"mujoco", "dm_control", "matplotlib", "ipywidgets"} for room in ("genome", "algorithm")}
+LIGHT |= {
+    f"walkerlab.{room}": {"mujoco", "dm_control", "matplotlib", "ipywidgets"}
+    for room in ("limits", "genome", "algorithm")
+}
 """What must not be loaded by importing them."""
 
 

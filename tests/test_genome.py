@@ -11,7 +11,9 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from walkerlab.algorithm import crossover_population, generate_robot_population, mutate_population
-from walkerlab.genome import Genome, GenomeError, express, gene_table, genes_of, repair
+from walkerlab.genome import Genome, GenomeError
+from walkerlab.limits import gene_table, genes_of, repair
+from walkerlab.phenotype import express
 from walkerlab.settings import Algorithm, Crossover, Feature, Mutation, Robot
 
 from .strategies import finite, genomes, robots, tables

@@ -8,7 +8,7 @@ import pytest
 
 import walkerlab as wl
 from walkerlab import scene as scenes
-from walkerlab.genome import express
+from walkerlab.phenotype import express
 from walkerlab.randomness import stream
 from walkerlab.settings import Structure
 

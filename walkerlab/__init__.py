@@ -25,7 +25,9 @@ _ROOMS = {
     "export": ("export_mjcf",),
     "ga.crossover": ("Children",),
     "ga.slots": ("OperatorError",),
-    "genome": ("Genome", "GenomeError", "express", "gene_table"),
+    "genome": ("Genome", "GenomeError"),
+    "limits": ("gene_table",),
+    "phenotype": ("Phenotype", "express"),
     "quantity": ("SettingsError",),
     "rollout": ("Rollout", "simulate"),
     "scene": ("Scene", "compile_scene"),
@@ -73,8 +75,9 @@ if TYPE_CHECKING:
     from walkerlab.ga.slots import OperatorError as OperatorError
     from walkerlab.genome import Genome as Genome
     from walkerlab.genome import GenomeError as GenomeError
-    from walkerlab.genome import express as express
-    from walkerlab.genome import gene_table as gene_table
+    from walkerlab.limits import gene_table as gene_table
+    from walkerlab.phenotype import Phenotype as Phenotype
+    from walkerlab.phenotype import express as express
     from walkerlab.quantity import SettingsError as SettingsError
     from walkerlab.rollout import Rollout as Rollout
     from walkerlab.rollout import simulate as simulate

@@ -16,7 +16,8 @@ from walkerlab.ga import check, crossover, mutation, selection
 from walkerlab.ga.crossover import Children
 from walkerlab.ga.loop import Operators, cross_in_turn, mutate_in_turn, select_in_turn
 from walkerlab.genes import Floats, Genes, Indices
-from walkerlab.genome import Genome, genes_of, repair
+from walkerlab.genome import Genome
+from walkerlab.limits import genes_of, repair
 from walkerlab.quantity import Choice, function_name
 from walkerlab.randomness import stream
 from walkerlab.settings import Algorithm, Crossover, Mutation, Robot, Selection

@@ -10,7 +10,9 @@ import numpy as np
 
 from walkerlab import fitness as measures
 from walkerlab.genes import Floats
-from walkerlab.genome import Genome, express, genes_of, repair
+from walkerlab.genome import Genome
+from walkerlab.limits import genes_of, repair
+from walkerlab.phenotype import express
 from walkerlab.rollout import Rollout, walk
 from walkerlab.scene import scene_of
 from walkerlab.settings import Algorithm, Robot, Settings

@@ -15,7 +15,7 @@ from walkerlab.algorithm import check_own_operators, generate_robot_population, 
 from walkerlab.evaluation import Evaluation, evaluate
 from walkerlab.ga.loop import Population, first_population, next_population
 from walkerlab.genes import Floats
-from walkerlab.genome import genes_of, repair
+from walkerlab.limits import genes_of, repair
 from walkerlab.records import Individual
 from walkerlab.run import Run, load, missing_functions
 from walkerlab.settings import Settings

@@ -11,7 +11,8 @@ from mujoco.rollout import rollout as step_through
 from numpy.typing import NDArray
 
 from walkerlab.genes import Floats
-from walkerlab.genome import Genome, Phenotype
+from walkerlab.genome import Genome
+from walkerlab.phenotype import Phenotype
 from walkerlab.scene import Scene, compile_scene, ticks
 from walkerlab.settings import Settings, Simulation
 

@@ -12,7 +12,8 @@ from walkerlab.entities import generate_robot, generate_terrain
 from walkerlab.entities.terrain import bounds, slope
 from walkerlab.entities.walker import SIDES
 from walkerlab.genes import Floats, Indices
-from walkerlab.genome import Genome, Legs, Phenotype, Segment, express
+from walkerlab.genome import Genome
+from walkerlab.phenotype import Legs, Phenotype, Segment, express
 from walkerlab.settings import Settings, Simulation, Terrain
 
 CONTROL_RATE = 50.0  # Hz, at which servos take a new target

@@ -24,17 +24,17 @@ def named(function):
 
 
 @named
-def no_rng(fitness, n_parents):  # noqa: ARG001
+def no_rng(fitness, n_parents):
     return np.zeros(n_parents, int)
 
 
 @named
-def one_too_many(fitness, n_parents, pressure, *, rng):  # noqa: ARG001
+def one_too_many(fitness, n_parents, pressure, *, rng):
     return np.zeros(n_parents, int)
 
 
 @named
-def shrinks(fitness, n_parents, *, rng):  # noqa: ARG001
+def shrinks(fitness, n_parents, *, rng):
     return np.argsort(-fitness)[:n_parents]
 
 
@@ -44,7 +44,7 @@ def forgets(fitness, n_parents, *, rng):
 
 
 @named
-def masks(fitness, n_parents, *, rng):  # noqa: ARG001
+def masks(fitness, n_parents, *, rng):
     return np.ones(n_parents, bool)
 
 
@@ -65,17 +65,17 @@ def sorts_in_place(fitness, n_parents, *, rng):
 
 
 @named
-def own_numpy_chance(fitness, n_parents, *, rng):  # noqa: ARG001
+def own_numpy_chance(fitness, n_parents, *, rng):
     return np.random.randint(len(fitness), size=n_parents)  # noqa: NPY002
 
 
 @named
-def own_python_chance(fitness, n_parents, *, rng):  # noqa: ARG001
+def own_python_chance(fitness, n_parents, *, rng):
     return random.choices(range(len(fitness)), k=n_parents)
 
 
 @named
-def own_generator(fitness, n_parents, *, rng):  # noqa: ARG001
+def own_generator(fitness, n_parents, *, rng):
     return np.random.default_rng().integers(len(fitness), size=n_parents)
 
 
@@ -123,35 +123,35 @@ def halves(parents, n_children):
 
 
 @named
-def only_children(parents, fitness, n_children, *, rng):  # noqa: ARG001
+def only_children(parents, fitness, n_children, *, rng):
     return halves(parents, n_children)[0]
 
 
 @named
-def flat_parents(parents, fitness, n_children, *, rng):  # noqa: ARG001
+def flat_parents(parents, fitness, n_children, *, rng):
     children, origins = halves(parents, n_children)
     return children, origins[:, 0]
 
 
 @named
-def too_few(parents, fitness, n_children, *, rng):  # noqa: ARG001
+def too_few(parents, fitness, n_children, *, rng):
     return halves(parents, n_children // 2)
 
 
 @named
-def strangers(parents, fitness, n_children, *, rng):  # noqa: ARG001
+def strangers(parents, fitness, n_children, *, rng):
     children, origins = halves(parents, n_children)
     return children, origins + 1
 
 
 @named
-def divides(parents, fitness, n_children, *, rng):  # noqa: ARG001
+def divides(parents, fitness, n_children, *, rng):
     children, origins = halves(parents, n_children)
     return children * np.nan, origins
 
 
 @named
-def mixes_in_place(parents, fitness, n_children, *, rng):  # noqa: ARG001
+def mixes_in_place(parents, fitness, n_children, *, rng):
     parents[0] = parents[1]
     return halves(parents, n_children)
 
@@ -175,23 +175,23 @@ def test_bad_crossovers(bad, expected, got, mend):
 
 
 @named
-def shakes_in_place(genomes, genes, *, rng):  # noqa: ARG001
+def shakes_in_place(genomes, genes, *, rng):
     genomes += rng.normal(size=genomes.shape)
     return genomes
 
 
 @named
-def returns_nothing(genomes, genes, *, rng):  # noqa: ARG001
+def returns_nothing(genomes, genes, *, rng):
     genomes + rng.normal(size=genomes.shape)
 
 
 @named
-def turns(genomes, genes, *, rng):  # noqa: ARG001
+def turns(genomes, genes, *, rng):
     return genomes.T
 
 
 @named
-def own_chance(genomes, genes, *, rng):  # noqa: ARG001
+def own_chance(genomes, genes, *, rng):
     return genomes + np.random.normal(size=genomes.shape)  # noqa: NPY002
 
 
@@ -220,7 +220,7 @@ def test_what_a_student_would_write_is_accepted():
     def best_three(f, n, *, rng):
         return rng.choice(np.argsort(f)[-3:], size=n)
 
-    def average(parents, fitness, n_children, rng):  # noqa: ARG001
+    def average(parents, fitness, n_children, rng):
         couples = rng.integers(len(parents), size=(n_children, 2))
         return [parents[couples].mean(axis=1), couples]
 
@@ -232,7 +232,7 @@ def test_what_a_student_would_write_is_accepted():
     check_cross(average, GENES)
     check_mutate(nudge, GENES)
     check_mutate(partial(mutation.favored, favored="length"), GENES)
-    check_mutate(lambda genomes, genes, *, rng: genomes, GENES)  # noqa: ARG005
+    check_mutate(lambda genomes, genes, *, rng: genomes, GENES)
 
 
 def test_checking_spends_no_chance_of_the_run():

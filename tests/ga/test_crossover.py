@@ -116,7 +116,7 @@ def test_none_links_all_and_copies_the_parents_in_turn():
 def from_deap(mate):
     """A DEAP crossover, which swaps in place two lists, as one of ours."""
 
-    def cross(parents, fitness, n_children, *, rng):  # noqa: ARG001
+    def cross(parents, fitness, n_children, *, rng):
         one, two = (list(parent) for parent in parents)
         return np.array(mate(one, two)), None
 

@@ -27,7 +27,7 @@ def as_is(genomes):
     return genomes
 
 
-def no_mutation(genomes, genes, *, rng):  # noqa: ARG001
+def no_mutation(genomes, genes, *, rng):
     return genomes
 
 
@@ -128,7 +128,7 @@ def test_the_same_seed_gives_the_same_populations():
 def test_changing_only_the_mutation_leaves_selection_and_crossover_as_they_were():
     seen = []
 
-    def spy(genomes, genes, *, rng):  # noqa: ARG001
+    def spy(genomes, genes, *, rng):
         seen.append(genomes.copy())
         return genomes
 
@@ -154,7 +154,7 @@ def test_each_operator_draws_from_its_own_stream():
         note(rng)
         return crossover.none(parents, fitness, n_children, rng=rng)
 
-    def mutate(genomes, genes, *, rng):  # noqa: ARG001
+    def mutate(genomes, genes, *, rng):
         note(rng)
         return genomes
 
@@ -308,7 +308,7 @@ def test_a_crossover_that_asks_for_the_gene_table_gets_it():
 
 
 def test_an_exception_names_operator_and_generation():
-    def clumsy(genomes, genes, *, rng):  # noqa: ARG001
+    def clumsy(genomes, genes, *, rng):
         raise KeyError("oops")
 
     with pytest.raises(KeyError) as caught:
@@ -317,7 +317,7 @@ def test_an_exception_names_operator_and_generation():
 
 
 def test_a_selection_that_shrinks_the_population_is_stopped():
-    def best_only(fitness, n_parents, *, rng):  # noqa: ARG001
+    def best_only(fitness, n_parents, *, rng):
         return np.argsort(-fitness)[: n_parents // 2]
 
     with pytest.raises(ValueError, match="selection 'best_only' must name n_parents = 6 parents"):

@@ -67,12 +67,12 @@ def roulette_from_zero(fitness, n_parents, *, rng):
     return np.minimum(np.searchsorted(wheel, spins), len(fitness) - 1)
 
 
-def truncation_that_shrinks(fitness, n_parents, *, rng):  # noqa: ARG001
+def truncation_that_shrinks(fitness, n_parents, *, rng):
     """Return the best there are, however many were asked for (DEAP's selBest)."""
     return np.argsort(-fitness)[:n_parents]
 
 
-def n_point_of_single_genes(parents, fitness, n_children, *, rng):  # noqa: ARG001
+def n_point_of_single_genes(parents, fitness, n_children, *, rng):
     """Swap single genes and call it a cut (inspyred)."""
     children = parents[:2].copy()
     swapped = rng.choice(parents.shape[1], size=1)
