@@ -88,7 +88,7 @@ class Genome:
     def within(self, robot: Robot) -> Self:
         """Return the nearest genome that obeys these limits; segments beyond what they allow are cut off.
 
-        A genome that describes fewer segments than the limits allow gets copies of its last, unexpressed.
+        A genome that describes fewer segments than the limits allow gets copies of its last; they are grown if its count says so.
         """
         whole, parts = self.values[: len(WHOLE)], self.values[len(WHOLE) :].reshape(self.n_parts, -1)
         parts = parts[np.minimum(np.arange(robot.segments[1]), self.n_parts - 1)]
@@ -164,8 +164,6 @@ def _parse(text: str) -> list[float]:
             values[index] = float(word.removeprefix(key))
             if not np.isfinite(values[index]):
                 raise _error(text, start, f"'{token}' and a finite number", word)
-            if token == "segments=" and not 1 <= values[index] <= n_parts:
-                raise _error(text, start, f"'segments=' and 1 to {n_parts}, for so many 'seg' follow", word)
     if len(found) > len(layout):
         word, start = found[len(layout)]
         raise _error(text, start, "the end of the text", word)
