@@ -1,8 +1,9 @@
+import argparse
+import os
 import re
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import mujoco
@@ -67,8 +68,6 @@ def test_a_field_that_two_domains_share_gets_a_flag_for_each(monkeypatch):
 
 
 def parsed(*words: str) -> wl.Settings:
-    import argparse
-
     parser = argparse.ArgumentParser()
     flags.add_flags(parser)
     given, strangers = parser.parse_known_args(words)
@@ -168,21 +167,15 @@ def started(folder: Path) -> subprocess.Popen[str]:
 
 
 def n_generations(folder: Path) -> int:
-    try:
-        return wl.load(folder / "run.walk").n_generations
-    except wl.RunFileError:
-        return 0
+    return wl.load(folder / "run.walk").n_generations
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no process groups to send Ctrl-C to")
 def test_ctrl_c_keeps_what_is_done_and_a_resume_adds_to_it(tmp_path, capsys):
-    import os
-
     folder = tmp_path / "walk"
     process = started(folder)
-    deadline = time.monotonic() + 60
-    while n_generations(folder) < 2 and time.monotonic() < deadline:
-        time.sleep(0.05)
+    assert process.stderr
+    assert any("generation 2" in line for line in process.stderr)  # the bar ends its lines with a carriage return
     os.killpg(process.pid, signal.SIGINT)
     out, err = process.communicate(timeout=30)
     assert process.returncode == 130
@@ -190,7 +183,7 @@ def test_ctrl_c_keeps_what_is_done_and_a_resume_adds_to_it(tmp_path, capsys):
     assert f"walkerlab resume {folder}" in out
     assert set(contents(folder)) == set(outputs.FILES)
     kept = n_generations(folder)
-    assert kept >= 2
+    assert kept > 2
     assert f"Stopped after {kept} of 10000 generations" in out
     assert main(["resume", str(folder), "--generations", str(kept + 1), "--quiet"]) == 0
     assert n_generations(folder) == kept + 1

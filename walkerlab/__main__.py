@@ -193,7 +193,7 @@ def _lab(given: argparse.Namespace) -> int:
 
     folder = Path(lab.FOLDER)
     copied = lab.copy_notebooks(folder)
-    print(f"{len(copied)} notebooks copied into {folder}; what was there before stays as it was.", flush=True)
+    print(f"New in {folder}: {len(copied)} notebooks. What was there before stays as it was.", flush=True)
     options = [f"--{name.replace('_', '-')}" for name in ("no_browser", "allow_root") if getattr(given, name)]
     options += [f"--port={given.port}"] if given.port else []
     try:

@@ -11,6 +11,7 @@ import numpy as np
 from walkerlab import fitness as measures
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
+from walkerlab.interrupts import interrupts_held
 from walkerlab.limits import genes_of, repair
 from walkerlab.phenotype import express
 from walkerlab.rollout import Rollout, walk
@@ -103,7 +104,10 @@ def default_executor() -> Executor:
     """Return loky's pool on all cores, started at first use and kept for the next."""
     from loky import get_reusable_executor
 
-    return get_reusable_executor(n_cores(), timeout=IDLE_TIMEOUT, initializer=_leave_interrupts_to_the_caller)
+    with interrupts_held():
+        pool = get_reusable_executor(n_cores(), timeout=IDLE_TIMEOUT, initializer=_leave_interrupts_to_the_caller)
+        pool.submit(int)  # starts the workers now, so that they inherit the hold
+    return pool
 
 
 def _leave_interrupts_to_the_caller() -> None:

@@ -25,7 +25,7 @@ def _ranges(robot: Robot) -> dict[Feature, tuple[float, float, str, Kind]]:
     angle = "rad"
     return {
         Feature.segments: (*robot.segment_range, "", "count"),
-        Feature.frequency: (0.4, 2.5, "Hz", "real"),
+        Feature.frequency: (0.4, 2.2, "Hz", "real"),
         Feature.length: (shortest, longest, "m", "real"),
         Feature.mass: (robot.weight[0] / (2 * robot.segments[1]), robot.weight[1], "kg", "real"),
         Feature.legs: (0, 1, "pair", "count"),

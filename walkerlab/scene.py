@@ -21,7 +21,7 @@ RAMP = 0.5  # s, over which a gait swells from rest to its full swing
 CLEARANCE = 0.005  # m, between the ground and the lowest point of a robot at the start
 
 BODY_DENSITY = 600.0  # kg/m³ of a trunk: mass and length together give its girth
-SPLAY = math.radians(30)  # of the thighs outward: a stance wide enough not to topple
+SPLAY = math.radians(36)  # of the thighs outward: a stance wide enough not to topple
 LEG_SHARE = 0.3  # of a segment's mass, that is its legs'
 THIGH_SHARE = 0.6  # of a leg's mass
 LEG_GIRTH = 0.07  # radius of a thigh over the length of the leg

@@ -53,7 +53,8 @@ class Ground(composer.Arena):
     def _add_scenery(self) -> None:
         """Add what only eyes need: a sky, squares of 1 m on the plane, and a sun that casts shadows."""
         root: Any = self._mjcf_root
-        root.visual.map.znear, root.visual.map.zfar = 0.01, 60
+        root.statistic.extent, root.statistic.center = 3, (6, 0, 0)
+        root.visual.map.znear, root.visual.map.zfar, root.visual.map.shadowclip = 0.01, 50, 4
         root.visual.quality.shadowsize = 4096
         root.visual.rgba.haze = (0.95, 0.96, 0.98, 1)
         root.asset.add(
@@ -75,7 +76,7 @@ class Ground(composer.Arena):
         plane.material, plane.rgba = paint, None
         root.worldbody.add(
             "light", name="sun", directional="true", castshadow="true",
-            pos=(0, 0, 10), dir=(0.3, 0.5, -1), diffuse=(0.5, 0.5, 0.5), specular=(0.1, 0.1, 0.1),
+            pos=(6, 0, 10), dir=(0.2, 0.4, -1), diffuse=(0.5, 0.5, 0.5), specular=(0.1, 0.1, 0.1),
         )  # fmt: skip
 
 

@@ -1,0 +1,65 @@
+"""The picture at the head of README: a champion caught six times in its stride, beside the curve that led to it.
+
+    python -m walkerlab.commands.portrait RUN-FILE data/champion.png
+
+Needs a GL that draws without a screen, as films do: ``walkerlab doctor`` says whether there is one.
+"""
+
+import os
+import sys
+from typing import Any
+
+import mujoco
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from walkerlab import plots
+from walkerlab.fitness import distance
+from walkerlab.rollout import simulate
+from walkerlab.run import Run, load
+from walkerlab.scene import compile_scene
+
+SIZE = (1500, 480)  # pixels
+MOMENTS = np.linspace(0.05, 0.62, 6)  # of the walk, as shares
+
+
+def strobe(run: Run) -> NDArray[np.uint8]:
+    """Draw a run's champion at several moments of one walk, in one picture of (height, width, 3)."""
+    genome, settings = run.champion.genome, run.settings
+    scene, rollout = compile_scene(genome, settings, scenery=True), simulate(genome, settings)
+    model, (width, height) = scene.model, SIZE
+    model.vis.global_.offwidth, model.vis.global_.offheight = width, height
+    data, camera, option = mujoco.MjData(model), mujoco.MjvCamera(), mujoco.MjvOption()
+    moments = (MOMENTS * (len(rollout.time) - 1)).astype(int)
+    camera.lookat[:] = rollout.com[moments].mean(axis=0) + np.array([0, 0, 0.05])
+    camera.distance, camera.azimuth, camera.elevation = 0.62 * np.ptp(rollout.com[moments, 0]) + 0.6, 82, -14
+    with mujoco.Renderer(model, height, width) as renderer:
+        drawn: Any = renderer.scene
+        for moment in moments[::-1]:
+            data.qpos[:] = rollout.poses[moment]
+            mujoco.mj_forward(model, data)
+            if moment == moments[-1]:
+                renderer.update_scene(data, camera)
+            else:
+                mujoco.mjv_addGeoms(model, data, option, mujoco.MjvPerturb(), mujoco.mjtCatBit.mjCAT_DYNAMIC, drawn)
+        return renderer.render()
+
+
+def portrait(run: Run, path: str) -> None:
+    """Save the picture."""
+    figure = Figure(figsize=(10, 3.2), layout="constrained", facecolor="white")
+    walk, curve = figure.subplots(1, 2, width_ratios=[2.2, 1])
+    image = strobe(run)
+    walk.imshow(image)
+    walk.set_axis_off()
+    seconds = run.settings.simulation.duration * np.ptp(MOMENTS)
+    metres = distance(simulate(run.champion.genome, run.settings, poses=False))
+    walk.set_title(f"{seconds:.0f} s of a walk of {metres:.1f} m in {run.settings.simulation.duration:g} s", fontsize=9)
+    plots.fitness_curve(run.records, curve)
+    figure.savefig(path, dpi=120)
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("MUJOCO_GL", "egl")
+    portrait(load(sys.argv[1]), sys.argv[2])
