@@ -77,11 +77,10 @@ def express(genome: Genome) -> Phenotype:
 
     def segment(values: list[float]) -> Segment:
         gene = dict(zip(PART, values, strict=True))
-        swings = [
-            Swing(*(gene[Feature[f"{joint}_{motion}"]] for motion in ("amplitude", "phase", "offset")))
-            for joint in ("hip", "knee")
-        ]
-        legs = Legs(gene[Feature.leg_length], gene[Feature.leg_force], swings[0], swings[1], gene[Feature.stride])
+        hip = Swing(gene[Feature.hip_amplitude], gene[Feature.hip_phase], gene[Feature.hip_offset])
+        ahead = hip.phase + gene[Feature.knee_phase]
+        knee = Swing(gene[Feature.knee_amplitude], ahead, gene[Feature.knee_offset])
+        legs = Legs(gene[Feature.leg_length], gene[Feature.leg_force], hip, knee, gene[Feature.stride])
         return Segment(gene[Feature.length], gene[Feature.mass], legs if gene[Feature.legs] else None)
 
     return Phenotype(tuple(map(segment, parts.tolist())), frequency)

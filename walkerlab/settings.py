@@ -70,7 +70,7 @@ class Feature(Choice):
     hip_phase = 8, "when in the stride the thigh swings forward"
     hip_offset = 9, "where the thigh rests: positive is forward"
     knee_amplitude = 10, "how far the shank swings to either side"
-    knee_phase = 11, "when in the stride the shank swings forward"
+    knee_phase = 11, "how far the shank is ahead of its thigh in the stride"
     knee_offset = 12, "where the shank rests: positive is forward"
     stride = 13, "how far the right leg is behind the left in the stride; half a turn is a trot"
 
