@@ -74,11 +74,11 @@ def test_a_probe_that_hangs_is_given_up(monkeypatch):
     assert doctor.walk().level == "fault"
 
 
-def test_missing_gl_is_a_note_that_films_need_it(monkeypatch):
+def test_missing_gl_is_a_note_that_pictures_need_it(monkeypatch):
     monkeypatch.setattr(doctor, "_try_out", lambda *_: (False, "no EGL"))
     finding = doctor.graphics()
     assert finding.level == "note"
-    assert "only films need it" in finding.says
+    assert "only 3D pictures need it" in finding.says
     assert finding.mend
 
 

@@ -142,10 +142,10 @@ def graphics() -> Finding:
         done, answer = _try_out(DRAW, {"MUJOCO_GL": backend, "PYOPENGL_PLATFORM": backend} if backend else {})
         if done:
             tip = f", with MUJOCO_GL={backend} set before Python starts" if backend and not chosen else ""
-            return Finding("ok", f"films can be drawn by {answer}{tip}")
+            return Finding("ok", f"3D pictures can be drawn by {answer}{tip}")
     tried = f" with MUJOCO_GL={chosen}" if chosen else ""
     return Finding(
-        "note", f"no GL that draws without a screen{tried}: only films need it", mend_for_gl(system, _release())
+        "note", f"no GL that draws without a screen{tried}: only 3D pictures need it", mend_for_gl(system, _release())
     )
 
 

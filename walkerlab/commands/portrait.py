@@ -2,7 +2,7 @@
 
     python -m walkerlab.commands.portrait RUN-FILE data/champion.png
 
-Needs a GL that draws without a screen, as films do: ``walkerlab doctor`` says whether there is one.
+Needs a GL that draws without a screen: ``walkerlab doctor`` says whether there is one.
 """
 
 import os

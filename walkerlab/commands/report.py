@@ -67,7 +67,7 @@ def verdict_counts(records: pd.DataFrame) -> str:
 
 def descent(records: pd.DataFrame, individual: int) -> str:
     """Name an individual, its fitter parent, that one's fitter parent and so on, back to a random robot."""
-    line = list(_fathers(records, individual))
+    line = list(_fitter_line(records, individual))
     shown = line if len(line) <= ANCESTORS else [*line[: ANCESTORS - 2], None, line[-1]]
     skipped = f"       … and {len(line) - ANCESTORS + 1} more before them …"
     rows = [
@@ -78,7 +78,7 @@ def descent(records: pd.DataFrame, individual: int) -> str:
     )
 
 
-def _fathers(records: pd.DataFrame, individual: int) -> Iterator[Any]:
+def _fitter_line(records: pd.DataFrame, individual: int) -> Iterator[Any]:
     births: Any = _births(records).itertuples()
     rows: dict[int, Any] = {row.Index: row for row in births}
     yield rows[individual]
@@ -107,8 +107,11 @@ def _count(n: int, thing: str) -> str:
 
 def _words(value: Any) -> str:
     match value:
-        case {"function": name}:
-            return f"{name} (a function of your own)"
+        case {"function": str(address), "with": dict(bound)}:
+            numbers = ", ".join(f"{name}={number}" for name, number in cast(dict[str, Any], bound).items())
+            home, _, name = address.rpartition(".")
+            own = "" if home.startswith("walkerlab.") else " (a function of your own)"
+            return f"{name}({numbers}){own}" if numbers else f"{name}{own}"
         case list():
             return ", ".join(map(_words, cast(list[Any], value)))
         case float():
