@@ -1,6 +1,6 @@
 """Does it evolve walkers, or find them by luck? Champions of several seeds, on several grounds.
 
-    python benchmarks/walkers.py [--seeds 5] [--population-size 100] [--generations 50] [--csv FILE]
+    python benchmarks/walkers.py [--seeds 5] [--population-size 60] [--generations 84] [--csv FILE]
 
 For each ground and seed: how far the champion of one evolution walks, how much of that is left at a quarter of the
 timestep, and, on the flat, how far the best of equally many random robots walks.
@@ -54,8 +54,8 @@ def try_out(ground, seed, given):
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--seeds", type=int, default=5)
-    options.add_argument("--population-size", type=int, default=100)
-    options.add_argument("--generations", type=int, default=50)
+    options.add_argument("--population-size", type=int, default=60)
+    options.add_argument("--generations", type=int, default=84)
     options.add_argument("--csv")
     given = options.parse_args()
 
