@@ -88,7 +88,7 @@ class Genome:
     def within(self, robot: Robot) -> Self:
         """Return the nearest genome that obeys these limits; segments beyond what they allow are cut off.
 
-        A genome that describes fewer segments than the limits allow gets copies of its last, grown if it counts so many.
+        Where it describes fewer segments than the limits allow, it gets copies of its last, grown if its count says so.
         """
         whole, parts = self.values[: len(WHOLE)], self.values[len(WHOLE) :].reshape(self.n_parts, -1)
         parts = parts[np.minimum(np.arange(robot.segments[1]), self.n_parts - 1)]
