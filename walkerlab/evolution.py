@@ -38,8 +38,10 @@ class Generation:
 class Evolution:
     """An evolution, one generation at a time: iterate over it, stop when you like, and go on later.
 
-    for generation in wl.Evolution(settings):
-        print(generation.number, generation.champion.fitness)
+    Iterate over it:
+
+        for generation in wl.Evolution(settings):
+            print(generation.number, generation.champion.fitness)
     """
 
     def __init__(

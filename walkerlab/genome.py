@@ -1,6 +1,8 @@
 """Genomes: what a robot inherits, as numbers and as text.
 
-wl1 segments=2 | seg length=0.31 mass=2.1 legs length=0.28 force=14 | seg … | gait frequency=1.6 | step …
+Segments first, each with its legs; then the gait, a step for each segment:
+
+    wl1 segments=2 | seg length=0.31 mass=2.1 legs length=0.28 force=14 | seg … | gait frequency=1.6 | step …
 """
 
 import re

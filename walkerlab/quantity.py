@@ -1,8 +1,12 @@
 """How a setting is declared: once, with its range, unit and meaning; the check, the message and the form follow.
 
-step_height: float = quantity(0.08, low=0.0, high=0.4, unit="m", about="the rise of each stair")
+Written in a model's class:
 
-Terrain.step_height is 0.9 m; it must be 0 to 0.4 m. It is the rise of each stair.
+    step_height: float = quantity(0.08, low=0.0, high=0.4, unit="m", about="the rise of each stair")
+
+Read by whoever asks for 0.9:
+
+    Terrain.step_height is 0.9 m; it must be 0 to 0.4 m. It is the rise of each stair.
 """
 
 from collections.abc import Iterable

@@ -18,7 +18,9 @@ LIGHT, DARK = (0.87, 0.88, 0.84, 1), (0.79, 0.81, 0.77, 1)
 class Ground(composer.Arena):
     """The ground that all robots of a run walk on, forward being +x; it decides the friction of what touches it.
 
-    flat ______________   incline ___---‾‾‾   stairs ____┌──┌──┌──
+    Seen from the side, robots walking to the right:
+
+        flat ______________   incline ___---‾‾‾   stairs ____┌──┌──┌──
     """
 
     def _build(self, terrain: Terrain, *, scenery: bool = False, name: str = "ground") -> None:
