@@ -1,5 +1,9 @@
 """Many walks on any executor: the same answers, in the order of the questions."""
 
+import os
+import subprocess
+import sys
+import time
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
 
@@ -89,3 +93,31 @@ def test_progress_is_told_and_adds_up():
 
 def test_nobody_to_evaluate_is_no_fault():
     assert wl.evaluate([], SETTINGS, Backwards()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL")
+def test_a_killed_caller_leaves_no_workers_behind():
+    """As when a notebook's kernel is restarted while robots walk."""
+    script = (
+        "import walkerlab as wl; from walkerlab.evaluation import default_executor\n"
+        "pool = default_executor(); list(pool.map(abs, range(4)))\n"
+        "print(*pool._processes, flush=True)\n"
+        "for _ in wl.Evolution(wl.Settings()): pass"
+    )
+    with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as caller:
+        assert caller.stdout
+        workers = list(map(int, caller.stdout.readline().split()))
+        caller.kill()
+    assert workers
+    deadline = time.monotonic() + 20
+    while (left := [worker for worker in workers if alive(worker)]) and time.monotonic() < deadline:
+        time.sleep(0.1)
+    assert not left
+
+
+def alive(pid):
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import threading
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
@@ -105,14 +107,27 @@ def default_executor() -> Executor:
     from loky import get_reusable_executor
 
     with interrupts_held():
-        pool = get_reusable_executor(n_cores(), timeout=IDLE_TIMEOUT, initializer=_leave_interrupts_to_the_caller)
+        pool = get_reusable_executor(
+            n_cores(), timeout=IDLE_TIMEOUT, initializer=_prepare_worker, initargs=(os.getpid(),)
+        )
         pool.submit(int)  # starts the workers now, so that they inherit the hold
     return pool
 
 
-def _leave_interrupts_to_the_caller() -> None:
-    """Ctrl-C reaches every process of a terminal; one of them is enough to stop a run in good order."""
+def _prepare_worker(caller: int) -> None:
+    """Make a worker leave Ctrl-C to its caller, and follow it when it is gone.
+
+    Ctrl-C reaches every process of a terminal; one of them is enough to stop a run in good order. And a caller that
+    is killed, as a notebook's kernel is when it is restarted, can't send its workers home.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_leave_with, args=(caller,), daemon=True).start()
+
+
+def _leave_with(caller: int) -> None:
+    while os.getppid() == caller:  # on Windows this stays as it is, and the idle timeout has to do
+        time.sleep(1)
+    os._exit(0)
 
 
 def _within(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Genome]:
