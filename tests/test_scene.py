@@ -28,7 +28,7 @@ def test_the_body_weighs_and_measures_what_the_genome_says(genome):
     reach = model.geom_size[trunks, 0] + model.geom_size[trunks, 1]
     front, rear = (data.geom_xpos[trunks, 0] + reach).max(), (data.geom_xpos[trunks, 0] - reach).min()
 
-    assert model.body_mass.sum() == pytest.approx(robot.weight, abs=1e-4)
+    assert model.body_mass.sum() == pytest.approx(robot.weight, rel=1e-12)
     assert front - rear == pytest.approx(robot.body_length, abs=1e-6)
     assert front == pytest.approx(0.0, abs=1e-6)
     assert model.nu == 2 * robot.n_legs

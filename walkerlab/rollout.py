@@ -1,9 +1,9 @@
 """One walk: the scene is stepped, what a fitness needs is recorded, and a verdict says whether it counts."""
 
-from collections.abc import Generator
+import threading
+from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from itertools import groupby
 
 import mujoco
 import numpy as np
@@ -85,14 +85,16 @@ def walk(scene: Scene, *, poses: bool = True) -> Rollout:
         state, settled = _settle(scene, data)
         n_steps = round(simulation.duration / simulation.timestep) + 1
         states, sensors = _step(model, data, state, scene.controls(n_steps)[np.newaxis])
-    first, _ = ticks(n_steps, simulation.timestep)
+    first = np.union1d(ticks(n_steps, simulation.timestep)[0], n_steps - 1)
     # A sensor is read before its step and a state after it: the state that a sensor saw is the one before.
-    com, touch = sensors[0, first, :3], sensors[0, first, 3]
+    com, on_ground = sensors[0, first, :3], sensors[0, first, 3] > 0
     positions = np.concatenate([state, states[0, :-1]])[first, 1 : 1 + model.nq] if poses else np.empty((0, model.nq))
     time = first.astype(np.float64) * simulation.timestep
     warned = any(data.warning.number)
-    verdict = _judge(time, com, touch > 0, scene, warned=warned)
-    return Rollout(time, com, touch > 0, scene.phenotype, settled, verdict, positions)
+    for record in (time, com, on_ground, positions):
+        record.setflags(write=False)
+    verdict = _judge(time, com, on_ground, scene, warned=warned)
+    return Rollout(time, com, on_ground, scene.phenotype, settled, verdict, positions)
 
 
 def _settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float]:
@@ -127,8 +129,7 @@ def _judge(time: Floats, com: Floats, on_ground: NDArray[np.bool_], scene: Scene
     speed = np.linalg.norm(np.diff(com, axis=0), axis=1) / np.diff(time)
     if speed.max(initial=0.0) > simulation.max_speed * scene.phenotype.body_length:
         return "too fast"
-    flights = (sum(1 for _ in flight) for touches, flight in groupby(on_ground.tolist()) if not touches)
-    if max(flights, default=0) * time[1] > simulation.max_airborne:
+    if _longest_flight(time, on_ground) > simulation.max_airborne:
         return "airborne"
     low, high = scene.bounds
     if (com[:, :2] < low).any() or (com[:, :2] > high).any():
@@ -136,12 +137,37 @@ def _judge(time: Floats, com: Floats, on_ground: NDArray[np.bool_], scene: Scene
     return "ok"
 
 
+def _longest_flight(time: Floats, on_ground: NDArray[np.bool_]) -> float:
+    """Return the longest time [s] from leaving the ground to touching it again, or to the end of the record."""
+    edges = np.flatnonzero(np.diff(~on_ground, prepend=False, append=False))
+    left, touched = edges[::2], np.minimum(edges[1::2], len(time) - 1)
+    return float(np.max(time[touched] - time[left], initial=0.0))
+
+
+_thread = threading.local()
+
+
 @contextmanager
-def _warnings_counted_not_printed() -> Generator[None, None, None]:
-    """Keep MuJoCo's warnings off the screen and out of a log file; ``mjData.warning`` counts them all the same."""
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(lambda _: None)
+def _warnings_counted_not_printed() -> Generator[None]:
+    """Keep MuJoCo's warnings of this thread's walk off the screen; ``mjData.warning`` counts them all the same."""
+    if mujoco.get_mju_user_warning() is not _hear:
+        _hear.others = mujoco.get_mju_user_warning()
+        mujoco.set_mju_user_warning(_hear)
+    _thread.walks = True
     try:
         yield
     finally:
-        mujoco.set_mju_user_warning(before)
+        _thread.walks = False
+
+
+class _Ear:
+    """MuJoCo has one handler of warnings for all threads: this one passes on what is not about a walk of ours."""
+
+    others: Callable[[str], None] | None = None
+
+    def __call__(self, warning: str) -> None:
+        if not getattr(_thread, "walks", False) and self.others:
+            self.others(warning)
+
+
+_hear = _Ear()

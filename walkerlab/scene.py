@@ -133,8 +133,8 @@ def _build(genome: Genome, settings: Settings, *, scenery: bool) -> tuple[mujoco
 def _plan_xml(plan: tuple[bool, ...], terrain: Terrain, scenery: bool) -> str:
     """Have composer build one body plan on one ground, in nominal measures."""
     ground, walker = generate_terrain(terrain, scenery=scenery), generate_robot(plan)
-    ground.attach(walker).add("freejoint", name="free")
-    root, body = ground.mjcf_model, walker.root_body
+    root, body = ground.mjcf_model, ground.attach(walker)
+    body.add("freejoint", name="free")
     root.option.integrator = "implicitfast"
     root.option.flag.autoreset = "disable"  # a world that blows up must not start anew unseen
     root.sensor.add("subtreecom", name="com", body=body)

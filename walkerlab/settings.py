@@ -92,7 +92,7 @@ class Terrain(Domain, frozen=True):
     incline: float = quantity(
         10.0, low=-30.0, high=30.0, unit="deg", about="the slope of the incline structure; positive is uphill"
     )
-    step_height: float = quantity(0.08, low=0.0, high=0.4, unit="m", about="the rise of each stair")
+    step_height: float = quantity(0.08, low=0.01, high=0.4, unit="m", about="the rise of each stair")
     step_depth: float = quantity(0.4, low=0.1, high=2.0, unit="m", about="the tread of each stair, along the way")
     gravity: tuple[float, float, float] = vector(
         (0.0, 0.0, -9.81), low=-30.0, high=30.0, unit="m/s²", about="the pull on everything; z is up"

@@ -8,6 +8,7 @@ from dm_control import composer
 from walkerlab.settings import Structure, Terrain
 
 ARENA_LENGTH = 30.0  # m of stairs ahead of the landing
+PLATEAU = 300.0  # m of level ground after the last stair, more than anyone walks
 ARENA_WIDTH = 10.0  # m
 LANDING = 1.0  # m of level ground ahead of the robot's nose before the first stair
 FRICTION = (0.9, 0.01, 0.001)  # sliding, torsional [m], rolling [m]: rubber feet on a sports floor
@@ -42,13 +43,15 @@ class Ground(composer.Arena):
     def _lay_stairs(self, rise: float, tread: float) -> None:
         """Lay slabs, each a tread deep and thick enough to reach into the one below."""
         thick = rise + 0.02
-        for i in range(1, math.ceil(ARENA_LENGTH / tread) + 1):
+        count = math.ceil(ARENA_LENGTH / tread)
+        for i in range(1, count + 1):
+            depth = tread if i < count else PLATEAU
             self._mjcf_root.worldbody.add(
                 "geom",
                 name=f"stair{i}",
                 type="box",
-                size=(tread / 2, ARENA_WIDTH / 2, thick / 2),
-                pos=(LANDING + (i - 0.5) * tread, 0, i * rise - thick / 2),
+                size=(depth / 2, ARENA_WIDTH / 2, thick / 2),
+                pos=(LANDING + (i - 1) * tread + depth / 2, 0, i * rise - thick / 2),
                 rgba=DARK if i % 2 else LIGHT,
             )
 
@@ -91,7 +94,7 @@ def bounds(terrain: Terrain) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the least and the greatest (x, y) in m of the ground that is built; a plane has no end."""
     if terrain.structure != Structure.stairs:
         return (-math.inf, -math.inf), (math.inf, math.inf)
-    return (-math.inf, -ARENA_WIDTH / 2), (LANDING + ARENA_LENGTH, ARENA_WIDTH / 2)
+    return (-math.inf, -ARENA_WIDTH / 2), (LANDING + ARENA_LENGTH + PLATEAU / 2, ARENA_WIDTH / 2)
 
 
 def generate_terrain(terrain: Terrain, *, scenery: bool = False) -> Ground:

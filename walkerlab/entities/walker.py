@@ -34,23 +34,19 @@ class Walker(composer.Entity):
         default.joint.limited = "false"
         default.position.dampratio = 1
         default.position.kp = 1
-        parent = self._mjcf_root.worldbody
+        segment = self._mjcf_root.worldbody  # the first segment: what the walker is attached by is its own body
         for number, legged in enumerate(plan, start=1):
-            parent = self._grow_segment(parent, number, legged)
+            segment = self._grow_segment(segment, number, legged)
 
     @property
     def mjcf_model(self) -> mjcf.RootElement:
         """The model, with nominal measures."""
         return self._mjcf_root
 
-    @property
-    def root_body(self) -> mjcf.Element:
-        """The first segment, which carries all others."""
-        return self._mjcf_root.find("body", "seg1")
-
     def _grow_segment(self, parent: mjcf.Element, number: int, legged: bool) -> mjcf.Element:
-        segment = parent.add("body", name=f"seg{number}", pos=(0, 0, 0))
+        segment = parent
         if number > 1:
+            segment = parent.add("body", name=f"seg{number}", pos=(0, 0, 0))
             segment.add("joint", name=f"pitch{number}", axis=(0, 1, 0))
             segment.add("joint", name=f"yaw{number}", axis=(0, 0, 1))
         segment.add("geom", name=f"trunk{number}", size=[0.05], fromto=(0, 0, 0, -0.3, 0, 0), mass=1, rgba=TRUNK)
