@@ -1,6 +1,6 @@
 """Does it evolve walkers, or find them by luck? Champions of several seeds, on several grounds.
 
-    python benchmarks/walkers.py [--seeds 5] [--population-size 60] [--generations 84] [--csv FILE]
+    python benchmarks/walkers.py [--seeds 5] [--population-size 60] [--generations 84] [--ground NAME] [--csv FILE]
 
 For each ground and seed: how far the champion of one evolution walks, how much of that is left at a quarter of the
 timestep, and, on the flat, how far the best of equally many random robots walks.
@@ -17,8 +17,8 @@ from walkerlab.entities.terrain import LANDING
 
 GROUNDS = {
     "flat": wl.Terrain(),
-    "incline 10°": wl.Terrain(structure="incline", incline=10),
-    "stairs 0.08 m": wl.Terrain(structure="stairs", step_height=0.08),
+    "incline": wl.Terrain(structure="incline", incline=10),
+    "stairs": wl.Terrain(structure="stairs", step_height=0.08),
 }
 
 
@@ -56,11 +56,12 @@ def main():
     options.add_argument("--seeds", type=int, default=5)
     options.add_argument("--population-size", type=int, default=60)
     options.add_argument("--generations", type=int, default=84)
+    options.add_argument("--ground", action="append", choices=list(GROUNDS), help="only this one; may be repeated")
     options.add_argument("--csv")
     given = options.parse_args()
 
     rows = []
-    for ground in GROUNDS:
+    for ground in given.ground or GROUNDS:
         for seed in range(given.seeds):
             rows.append(try_out(ground, seed, given))
             print({name: round(v, 2) if isinstance(v, float) else v for name, v in rows[-1].items()}, flush=True)

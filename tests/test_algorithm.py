@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.algorithm import ROOMS, operators, slot_names
+from walkerlab.algorithm import ROOMS, check_own_operators, operators, slot_names
 from walkerlab.ga import mutation, selection
+from walkerlab.limits import genes_of
 from walkerlab.randomness import stream
 
 ROBOT = wl.Robot()
@@ -38,6 +39,26 @@ def test_sliders_reach_those_that_ask_and_spare_what_is_bound():
     assert fourth.keywords["favored"] == "mass"
 
 
+def test_sliders_are_for_mutation_alone():
+    def select(fitness, n_parents, *, rng, rate=0.9, scale=0.8):
+        return np.arange(n_parents) % len(fitness)
+
+    def cross(parents, fitness, n_children, *, rng, rate=0.9, favored="mine"):
+        return np.resize(parents, (n_children, parents.shape[1])), np.arange(n_children)[:, None] % len(parents)
+
+    filled = operators(wl.Algorithm(selection=select, crossover=cross))
+    assert filled.select == (select,)
+    assert filled.cross == (cross,)
+
+
+@pytest.mark.parametrize("slot", ["selection", "crossover", "mutation"])
+@pytest.mark.parametrize(("name", "operator"), [("max", max), ("tournament", partial(selection.tournament, siez=2))])
+def test_an_operator_that_does_not_say_what_it_takes_is_named_with_its_slot(slot, name, operator):
+    algorithm = wl.Algorithm(**{slot: operator})
+    with pytest.raises(wl.OperatorError, match=f"^{slot} '{name}' "):
+        check_own_operators(algorithm, genes_of(ROBOT))
+
+
 def test_a_child_is_told_by_the_operators_that_made_it():
     algorithm = wl.Algorithm(selection=partial(selection.tournament, size=7), crossover=["paired", "weighted"])
     assert slot_names(algorithm) == "tournament(size=7) > paired+weighted > randomized"
@@ -54,6 +75,51 @@ def test_the_steps_of_2017_make_a_generation():
     np.testing.assert_array_equal(genomes, again)
     assert (genomes != later).any()
     assert genomes.shape == (10, POPULATION.shape[1])
+
+
+def test_the_steps_take_lists_of_numbers_genomes_and_texts_as_they_take_arrays():
+    algorithm = wl.Algorithm(selection="top_half", crossover="weighted", seed=2)
+    chosen = wl.select_from_population(FITNESS.tolist(), 8, algorithm, generation=1)
+    np.testing.assert_array_equal(chosen, wl.select_from_population(FITNESS, 8, algorithm, generation=1))
+    assert set(chosen) == set(range(6, 12))
+
+    genomes = [wl.Genome(values) for values in POPULATION]
+    children = wl.crossover_population(POPULATION, FITNESS, 12, ROBOT, algorithm, generation=1).genomes
+    mutants = wl.mutate_population(POPULATION, ROBOT, algorithm, generation=1)
+    for same in (genomes, list(map(str, genomes)), POPULATION.tolist()):
+        crossed = wl.crossover_population(same, FITNESS.tolist(), 12, ROBOT, algorithm, generation=1).genomes
+        np.testing.assert_array_equal(crossed, children)
+        np.testing.assert_array_equal(wl.mutate_population(same, ROBOT, algorithm, generation=1), mutants)
+
+
+@pytest.mark.parametrize("crossover", wl.Crossover)
+def test_parents_that_do_not_count_are_crossed_as_in_an_evolution_with_a_fitness_of_0(crossover):
+    algorithm = wl.Algorithm(crossover=crossover)
+    first, second = (
+        wl.crossover_population(POPULATION, np.append(FITNESS[1:], worst), 12, ROBOT, algorithm, generation=1)
+        for worst in (-np.inf, 0.0)
+    )
+    np.testing.assert_array_equal(first.genomes, second.genomes)
+
+
+def test_the_steps_say_what_they_cannot_take():
+    algorithm, other = wl.Algorithm(), wl.Robot(segments=(1, 5))
+    cross = partial(wl.crossover_population, n_children=4, robot=ROBOT, algorithm=algorithm, generation=1)
+    mutate = partial(wl.mutate_population, robot=ROBOT, algorithm=algorithm, generation=1)
+    longer = wl.generate_robot_population(other, 2, seed=0)
+    with pytest.raises(ValueError, match=r"individual 3 has fitness nan"):
+        cross(POPULATION[:4], [1, 2, 3, np.nan])
+    with pytest.raises(ValueError, match=r"fitness must have the shape \(4,\).* got \(12,\).* fitness\[chosen\]"):
+        cross(POPULATION[:4], FITNESS)
+    for bad in (longer, [POPULATION[0], wl.Genome(longer[0])]):
+        with pytest.raises(ValueError, match=r"genome \d has 62 genes; .* must have 50"):
+            mutate(bad)
+    for single in (POPULATION[0], wl.Genome(POPULATION[0]), str(wl.Genome(POPULATION[0]))):
+        with pytest.raises(ValueError, match="put it in a list"):
+            mutate(single)
+    for size in (0, -1):
+        with pytest.raises(ValueError, match=f"size is {size}; it must be 1 or more"):
+            wl.generate_robot_population(ROBOT, size, seed=1)
 
 
 def test_the_first_population_is_the_same_however_large_it_is():

@@ -36,7 +36,7 @@ FLOORS = (
 
 FLOOR = {room: height for height, rooms in enumerate(FLOORS) for room in rooms}
 
-ONLY_FROM = {"ga": {"genes", "randomness"}, "entities": {"settings"}}
+ONLY_FROM = {"ga": {"genes", "randomness"}, "entities": {"settings", "genes"}}
 """Rooms that know less than their floor allows: ga meets no robot, entities spend no chance."""
 
 ONLY_IN = {

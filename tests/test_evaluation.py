@@ -75,6 +75,20 @@ def test_genomes_texts_and_arrays_are_the_same_question():
     assert answers[0] == answers[1] == answers[2] == EXPECTED[:3]
 
 
+def test_one_genome_text_or_array_is_the_same_scene_and_walk():
+    genome = wl.Genome(GENOMES[0])
+    for given in (genome, str(genome), GENOMES[0], GENOMES[0].tolist()):
+        assert wl.compile_scene(given, SETTINGS).genome == genome
+        assert wl.fitness.distance(wl.simulate(given, SETTINGS, poses=False)) == EXPECTED[0][3]
+
+
+def test_a_single_genome_is_not_taken_for_a_population():
+    genome = wl.Genome(GENOMES[0])
+    for single in (genome, str(genome), GENOMES[0]):
+        with pytest.raises(ValueError, match="put it in a list"):
+            wl.evaluate(single, SETTINGS, Backwards())
+
+
 def test_a_genome_from_elsewhere_is_brought_within_the_limits():
     strong = wl.Robot(weight=(50, 60), body_length=(2, 3), segment_length=(0.5, 1), segments=(3, 6))
     foreign = wl.Genome.random(strong, rng=np.random.default_rng(0))

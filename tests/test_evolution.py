@@ -2,6 +2,7 @@
 
 import itertools
 import signal
+import sqlite3
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -12,6 +13,7 @@ import pandas as pd
 import pytest
 
 import walkerlab as wl
+from walkerlab import store
 from walkerlab.ga import crossover, mutation, selection
 from walkerlab.settings import Crossover, Fitness, Mutation, Selection
 
@@ -119,6 +121,58 @@ class TestNeverLost:
             wl.Evolution(SETTINGS, path, threads)
         assert path.read_text() == "my homework"
 
+    @pytest.mark.parametrize("moment", ["before", "after"])
+    def test_ctrl_c_while_storing_leaves_run_and_file_the_same(self, moment, threads, tmp_path, monkeypatch):
+        def interrupted(path, table, append=store.append):
+            if moment == "after":
+                append(path, table)
+            signal.raise_signal(signal.SIGINT)
+            if moment == "before":
+                append(path, table)
+
+        path = tmp_path / "run.walk"
+        monkeypatch.setattr(store, "append", interrupted)
+        kept = wl.evolve(SETTINGS, path, executor=threads, progress=False)
+        assert kept.n_generations == 2
+        same(wl.load(path).records, kept.records)
+
+    def test_a_run_that_fails_before_its_first_generation_leaves_no_file(self, threads, tmp_path):
+        def stumbles(rollout, calls=itertools.count()):  # noqa: B008
+            return float(rollout.com[-1, 0]) if next(calls) < 4 else 1 / 0
+
+        path = tmp_path / "run.walk"
+        with pytest.raises(ZeroDivisionError):
+            wl.evolve(SETTINGS.with_(fitness=stumbles, n_elites=0), path, executor=threads, progress=False)
+        assert not path.exists()
+
+    def test_fewer_generations_than_are_done_are_refused(self, run, threads, tmp_path):
+        path = tmp_path / "run.walk"
+        wl.evolve(SETTINGS, path, executor=threads, progress=False)
+        with pytest.raises(wl.SettingsError, match="3 generations already"):
+            wl.resume(path, 2, executor=threads, progress=False)
+        assert wl.load(path).settings == SETTINGS
+        same(wl.resume(tmp_path, executor=threads, progress=False).records, run.records)
+
+    @pytest.mark.parametrize("damage", [
+        "DELETE FROM records WHERE generation = 1", "DELETE FROM records WHERE individual = 14",
+        "UPDATE run SET value = '{}' WHERE fact = 'settings'", "UPDATE run SET value = '[]' WHERE fact = 'settings'",
+        "UPDATE records SET genome = 'wl1' WHERE individual = 14",
+    ])  # fmt: skip
+    def test_a_damaged_file_is_never_gone_on_with(self, damage, threads, tmp_path):
+        path = tmp_path / "run.walk"
+        wl.evolve(SETTINGS, path, executor=threads, progress=False)
+        with sqlite3.connect(path) as db:
+            db.execute(damage)
+        db.close()
+        with pytest.raises(wl.RunFileError, match="damaged"):
+            wl.resume(path, 4, executor=threads, progress=False)
+
+    def test_a_table_handed_out_is_the_readers_own(self, run, threads):
+        evolution = wl.Evolution(SETTINGS, executor=threads)
+        for generation in evolution:
+            generation.records["fitness"] = 99.0
+        same(evolution.run.records, run.records)
+
     def test_ctrl_c_keeps_the_generations_that_are_done(self, run, threads):
         calls = itertools.count()
 
@@ -213,6 +267,28 @@ class TestOperatorSlots:
         with pytest.raises(wl.RunFileError, match=r"resume\(path, mutation=nudge\)"):
             wl.resume(path, generations=3, executor=threads, progress=False)
         same(wl.resume(path, 3, executor=threads, progress=False, mutation=nudge).records, whole.records)
+
+    def test_a_resumed_run_goes_on_as_it_began(self, threads, tmp_path):
+        """Nothing but what is missing can be given, and only what it was made with."""
+
+        def nudge(genomes, genes, *, rng, step=0.01):
+            return genomes + step * rng.normal(size=genomes.shape)
+
+        path = tmp_path / "run.walk"
+        slot = [partial(nudge, step=0.02), "macro"]
+        evolve_to = partial(wl.evolve, executor=threads, progress=False)
+        evolve_to(SETTINGS.with_(generations=1, mutation=slot), path)
+        resume = partial(wl.resume, path, 3, threads, progress=False)
+        for given, told in (
+            ({}, r"mutation=\[partial\(nudge, step=0.02\), 'macro'\]"),
+            ({"mutation": nudge}, r"mutation=\[partial\(nudge, step=0.02\), 'macro'\]"),
+            ({"mutation": slot, "selection": "uniform"}, "'gradient'"),
+            ({"mutation": slot, "mutatoin": slot}, "there are fitness, selection"),
+        ):
+            with pytest.raises(wl.RunFileError, match=told):
+                resume(**given)
+            assert wl.load(path).n_generations == 1
+        same(resume(mutation=slot).records, evolve_to(SETTINGS.with_(mutation=slot)).records)
 
     def test_a_bad_operator_is_refused_before_any_physics_runs(self):
         def shrinks(fitness, n_parents, *, rng):

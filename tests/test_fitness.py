@@ -7,6 +7,7 @@ import pytest
 
 import walkerlab as wl
 from walkerlab import fitness
+from walkerlab.ga import OperatorError
 from walkerlab.randomness import stream
 from walkerlab.settings import Fitness
 
@@ -51,6 +52,30 @@ def test_a_function_of_the_users_own_is_not_asked_about_a_void_walk():
         raise AssertionError
 
     assert fitness.score(replace(ROLLOUT, verdict="too fast"), unasked) == -np.inf
+
+
+class TestTriedBeforeAnyPhysics:
+    def test_a_sound_one_passes(self):
+        fitness.check_own(lambda rollout: rollout.com[:, 2].max() * rollout.phenotype.body_length)
+        fitness.check_own(Fitness.velocity)
+
+    @pytest.mark.parametrize(
+        ("own", "told"),
+        [
+            (lambda rollout: 1 / 0, "ZeroDivisionError"),
+            (lambda rollout: rollout.poses[-1, 2], "not recorded"),
+            (lambda: 1.0, "called with one Rollout"),
+            (len, "len"),
+            (lambda rollout: rollout.com, "one finite number"),
+            (lambda rollout: 10**400, "one finite number"),
+            (lambda rollout: np.complex128(1), "one finite number"),
+            (lambda rollout: np.random.default_rng().random(), "the same walk"),
+            (lambda rollout: rollout.com.sort(), "read-only"),
+        ],
+    )
+    def test_an_unsound_one_is_told_what_is_wrong(self, own, told):
+        with pytest.raises(OperatorError, match=told):
+            fitness.check_own(own)
 
 
 @pytest.mark.parametrize("answer", [None, float("nan"), float("inf"), "far", np.zeros(2)])

@@ -11,10 +11,10 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from walkerlab.algorithm import crossover_population, generate_robot_population, mutate_population
-from walkerlab.genome import Genome, GenomeError
+from walkerlab.genome import Genome, GenomeError, read_genomes
 from walkerlab.limits import gene_table, genes_of, repair
 from walkerlab.phenotype import express
-from walkerlab.settings import Algorithm, Crossover, Feature, Mutation, Robot
+from walkerlab.settings import Algorithm, Crossover, Feature, Mutation, Robot, Settings
 
 from .strategies import finite, genomes, robots, tables
 
@@ -77,6 +77,12 @@ def test_the_gene_table_has_a_row_for_each_gene_and_its_ranges_are_the_limits(ro
     assert robot.segments[0] <= table.low["segments"] <= table.high["segments"] <= robot.segments[1]
 
 
+def test_a_gene_table_is_made_from_the_limits():
+    for make in (gene_table, genes_of, lambda robot: generate_robot_population(robot, 2, seed=0)):
+        with pytest.raises(ValueError, match=r"takes the limits, a Robot such as settings\.robot; got a Settings"):
+            make(Settings())
+
+
 def test_every_feature_can_be_favored():
     for feature in Feature:
         found = [genes_of(Robot()).names[i] for i in genes_of(Robot()).find(feature.name)]
@@ -122,6 +128,34 @@ def test_what_is_no_genome_is_refused():
     for bad in (np.nan, np.inf, -np.inf):
         with pytest.raises(ValueError, match=r"gene 3 .* not a finite number"):
             Genome(np.where(np.arange(len(good)) == 3, bad, good))
+
+
+@given(genomes())
+def test_a_genome_is_the_same_as_its_text_and_its_values(genome):
+    assert Genome.of(genome) is genome
+    for given_one in (str(genome), genome.values, genome.values.tolist(), tuple(genome.values)):
+        assert Genome.of(given_one) == genome
+    several = [genome, str(genome), genome.values]
+    assert read_genomes(several) == read_genomes(np.tile(genome.values, (3, 1))) == [genome] * 3
+    assert read_genomes(np.array([str(genome)], dtype=object)) == [genome]
+
+
+def test_what_is_not_even_numbers_is_refused_in_words():
+    for bad in (None, {}, object(), b"wl1", [None], "wl1".split, [[1], [2, 3]]):
+        with pytest.raises(ValueError, match=r"^a genome('s values are a row of numbers| has 2 genes)|finite number"):
+            Genome.of(bad)
+    for bad in (None, 3, b"wl1", Genome.random(Robot(), rng=rng(0))):
+        with pytest.raises(GenomeError, match="a genome is read from its text, a str; got "):
+            Genome.parse(bad)
+
+
+def test_a_single_genome_is_not_taken_for_several():
+    genome = Genome.random(Robot(), rng=rng(0))
+    for single in (genome, str(genome), genome.values):
+        with pytest.raises(ValueError, match="put it in a list"):
+            read_genomes(single)
+    for nobody in ([], (), np.array([]), np.empty((0, 50))):
+        assert read_genomes(nobody) == []
 
 
 @given(robots(), st.integers(0, 2**32 - 1))

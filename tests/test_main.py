@@ -57,7 +57,7 @@ def test_the_help_gives_each_setting_its_meaning_range_and_default(capsys):
     for _, domain in wl.Settings():
         for declared in type(domain).declared().values():
             assert f"{declared.about}: {declared.range}" in said
-    assert "the rise of each stair: 0 to 0.4 m [0.08]" in said
+    assert "the rise of each stair: 0.01 to 0.4 m [0.08]" in said
 
 
 def test_a_field_that_two_domains_share_gets_a_flag_for_each(monkeypatch):
@@ -87,12 +87,28 @@ def test_flags_say_what_python_says():
     assert parsed() == wl.Settings()
 
 
+@pytest.mark.parametrize("number", ["-1", "-1.", "-.5", "-1e0", "-1E+0", "-.5e-3", "-1_0.0", "-1_0e-1", "5", "+5.e-1"])
+def test_a_number_is_a_number_however_python_spells_it(number):
+    assert parsed("--incline", number).terrain.incline == float(number)
+    assert parsed("--gravity", "0", number, "-1").terrain.gravity == (0, float(number), -1)
+    assert parsed("--gravity", number, number, number, "--incline", "2") == wl.Settings().with_(
+        gravity=(float(number),) * 3, incline=2
+    )
+
+
+@pytest.mark.parametrize("number", ["-inf", "-Infinity", "-nan", "-1e999", "-1x"])
+def test_what_is_out_of_range_is_told_so_and_not_taken_for_a_flag(number):
+    with pytest.raises(wl.SettingsError, match=r"Terrain.incline is .*; it must be ") as caught:
+        parsed("--incline", number)
+    assert "flag" not in str(caught.value)
+
+
 def test_all_faults_of_a_call_are_told_at_once_and_nothing_is_made(here, capsys):
     words = "evolve --step-height 0.9 --segments 2 --gravity 0 0 down --selection best --step-hight 1 --duration nan"
     assert main(words.split()) == 2
     said = capsys.readouterr().err
     for fault in (
-        "Terrain.step_height is 0.9 m; it must be 0 to 0.4 m.",
+        "Terrain.step_height is 0.9 m; it must be 0.01 to 0.4 m.",
         "Robot.segments is [2]; it must be 2 numbers: min, max.",
         "Terrain.gravity's z is 'down'; it must be a number, -30 to 30 m/s².",
         "Algorithm.selection is 'best'; it must be one of gradient (0)",
@@ -131,11 +147,19 @@ def test_quiet_says_nothing_and_loud_tells_what_came_and_what_next(here, capfd):
         assert word in said
 
 
+def test_what_to_do_next_stands_in_two_columns_whatever_the_length_of_the_folders_name(here, capsys):
+    folder = "a folder with a name that is longer than a column ever was"
+    assert main(["evolve", *TINY[:-1], "--out", folder]) == 0
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  walkerlab ")]
+    assert f'  walkerlab resume "{folder}" --generations 4   evolve on' in lines
+    assert len({line.rindex("   ") for line in lines}) == 1
+
+
 def test_a_run_is_never_written_over(done, capsys):
     before = contents(done)
     assert main(["evolve", "--out", str(done), *TINY]) == 2
     said = capsys.readouterr().err
-    assert f"walkerlab resume {done / 'run.walk'}" in said
+    assert f"walkerlab resume {done} --generations 4\n" in said
     assert "--out" in said
     assert contents(done) == before
 
@@ -216,6 +240,33 @@ def test_resume_takes_the_folder_or_the_file_and_gives_the_table_of_an_uninterru
     assert contents(Path("whole"))["records.csv"] == contents(Path("parts"))["records.csv"]
 
 
+def test_resuming_a_finished_run_says_how_to_go_on_and_leaves_it_as_it_was(done, capfd):
+    before = contents(done)
+    assert main(["resume", str(done)]) == 0
+    told = f"All 2 generations are done; to go on: walkerlab resume {done} --generations 4\n"
+    assert capfd.readouterr() == (told, "")
+    assert main(["resume", str(done), "--quiet"]) == 0
+    assert capfd.readouterr() == ("", "")
+    assert contents(done) == before
+
+
+def test_resuming_a_finished_run_makes_up_for_files_that_a_stop_has_left_out(here):
+    assert main(["evolve", *TINY]) == 0
+    Path("walk/fitness.svg").unlink()
+    assert main(["resume", "walk", "--quiet"]) == 0
+    assert set(contents(here / "walk")) == set(outputs.FILES)
+
+
+def test_resume_opens_as_evolve_does_and_names_a_file_that_has_another_name(here, capsys):
+    assert main(["evolve", *TINY]) == 0
+    Path("walk/run.walk").rename("mine.walk")
+    assert main(["resume", "mine.walk", "--generations", "3"]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("6 robots, 3 generations (2 of them done), ")
+    assert "walkerlab show mine.walk " in said
+    assert "walkerlab resume mine.walk --generations 6 " in said
+
+
 @pytest.mark.parametrize("command", ["resume", "show"])
 def test_no_run_there_is_told_without_a_traceback(here, command, capsys):
     assert main([command, "nowhere"]) == 2
@@ -245,6 +296,36 @@ def test_show_tells_settings_versions_generations_verdicts_champion_and_descent(
     ):
         assert word in said
     assert "step_height" not in said  # it is as by default
+    n_grown, n_carried = len(wl.express(champion.genome).segments), champion.genome.n_parts
+    assert (f"beyond the first {n_grown} are not grown" in said) == (n_grown < n_carried)
+
+
+def test_walks_are_told_from_rows_because_elites_do_not_walk_again(done):
+    from walkerlab.commands.report import verdict_counts
+
+    assert verdict_counts(wl.load(done).records).startswith(
+        "Verdicts of 10 walks (12 rows in the table, for elites do not walk again):"
+    )
+
+
+@pytest.mark.parametrize(
+    ("n_generations", "shown"),
+    [
+        (1, [0]),
+        (12, list(range(12))),
+        (13, [0, 2, 4, 6, 8, 10, 12]),
+        (25, [0, 5, 10, 15, 20, 24]),
+        (1000, [*range(0, 1000, 100), 999]),
+    ],
+)
+def test_generations_are_listed_in_round_steps_and_the_last_is_always_there(done, n_generations, shown):
+    from walkerlab.commands.report import by_generation
+
+    one = wl.load(done).records.query("generation == 0")
+    records = pd.concat([one.assign(generation=number) for number in range(n_generations)])
+    _, header, *rows = by_generation(records, wl.Settings().model_dump()).splitlines()
+    assert header.split() == ["generation", "best", "[m]", "median", "[m]", "counted"]
+    assert [int(row.split()[0]) for row in rows] == shown
 
 
 def test_a_line_of_descent_goes_back_to_a_random_robot_by_the_fitter_parent(done):
@@ -268,13 +349,43 @@ def test_lab_copies_the_notebooks_but_never_over_a_students_work(here, monkeypat
     calls: list[list[str]] = []
     monkeypatch.setattr("jupyterlab.labapp.LabApp.launch_instance", calls.append)
     assert main(["lab", "--no-browser", "--port", "8899"]) == 0
+    n = len(lab.originals())
+    assert f"New in {lab.FOLDER}: {n} notebook{'' if n == 1 else 's'}. " in capsys.readouterr().out
     first = here / lab.FOLDER / lab.FIRST
     assert first.read_bytes() == next(path for path in lab.originals() if path.name == lab.FIRST).read_bytes()
     first.write_text("mine")
     assert main(["lab"]) == 0
+    assert f"All notebooks are in {lab.FOLDER} already. " in capsys.readouterr().out
     assert first.read_text() == "mine"
     assert all("--ServerApp.ip=127.0.0.1" in call for call in calls)
     assert calls[0][-2:] == ["--no-browser", "--port=8899"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal that lets a server end in good order")
+def test_lab_prints_the_address_of_the_first_notebook(here):
+    command = [sys.executable, "-m", "walkerlab", "lab", "--no-browser", "--allow-root"]
+    own = {name: str(here) for name in ("HOME", "JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR")}
+    with subprocess.Popen(command, env={**os.environ, **own}, stderr=subprocess.PIPE, text=True) as server:
+        assert server.stderr
+        address = next(line for line in server.stderr if "http://127.0.0.1" in line)
+        server.terminate()
+        server.stderr.read()
+    assert f"/lab/tree/{lab.FIRST}?token=" in address
+
+
+# ------------------------------------------------------------------------------------------------ the grammar
+
+
+def test_alone_it_gives_its_help(capsys):
+    assert main([]) == 0
+    assert "evolve walkers into a new folder" in capsys.readouterr().out
+
+
+def test_an_unknown_command_is_met_with_the_one_that_was_meant(capsys):
+    assert main(["evovle", "--quiet"]) == 2
+    assert capsys.readouterr().err == "There is no command 'evovle'. Did you mean: walkerlab evolve?\n"
+    assert main(["dance"]) == 2
+    assert "There are evolve, resume, show, doctor, lab." in capsys.readouterr().err
 
 
 def test_help_is_quick_because_nothing_heavy_is_loaded():

@@ -1,12 +1,15 @@
 """A picture shows the numbers of the table, and says what they are."""
 
+import mujoco
 import numpy as np
 import pandas as pd
 import pytest
 from matplotlib.figure import Figure
 
 import walkerlab as wl
+from walkerlab.entities.terrain import height
 from walkerlab.records import COLUMNS, join, tidy
+from walkerlab.settings import Structure
 
 
 def made_up(n=8, seed=0):
@@ -59,3 +62,38 @@ def test_text_stays_text_in_svg(ax, tmp_path):
 
 def test_a_table_without_rows_is_drawn_as_an_empty_picture(ax):
     wl.plots.fitness_curve(join([]), ax)
+
+
+class TestStride:
+    """The robot as it is drawn without GL is the robot that walked."""
+
+    genome = wl.Genome.random(wl.Robot(), rng=np.random.default_rng(2))
+    settings = wl.Settings().with_(duration=2.0)
+
+    def test_it_shows_the_body_to_scale_and_over_the_ground(self, ax):
+        wl.plots.stride(self.genome, self.settings, ax)
+        robot = wl.express(self.genome)
+        bodies = 6 * (len(robot.segments) + 2 * robot.n_legs)
+        assert len(ax.patches) == bodies
+        assert min(patch.get_path().vertices[:, 1].min() for patch in ax.patches) > -0.02
+        assert ax.get_aspect() == 1
+
+    def test_an_outline_is_what_mujoco_knows_of_the_body(self):
+        scene, rollout = wl.compile_scene(self.genome, self.settings), wl.simulate(self.genome, self.settings)
+        ends, radii, colours = scene.outline(rollout.poses[-1])
+        mass = scene.model.body_mass[scene.model.geom_bodyid[scene.model.geom_bodyid > 0]]
+        assert len(ends) == len(radii) == len(colours) == len(mass)
+        lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) + 2 * radii
+        assert sorted(lengths)[-1] <= max(segment.length for segment in wl.express(self.genome).segments) + 0.2
+        assert np.linalg.norm(rollout.com[-1] - ends.mean(axis=(0, 1))) < 0.5
+
+    @pytest.mark.parametrize("structure", Structure)
+    def test_the_ground_is_drawn_where_mujoco_has_it(self, structure):
+        settings = self.settings.with_(structure=structure)
+        scene = wl.compile_scene(self.genome, settings)
+        data = mujoco.MjData(scene.model)
+        mujoco.mj_forward(scene.model, data)
+        for x in (-0.5, 0.7, 1.3, 2.9, 6.1):
+            above = np.array([x, 3.0, 8.0])  # beside the robot, which stands in the middle
+            depth = mujoco.mj_ray(scene.model, data, above, np.array([0, 0, -1.0]), None, 1, -1, np.zeros(1, np.int32))
+            assert 8.0 - depth == pytest.approx(height(settings.terrain, np.array([x]))[0], abs=1e-6)

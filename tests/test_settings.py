@@ -8,9 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
-from pydantic import ValidationError
 
-from walkerlab.quantity import PAIR, Choice, OneOf, Quantity, SettingsError
+from walkerlab.quantity import PAIR, Choice, OneOf, Quantity, SettingsError, function_name
 from walkerlab.settings import (
     Algorithm,
     Camera,
@@ -131,7 +130,9 @@ def test_several_numbers_come_as_many_as_are_needed(domain, name):
     good = default(domain, name)
     assert getattr(domain(**{name: list(good)}), name) == good
     assert getattr(domain(**{name: np.array(good)}), name) == good
-    for bad in (good[:-1], (*good, good[-1]), (), good[0], "123"[: len(parts)], None):
+    unordered = set(good), frozenset(good), dict.fromkeys(good), dict.fromkeys(good).keys()
+    letters = [kind(b"123"[: len(parts)]) for kind in (bytes, bytearray)]
+    for bad in (good[:-1], (*good, good[-1]), (), good[0], "123"[: len(parts)], None, *unordered, *letters):
         assert f"it must be {len(parts)} numbers: {', '.join(parts)}." in refusal(domain, **{name: bad})
 
 
@@ -146,7 +147,7 @@ def test_a_min_over_its_max_is_refused(name):
 
 def test_a_message_reads_like_this():
     assert refusal(Terrain, step_height=0.9) == (
-        "Terrain.step_height is 0.9 m; it must be 0 to 0.4 m. It is the rise of each stair."
+        "Terrain.step_height is 0.9 m; it must be 0.01 to 0.4 m. It is the rise of each stair."
     )
     assert refusal(Algorithm, seed=-1).startswith("Algorithm.seed is -1; it must be 0 to 2147483647. ")
 
@@ -206,6 +207,20 @@ def test_a_slot_takes_a_function_or_a_list_of_anything_it_takes_alone(slot):
         assert refusal(Algorithm, **{slot: bad}).startswith(f"Algorithm.{slot} is ")
 
 
+def test_a_partial_is_what_a_run_file_gives_back():
+    """Numbers of numpy become plain, and a partial that binds nothing becomes the function."""
+    for given_one, shown in (
+        (partial(my_own, size=np.int64(2)), "my_own(size=2)"),
+        (partial(my_own, np.float64(0.5), how=np.bool_(True)), "my_own(0.5, how=True)"),
+        (partial(my_own, size=np.array(7)), "my_own(size=7)"),
+    ):
+        alone, first = Algorithm(selection=given_one), Algorithm(selection=[given_one, my_own])
+        assert function_name(alone.selection) == function_name(first.selection[0]) == shown
+        again = Settings(algorithm=alone).with_(seed=3).algorithm
+        assert again.selection is alone.selection
+    assert Algorithm(selection=partial(my_own)).selection is my_own
+
+
 def test_only_slots_for_functions_take_functions_and_only_slots_for_several_take_lists():
     assert Algorithm(fitness=my_own).fitness is my_own
     assert "or a function of your own" in refusal(Algorithm, fitness="nonsense")
@@ -234,6 +249,28 @@ def test_all_faults_of_one_call_are_told_at_once():
 
     flat = {name: value for fields in beyond.values() for name, value in fields.items()}
     assert len(refusal(Settings().with_, **flat, no_such=1).splitlines()) == len(everything) + 1
+
+
+@pytest.mark.parametrize("keyword", DOMAINS)
+def test_what_is_no_domain_is_told_beside_all_other_faults(keyword):
+    kind, other = DOMAINS[keyword], DOMAINS["robot" if keyword == "terrain" else "terrain"]()
+    for bad in ("stairs", None, [], 3, kind, other, {1}):
+        told = f"Settings.{keyword} is {bad!r}; it must be a {kind.__name__}, or a dict of its settings."
+        assert refusal(Settings, **{keyword: bad}).startswith(told)
+        singles = {"incline": 99, "weight": 1, "seed": -1, "duration": 0}
+        first, *rest = refusal(Settings().with_, **singles, **{keyword: bad}, no_such=1).splitlines()
+        assert first.startswith(told)
+        assert len(rest) == len(singles) + 1
+        refusal(Settings().with_, **{keyword: bad}, incline=5, weight=(3, 4), seed=1, duration=4)
+
+
+def test_a_choice_given_for_its_domain_gets_a_did_you_mean():
+    for domain, name in CHOICES:
+        for choice in domain.declared()[name].choices:
+            keyword = domain.__name__.lower()
+            said = refusal(Settings, **{keyword: choice.name})
+            mend = re.search(r"Did you mean (.*)\?$", said).group(1)
+            assert choice.name in eval(f"dict({mend})")[keyword].model_dump().values()
 
 
 @every_field
@@ -355,6 +392,8 @@ def test_json_holds_choices_by_name_and_of_functions_the_address_alone():
     assert plain["crossover"] == "paired"
     assert plain["fitness"] == {"function": f"{__name__}.my_own", "with": {}}
     with_it = {"size": 7, "table": "array([1., 1.])", "how": "fast"}
+    positional = Algorithm(selection=partial(my_own, np.int64(3), "x", size=7)).model_dump()["selection"]
+    assert positional == {"function": f"{__name__}.my_own", "with": {"size": 7}, "args": [3, "x"]}
     assert plain["selection"] == ["top_half", {"function": f"{__name__}.my_own", "with": with_it}]
     assert plain["mutation"] == {"function": f"{__name__}.<lambda>", "with": {}}
     assert len(refusal(Algorithm, **plain).splitlines()) == 3  # and an address is never taken for a function
@@ -362,11 +401,27 @@ def test_json_holds_choices_by_name_and_of_functions_the_address_alone():
 
 @every_field
 def test_settings_are_frozen(domain, name):
-    settings = domain()
-    with pytest.raises(ValidationError, match="frozen"):
-        setattr(settings, name, default(domain, name))
-    with pytest.raises(ValidationError, match="frozen"):
-        setattr(Settings(), domain.__name__.lower(), settings)
+    settings, whole, keyword = domain(), Settings(), domain.__name__.lower()
+    for changed, attribute, value in ((settings, name, default(domain, name)), (whole, keyword, settings)):
+        said = refusal(setattr, changed, attribute, value)
+        assert f"{type(changed).__name__}.{attribute} stays as it is: settings never change" in said
+    assert (settings, whole) == (domain(), Settings())
+
+
+def test_the_mend_of_a_change_can_be_typed_as_it_stands():
+    s = Settings()
+    stairs = Terrain(structure="stairs")
+    for changed, name, value in ((s.algorithm, "seed", 3), (s, "seed", 3), (s, "terrain", stairs)):
+        mend = refusal(setattr, changed, name, value).rpartition(" s = ")[2]
+        assert eval(mend) == s.with_(**{name: value})
+
+
+def test_whatever_way_settings_are_made_their_faults_are_told_in_our_words():
+    for kind, bad in ((Settings, {"terrain": {"incline": 99}, "no_such": 1}), (Terrain, {"incline": 99, "sep": 2})):
+        told = refusal(kind, **bad)
+        assert refusal(kind.model_validate, bad) == refusal(kind.model_validate_json, json.dumps(bad)) == told
+    assert "Invalid JSON" in refusal(Settings.model_validate_json, "{no")
+    assert refusal(Settings.model_validate, 3).startswith("Settings is 3; ")
 
 
 @hypothesis_settings(max_examples=60)
@@ -401,4 +456,17 @@ def test_equal_settings_are_equal_whatever_way_they_were_given():
     assert a == b
     assert hash(a) == hash(b)
     assert a != b.with_(mutation=Mutation.macro)
-    assert repr(a.terrain) == "Terrain(structure=<Structure.stairs: 2>)"
+
+
+@hypothesis_settings(max_examples=100)
+@given(all_settings)
+def test_what_is_shown_can_be_pasted_back(settings):
+    assert eval(repr(settings)) == settings
+    assert str(settings) == repr(settings)
+
+
+def test_only_what_differs_is_shown_and_choices_and_functions_by_name():
+    assert repr(Terrain(structure=2)) == "Terrain(structure='stairs')"
+    algorithm = Algorithm(fitness=my_own, mutation=["macro", partial(my_own, 1, size=np.int64(7))])
+    assert repr(algorithm) == "Algorithm(fitness=my_own, mutation=('macro', partial(my_own, 1, size=7)))"
+    assert repr(Settings()) == "Settings()"

@@ -17,13 +17,14 @@ from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
 
 WHOLE = st.integers(-(2**63), 2**63 - 1)
+EMPTY = tidy(pd.DataFrame(columns=list(COLUMNS)))
 CELLS = {int: WHOLE, float: st.floats(), str: st.text(st.characters(codec="utf-8", exclude_characters="\0"))}
 
 
 @pytest.fixture
 def path(tmp_path):
     path = tmp_path / "run.wl"
-    store.create(path, Settings().model_dump())
+    store.create(path, Settings().model_dump(), EMPTY)
     return path
 
 
@@ -73,7 +74,8 @@ def test_a_run_comes_back_as_it_was_written(path):
 @given(rows=st.lists(st.fixed_dictionaries({name: CELLS[kind] for name, (kind, *_) in COLUMNS.items()}), min_size=1))
 def test_any_table_comes_back_bit_for_bit(tmp_path_factory, rows):
     path = tmp_path_factory.mktemp("any") / "run.wl"
-    store.create(path, {})
+    store.claim(path)
+    store.create(path, {}, EMPTY)
     table = tidy(pd.DataFrame(rows).assign(generation=0, individual=range(len(rows))))
     store.append(path, table)
     assert same(table_of(path), table)
@@ -138,10 +140,23 @@ def test_of_a_generation_that_was_killed_half_way_nothing_is_there(path, request
     assert len(table_of(path)) == 10
 
 
+def test_a_claim_leaves_nothing_and_tells_where_nothing_can_be_made(tmp_path):
+    store.claim(tmp_path / "new" / "run.wl")
+    assert not list((tmp_path / "new").iterdir())
+    (tmp_path / "a file").touch()
+    with pytest.raises(RunFileError, match="no run file can be made"):
+        store.claim(tmp_path / "a file" / "run.wl")
+
+
+def test_a_folder_means_the_run_in_it(tmp_path):
+    assert store.locate(tmp_path) == tmp_path / store.RUN_FILE
+    assert store.locate(tmp_path / "mine.walk") == tmp_path / "mine.walk"
+
+
 def test_a_file_is_made_whole_or_not_at_all(tmp_path, monkeypatch):
     monkeypatch.setattr(store, "_RECORDS", "CREATE TABLE nonsense")
     with pytest.raises(RunFileError):
-        store.create(tmp_path / "run.wl", {})
+        store.create(tmp_path / "run.wl", {}, EMPTY)
     with closing(sqlite3.connect(tmp_path / "run.wl")) as db:
         assert db.execute("SELECT * FROM sqlite_schema").fetchall() == []
         assert db.execute("PRAGMA application_id").fetchone() == (0,)
@@ -170,7 +185,7 @@ def test_a_run_is_never_written_over(path, tmp_path):
     for taken in (path, text, tmp_path):
         before = taken.read_bytes() if taken.is_file() else None
         with pytest.raises(RunFileError, match="never written over"):
-            store.create(taken, {})
+            store.claim(taken)
         assert before == (taken.read_bytes() if taken.is_file() else None)
 
 
@@ -241,7 +256,8 @@ def test_a_file_holds_text_and_numbers_only(path):
 
 def test_a_run_is_one_file_in_a_folder_that_is_made_if_need_be(tmp_path):
     path = tmp_path / "new" / "folder" / "my run?#%20.wl"
-    store.create(path, {})
+    store.claim(path)
+    store.create(path, {}, EMPTY)
     store.append(path, generation(0))
     store.read(path)
     assert list(path.parent.iterdir()) == [path]

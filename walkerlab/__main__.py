@@ -3,7 +3,8 @@
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 import walkerlab as wl
@@ -24,8 +25,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns:
         The exit code: 0; 1 if the doctor found a fault; 2 for a request that cannot be met; 130 after Ctrl-C.
     """
-    parser = _grammar()
-    given, strangers = parser.parse_known_args(argv)
+    parser, commands = _grammar()
+    words = sys.argv[1:] if argv is None else list(argv)
+    if not words:
+        parser.print_help()
+        return 0
+    if words[0] not in commands and not words[0].startswith("-"):
+        return _say(_no_such_command(words[0], commands), to=REFUSED)
+    given, strangers = parser.parse_known_args(words)
     if strangers and given.run is not _evolve:
         parser.error(f"{given.command} does not know: {' '.join(strangers)}")
     given.strangers = strangers
@@ -38,11 +45,12 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     except ImportError as error:
         return _say(f"{error}\nFor the mend, ask: walkerlab doctor", to=1)
-    except (SettingsError, wl.RunFileError, OSError) as error:
+    except (SettingsError, wl.RunFileError, wl.GenomeError, OSError) as error:
         return _say(str(error), to=REFUSED)
 
 
-def _grammar() -> argparse.ArgumentParser:
+def _grammar() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentParser]]:
+    """Return the parser of all, and that of each command."""
     parser = argparse.ArgumentParser(
         prog="walkerlab",
         description="Evolve walking robots with a genetic algorithm.",
@@ -84,43 +92,73 @@ def _grammar() -> argparse.ArgumentParser:
     lab.add_argument("--no-browser", action="store_true", help="only print the address")
     lab.add_argument("--port", type=int, metavar="N", help="the port to listen at, on this computer only")
     lab.add_argument("--allow-root", action="store_true", help="run as root, as in a container")
-    return parser
+    return parser, commands.choices
+
+
+def _no_such_command(word: str, commands: Mapping[str, object]) -> str:
+    guess = get_close_matches(word, commands, n=1)
+    mend = f"Did you mean: walkerlab {guess[0]}?" if guess else f"There are {', '.join(commands)}."
+    return f"There is no command {word!r}. {mend}"
 
 
 def _evolve(given: argparse.Namespace) -> int:
     with interrupts_held():
-        from walkerlab.commands.outputs import RUN_FILE
+        from walkerlab.commands import report
         from walkerlab.evaluation import n_cores
+        from walkerlab.store import RUN_FILE
 
     settings = flags.settings_of(vars(given), given.strangers)
     path = given.out / RUN_FILE
     if path.exists():
         raise wl.RunFileError(
             f"{given.out} holds a run already, and a run is never written over.\n"
-            f"Go on with it:    walkerlab resume {path}\n"
+            f"Go on with it:    walkerlab {_to_go_on(wl.load(path))}\n"
             f"Begin a new one:  walkerlab evolve --out ANOTHER-FOLDER"
         )
     if not given.quiet:
-        algorithm = settings.algorithm
-        print(f"{algorithm.population_size} robots, {algorithm.generations} generations, {n_cores()} cores. ", end="")
-        print("Ctrl-C stops early and keeps what is done.", flush=True)
+        print(report.opening(settings, n_cores()), flush=True)
     try:
         run = wl.evolve(settings, path, progress=not given.quiet)
     except KeyboardInterrupt:
-        if path.exists() and wl.load(path).n_generations:
+        if path.exists():
             return _finish(wl.load(path), quiet=given.quiet)
-        path.unlink(missing_ok=True)  # it is ours, made a moment ago, and empty
         return _say("\nStopped before the first generation was done, so there is nothing to keep.", to=INTERRUPTED)
     return _finish(run, quiet=given.quiet)
 
 
 def _resume(given: argparse.Namespace) -> int:
     with interrupts_held():
-        path = _run_file(given.path)
-    done = wl.load(path).n_generations
-    if given.generations is not None and given.generations < done:
-        raise SettingsError(f"{path} has {done} generations already; --generations must be {done} or more, in all.")
-    return _finish(wl.resume(path, given.generations, progress=not given.quiet), quiet=given.quiet)
+        from walkerlab.commands import outputs, report
+        from walkerlab.evaluation import n_cores
+        from walkerlab.run import with_functions
+
+    run = with_functions(wl.load(given.path), {})
+    done, wanted = run.n_generations, given.generations
+    wanted = run.settings.algorithm.generations if wanted is None else wanted
+    if done == wanted and run.path:
+        if not all((run.path.parent / name).exists() for name in outputs.FILES):  # stopped when all but these was done
+            outputs.write(run, run.path.parent)
+        if not given.quiet:
+            print(f"All {done} generations are done; to go on: walkerlab {_to_go_on(run)}")
+        return 0
+    if not given.quiet and done < wanted:
+        print(report.opening(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
+    return _finish(wl.resume(given.path, given.generations, progress=not given.quiet), quiet=given.quiet)
+
+
+def _to_go_on(run: "wl.Run") -> str:
+    """Give the words that resume a run: to its end, or if it is there, to twice as many generations."""
+    done, wanted = run.n_generations, run.settings.algorithm.generations
+    return f"resume {_named(run)}" + (f" --generations {2 * done}" if done == wanted else "")
+
+
+def _named(run: "wl.Run") -> str:
+    """Name a run as briefly as a shell takes it: by its folder, if its file is the run file of that folder."""
+    from walkerlab import store
+
+    assert run.path
+    name = str(run.path.parent if run.path.name == store.RUN_FILE else run.path)
+    return f'"{name}"' if " " in name else name
 
 
 def _finish(run: "wl.Run", *, quiet: bool) -> int:
@@ -138,14 +176,14 @@ def _finish(run: "wl.Run", *, quiet: bool) -> int:
         print(report.champion_story(run.records, run.settings.model_dump()))
         print(f"\nIn the folder {folder} there are now")
         print("\n".join(f"  {name:13} {about}" for name, about in outputs.FILES.items()))
-        more = "" if stopped else f" --generations {2 * run.n_generations}"
         print("\nWhat next?")
-        for words, about in (
-            (f"show {folder}", "what happened, and the champion's family"),
-            (f"resume {folder}{more}", "evolve on"),
-            ("lab", "play with walkers in notebooks"),
-        ):
-            print(f"  walkerlab {words:30} {about}")
+        next_steps = {
+            f"show {_named(run)}": "what happened, and the champion's family",
+            _to_go_on(run): "evolve on",
+            "lab": "play with walkers in notebooks",
+        }
+        width = max(map(len, next_steps))
+        print("\n".join(f"  walkerlab {words:{width}}   {about}" for words, about in next_steps.items()))
     return INTERRUPTED if stopped else 0
 
 
@@ -153,20 +191,17 @@ def _show(given: argparse.Namespace) -> int:
     from walkerlab import store
     from walkerlab.commands import report
 
-    path = _run_file(given.path)
+    run, path = wl.load(given.path), store.locate(given.path)
     facts, settings, records = store.read(path)
-    algorithm = settings["algorithm"]
-    print(f"{path}: {records.generation.nunique()} of {algorithm['generations']} generations")
+    print(f"{path}: {run.n_generations} of {run.settings.algorithm.generations} generations")
     print("made with", ", ".join(f"{name} {version}" for name, version in facts.items() if name != "settings"))
     print(f"\n{report.changed_settings(settings)}")
-    if records.empty:
-        return _say(f"\nNo generation is done yet. Go on with: walkerlab resume {path}", to=0)
-    best = wl.Run(wl.Settings(), records).champion
+    best = run.champion
     for part in (
-        report.by_generation(records),
+        report.by_generation(records, settings),
         report.verdict_counts(records),
         report.champion_story(records, settings),
-        f"Its gene:\n{best.genome}",
+        report.gene(best),
         report.descent(records, best.individual),
     ):
         print(f"\n{part}")
@@ -193,7 +228,9 @@ def _lab(given: argparse.Namespace) -> int:
 
     folder = Path(lab.FOLDER)
     copied = lab.copy_notebooks(folder)
-    print(f"New in {folder}: {len(copied)} notebooks. What was there before stays as it was.", flush=True)
+    notebooks = f"{len(copied)} notebook{'' if len(copied) == 1 else 's'}"
+    new = f"New in {folder}: {notebooks}." if copied else f"All notebooks are in {folder} already."
+    print(f"{new} What was there before stays as it was.", flush=True)
     options = [f"--{name.replace('_', '-')}" for name in ("no_browser", "allow_root") if getattr(given, name)]
     options += [f"--port={given.port}"] if given.port else []
     try:
@@ -201,13 +238,6 @@ def _lab(given: argparse.Namespace) -> int:
     except ImportError:
         return _say(f'JupyterLab is not installed. Mend: "{sys.executable}" -m pip install jupyterlab', to=REFUSED)
     return 0
-
-
-def _run_file(path: Path) -> Path:
-    """Return the run file that is meant by its own path, or by that of its folder."""
-    from walkerlab.commands.outputs import RUN_FILE
-
-    return path / RUN_FILE if path.is_dir() else path
 
 
 def _say(message: str, *, to: int) -> int:

@@ -4,25 +4,30 @@ The functions at the end are the steps of one generation, under the names of the
 """
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from types import ModuleType
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import ArrayLike
 
 from walkerlab.ga import check, crossover, mutation, selection
 from walkerlab.ga.crossover import Children
-from walkerlab.ga.loop import Operators, cross_in_turn, mutate_in_turn, select_in_turn
+from walkerlab.ga.loop import NOT_COUNTED, Operators, cross_in_turn, mutate_in_turn, select_in_turn
+from walkerlab.ga.selection import require_finite
 from walkerlab.genes import Floats, Genes, Indices
-from walkerlab.genome import Genome
+from walkerlab.genome import Genome, read_genomes
 from walkerlab.limits import genes_of, repair
 from walkerlab.quantity import Choice, function_name
 from walkerlab.randomness import stream
 from walkerlab.settings import Algorithm, Crossover, Mutation, Robot, Selection
 
 Operator = Callable[..., Any]
+
+Individuals: TypeAlias = Iterable[Genome | str | ArrayLike]
+"""Genomes, their texts, or an (n, n_genes) array."""
 
 ROOMS: dict[type[Choice], ModuleType] = {Selection: selection, Crossover: crossover, Mutation: mutation}
 """Where the functions of each kind live, each under the name of its choice."""
@@ -31,8 +36,8 @@ ROOMS: dict[type[Choice], ModuleType] = {Selection: selection, Crossover: crosso
 def operators(algorithm: Algorithm) -> Operators:
     """Turn the settings' slots into functions.
 
-    An operator is given those of ``rate``, ``scale`` and ``favored`` that it takes as keywords and that are not
-    bound already: so the sliders reach a student's own mutation as soon as it asks for them.
+    A mutation is given those of ``rate``, ``scale`` and ``favored`` that it takes as keywords and that are not bound
+    already: so the sliders reach a student's own as soon as it asks for them.
     """
     offered = {
         "rate": algorithm.mutation_rate,
@@ -41,15 +46,25 @@ def operators(algorithm: Algorithm) -> Operators:
     }
 
     def function(operator: Choice | Operator) -> Operator:
-        plain = getattr(ROOMS[type(operator)], operator.name) if isinstance(operator, Choice) else operator
-        wanted = inspect.signature(plain).parameters
-        bound = plain.keywords if isinstance(plain, partial) else {}
-        given = {name: value for name, value in offered.items() if name in wanted and name not in bound}
-        return partial(plain, **given) if given else plain
+        return getattr(ROOMS[type(operator)], operator.name) if isinstance(operator, Choice) else operator
+
+    def with_sliders(mutate: Operator) -> Operator:
+        wanted = _open_keywords(mutate)
+        given = {name: value for name, value in offered.items() if name in wanted}
+        return partial(mutate, **given) if given else mutate
 
     slots = (algorithm.selection, algorithm.crossover, algorithm.mutation)
     select, cross, mutate = (tuple(map(function, in_turn(slot))) for slot in slots)
-    return Operators(select=select, cross=cross, mutate=mutate)
+    return Operators(select=select, cross=cross, mutate=tuple(map(with_sliders, mutate)))
+
+
+def _open_keywords(operator: Operator) -> set[str]:
+    """Name the keywords that an operator takes and that are not bound already; none if it does not say."""
+    try:
+        wanted = inspect.signature(operator).parameters
+    except (TypeError, ValueError):  # whatever is wrong with it, the check knows the words
+        return set()
+    return wanted.keys() - (operator.keywords if isinstance(operator, partial) else {})
 
 
 def in_turn(slot: Any) -> tuple[Choice | Operator, ...]:
@@ -92,24 +107,55 @@ def generate_robot_gene(robot: Robot, *, rng: Generator) -> Genome:
 
 
 def generate_robot_population(robot: Robot, size: int, *, seed: int) -> Floats:
-    """Draw the (size, n_genes) genomes of generation 0, each from a stream of its own."""
+    """Draw the (size, n_genes) genomes of generation 0, each from a stream of its own.
+
+    Raises:
+        ValueError: if ``size`` is under 1.
+    """
+    if size < 1:
+        raise ValueError(f"size is {size}; it must be 1 or more. It is how many robots the population has.")
     return np.array([generate_robot_gene(robot, rng=stream(seed, "population", 0, i)).values for i in range(size)])
 
 
-def select_from_population(fitness: Floats, n_parents: int, algorithm: Algorithm, *, generation: int) -> Indices:
+def select_from_population(fitness: ArrayLike, n_parents: int, algorithm: Algorithm, *, generation: int) -> Indices:
     """Choose (n_parents,) indices into (n,) fitness, as this generation's step does."""
-    return select_in_turn(operators(algorithm).select, fitness, n_parents, seed=algorithm.seed, generation=generation)
+    select, fitness = operators(algorithm).select, np.asarray(fitness, dtype=np.float64)
+    return select_in_turn(select, fitness, n_parents, seed=algorithm.seed, generation=generation)
 
 
 def crossover_population(
-    parents: Floats, fitness: Floats, n_children: int, robot: Robot, algorithm: Algorithm, *, generation: int
+    parents: Individuals, fitness: ArrayLike, n_children: int, robot: Robot, algorithm: Algorithm, *, generation: int
 ) -> Children:
-    """Cross (n_parents, n_genes) parents into children, with their parents' indices."""
-    cross, genes = operators(algorithm).cross, genes_of(robot)
-    return cross_in_turn(cross, parents, fitness, n_children, genes=genes, seed=algorithm.seed, generation=generation)
+    """Cross parents, whose (n_parents,) fitness is given, into children, with their parents' indices.
+
+    Raises:
+        ValueError: if there is not one fitness for each parent, or one is NaN or +inf.
+    """
+    cross, genes, table = operators(algorithm).cross, genes_of(robot), _table(parents, robot)
+    fitness = np.asarray(fitness, dtype=np.float64)
+    if fitness.shape != (len(table),):
+        raise ValueError(
+            f"fitness must have the shape ({len(table)},), a number for each of the parents; got {fitness.shape}. "
+            "Of those that were chosen it is fitness[chosen]."
+        )
+    counted = np.where(fitness == NOT_COUNTED, 0.0, fitness)
+    require_finite(counted)
+    return cross_in_turn(cross, table, counted, n_children, genes=genes, seed=algorithm.seed, generation=generation)
 
 
-def mutate_population(genomes: Floats, robot: Robot, algorithm: Algorithm, *, generation: int) -> Floats:
-    """Mutate (n, n_genes) genomes, and repair them so that every robot obeys the limits."""
-    mutate, genes = operators(algorithm).mutate, genes_of(robot)
-    return repair(mutate_in_turn(mutate, genomes, genes, seed=algorithm.seed, generation=generation), robot)
+def mutate_population(genomes: Individuals, robot: Robot, algorithm: Algorithm, *, generation: int) -> Floats:
+    """Mutate genomes, and repair them so that every robot obeys the limits: (n, n_genes)."""
+    mutate, genes, table = operators(algorithm).mutate, genes_of(robot), _table(genomes, robot)
+    return repair(mutate_in_turn(mutate, table, genes, seed=algorithm.seed, generation=generation), robot)
+
+
+def _table(genomes: Individuals, robot: Robot) -> Floats:
+    """Return genomes as an (n, n_genes) array, or say of the first that has another length how to mend it."""
+    rows, n_genes = [genome.values for genome in read_genomes(genomes)], len(genes_of(robot))
+    for i, row in enumerate(rows):
+        if len(row) != n_genes:
+            raise ValueError(
+                f"genome {i} has {len(row)} genes; for these limits it must have {n_genes}. "
+                "genome.within(robot) brings it there."
+            )
+    return np.array(rows).reshape(-1, n_genes)

@@ -12,7 +12,7 @@ import numpy as np
 
 from walkerlab import fitness as measures
 from walkerlab.genes import Floats
-from walkerlab.genome import Genome
+from walkerlab.genome import Genome, read_genomes
 from walkerlab.interrupts import interrupts_held
 from walkerlab.limits import genes_of, repair
 from walkerlab.phenotype import express
@@ -74,7 +74,8 @@ def evaluate(
 
     Raises:
         GenomeError: if a text is no genome.
-        ValueError: if a fitness function gives anything but a finite number.
+        ValueError: if a single genome is given, an array is none, or a fitness function gives anything but a finite
+            number.
     """
     robots = _within(genomes, settings.robot)
     world = settings.model_copy(update={"algorithm": Algorithm()})
@@ -134,17 +135,7 @@ def _within(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Geno
     """Read the genomes, and bring them within the limits."""
     if isinstance(genomes, np.ndarray) and genomes.shape[1:] == (len(genes_of(robot)),):
         return [Genome(values) for values in repair(genomes, robot)]
-    return [_read(genome).within(robot) for genome in genomes]
-
-
-def _read(genome: Genome | str | Floats) -> Genome:
-    match genome:
-        case Genome():
-            return genome
-        case str():
-            return Genome.parse(genome)
-        case _:
-            return Genome(np.asarray(genome))
+    return [genome.within(robot) for genome in read_genomes(genomes)]
 
 
 def _walk_all(genomes: Sequence[Genome], settings: Settings) -> list[Rollout]:

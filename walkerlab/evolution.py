@@ -15,9 +15,11 @@ from walkerlab.algorithm import check_own_operators, generate_robot_population, 
 from walkerlab.evaluation import Evaluation, evaluate
 from walkerlab.ga.loop import Population, first_population, next_population
 from walkerlab.genes import Floats
+from walkerlab.interrupts import interrupts_held
 from walkerlab.limits import genes_of, repair
+from walkerlab.quantity import SettingsError
 from walkerlab.records import Individual
-from walkerlab.run import Run, load, missing_functions
+from walkerlab.run import Run, load, with_functions
 from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
 
@@ -52,26 +54,31 @@ class Evolution:
         *,
         on_walks: Callable[[int], None] = lambda _: None,
     ) -> None:
-        """Check all that can be checked before any physics runs, and make the run file.
+        """Check all that can be checked before any physics runs.
 
         Args:
             settings: of all four domains.
-            path: the run file to be made; without one, the run lives in memory only.
+            path: the run file, made with the first generation; without one, the run lives in memory only.
             executor: any ``concurrent.futures.Executor``; loky on all cores if None.
             on_walks: told how many more walks are done.
 
         Raises:
-            OperatorError: if an operator of the user's own does not do what its slot needs.
-            RunFileError: if there is a file at ``path``.
+            OperatorError: if an operator or fitness of the user's own does not do what its slot needs.
+            RunFileError: if there is a file at ``path``, or none can be made there.
         """
+        if not isinstance(settings, Settings):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise TypeError(
+                f"an evolution is made from Settings, as in Settings().with_(generations=5); got {settings!r}"
+            )
         check_own_operators(settings.algorithm, genes_of(settings.robot))
+        fitness.check_own(settings.algorithm.fitness)
         self.settings = settings
         self.path = None if path is None else Path(path)
+        if self.path:
+            store.claim(self.path)
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._tables: list[pd.DataFrame] = []
         self._population: Population[Evaluation] | None = None
-        if self.path:
-            store.create(self.path, settings.model_dump())
 
     @classmethod
     def _of(cls, run: Run, settings: Settings, **options: Any) -> Self:
@@ -80,7 +87,10 @@ class Evolution:
         evolution.path = run.path
         if not run.records.empty:
             evolution._tables = [run.records]
-            evolution._population = records.last_population(run.records)
+            try:
+                evolution._population = records.last_population(run.records)
+            except ValueError as error:
+                raise RunFileError(f"{run.path} is damaged: {error}") from error
         return evolution
 
     @property
@@ -95,11 +105,14 @@ class Evolution:
             population = self._next()
             table = records.tabulate(population, slot_names(algorithm))
             records.name_fitness(table, *fitness.label(algorithm.fitness))
-            if self.path:
-                store.append(self.path, table)
-            self._population = population
-            self._tables.append(table)
-            yield Generation(population.generation, table)
+            with interrupts_held():  # what is stored and what is in hand must not part
+                if self.path and self._tables:
+                    store.append(self.path, table)
+                elif self.path:
+                    store.create(self.path, self.settings.model_dump(), table)
+                self._population = population
+                self._tables.append(table)
+            yield Generation(population.generation, table.copy())
 
     def _next(self) -> Population[Evaluation]:
         robot, algorithm = self.settings.robot, self.settings.algorithm
@@ -141,7 +154,7 @@ def evolve(
         OperatorError: if an operator of the user's own does not do what its slot needs.
         RunFileError: if there is a file at ``path``.
     """
-    settings = settings or Settings()
+    settings = Settings() if settings is None else settings
     with _bar(settings, progress) as bar:
         return _finish(Evolution(settings, path, executor, on_walks=bar.update), bar)
 
@@ -156,27 +169,25 @@ def resume(
     """Go on with a run, to the very table that it would have had without the stop.
 
     Args:
-        path: its run file.
+        path: its run file, or the folder with it.
         generations: how many it shall have in all; as the settings say if None.
         executor: any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: whether to show a bar.
         **functions: the user's own functions, by slot, if the run was made with any: ``mutation=my_mutation``.
 
     Raises:
-        RunFileError: if there is no such file, it is not a run, or a function of the user's own was not given back.
+        RunFileError: if there is no such file, it is not a run, or a function of the user's own was not given back,
+            or another was given in its place.
         SettingsError: if ``generations`` is out of range.
     """
-    run = load(path, **functions)
-    if missing := missing_functions(run.settings):
-        given = ", ".join(f"{slot}={name}" for slot, name in missing.items())
-        raise RunFileError(
-            f"{path} was made with functions of your own, and a run file holds no code. Give them back: "
-            f"resume(path, {given})"
-        )
+    run = with_functions(load(path), functions)
+    done = run.n_generations
     settings = run.settings if generations is None else run.settings.with_(generations=generations)
-    with _bar(settings, progress, done=run.n_generations) as bar:
+    if settings.algorithm.generations < done:
+        raise SettingsError(f"{path} has {done} generations already; generations must be {done} or more, in all.")
+    with _bar(settings, progress, done=done) as bar:
         evolution = Evolution._of(run, settings, executor=executor, on_walks=bar.update)
-        store.change_settings(Path(path), settings.model_dump())
+        store.change_settings(store.locate(path), settings.model_dump())
         return _finish(evolution, bar)
 
 

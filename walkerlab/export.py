@@ -26,7 +26,10 @@ def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, na
 
     Raises:
         GenomeError: if a text is no genome.
+        ValueError: if the name is no plain file name.
     """
+    if Path(name).name != name or not name:
+        raise ValueError(f"the name {name!r} is no plain file name; the folder is given apart")
     spec, scene = describe_scene(genome, settings, scenery=True)
     start = mujoco.MjData(scene.model)
     scene.place(start)

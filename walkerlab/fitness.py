@@ -1,11 +1,14 @@
 """What makes one robot better than another: a function from a rollout to a number, higher being better."""
 
 import math
+import sys
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from walkerlab.ga.slots import OperatorError
+from walkerlab.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.quantity import function_name
 from walkerlab.rollout import Rollout
 from walkerlab.settings import Fitness
@@ -39,15 +42,52 @@ def score(rollout: Rollout, fitness: Fitness | Callable[..., Any]) -> float:
     """Rate one walk; a walk that does not count gets ``NOT_COUNTED``, whatever the function would say.
 
     Raises:
-        ValueError: if a function of the user's own gives anything but a finite number.
+        OperatorError: if a function of the user's own gives anything but a finite number.
     """
     if not rollout.counts:
         return NOT_COUNTED
     function = FUNCTIONS[fitness] if isinstance(fitness, Fitness) else fitness
     value = function(rollout)
-    if not isinstance(value, int | float | np.number) or not math.isfinite(value):
-        raise ValueError(
-            f"the fitness function {function_name(function)!r} returned {value!r} for a walk; it must return "
-            "one finite number, higher being better"
+    if isinstance(value, int | float | np.integer | np.floating) and abs(value) <= sys.float_info.max:
+        return float(value)
+    raise OperatorError(
+        f"the fitness function {function_name(function)!r} returned {value!r:.60} for a walk; it must return "
+        "one finite number, higher being better"
+    )
+
+
+def check_own(fitness: Fitness | Callable[..., Any]) -> None:
+    """Try a function of the user's own on a made-up walk before any physics runs.
+
+    Raises:
+        OperatorError: if it fails, gives anything but a finite number, or two numbers for one walk.
+    """
+    if isinstance(fitness, Fitness):
+        return
+    name = f"the fitness function {function_name(fitness)!r}"
+    try:
+        first, second = score(_made_up_walk(), fitness), score(_made_up_walk(), fitness)
+    except OperatorError:
+        raise
+    except Exception as error:
+        raise OperatorError(
+            f"{name} failed on a made-up walk: {type(error).__name__}: {error}\nIt is called with one Rollout: .time "
+            "(n,) in s, .com (n, 3) in m, .on_ground (n,), .phenotype; .poses are not recorded in an evolution."
+        ) from error
+    if first != second:
+        raise OperatorError(
+            f"{name} gave {first} and then {second} for the same walk; it must look at nothing but the walk, or no "
+            "run could be repeated."
         )
-    return float(value)
+
+
+def _made_up_walk() -> Rollout:
+    """Return a robot's even walk of 8 s at 0.5 m/s, with a foot on the ground three quarters of the time."""
+    time = np.arange(401) / 50
+    com = np.stack([0.5 * time, 0.01 * np.sin(time), 0.2 + 0.01 * np.cos(9 * time)], axis=1)
+    swing = Swing(amplitude=0.5, phase=0.0, offset=0.0)
+    segment = Segment(length=0.4, mass=4.0, legs=Legs(length=0.3, force=8.0, hip=swing, knee=swing, stride=math.pi))
+    on_ground, poses = np.arange(401) % 4 > 0, np.empty((0, 11))
+    for record in (time, com, on_ground):
+        record.setflags(write=False)
+    return Rollout(time, com, on_ground, Phenotype((segment,), frequency=1.5), 0.25, "ok", poses)

@@ -6,13 +6,14 @@ Segments first, each with its legs; then the gait, a step for each segment:
 """
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Self
 
 import numpy as np
 from numpy.random import Generator
+from numpy.typing import ArrayLike
 
 from walkerlab.genes import Floats
 from walkerlab.limits import MAX_SEGMENTS, PART, WHOLE, genes_of, repair
@@ -32,19 +33,24 @@ class Genome:
             that it describes, grown or not, follows from its length.
 
     Raises:
-        ValueError: if the length is that of no genome, or a value is not finite.
+        ValueError: if it is no row of numbers, its length is that of no genome, or a value is not finite.
     """
 
     values: Floats
 
     def __post_init__(self) -> None:
         """Take a read-only copy."""
-        values = np.array(self.values, dtype=np.float64) + 0.0  # -0.0 becomes 0.0: equal genomes are alike bit for bit
+        try:
+            values = np.array(self.values, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ValueError(f"a genome's values are a row of numbers; got {self.values!r:.60}") from None
+        values = values + 0.0  # -0.0 becomes 0.0: equal genomes are alike bit for bit
         n_parts, rest = divmod(values.size - len(WHOLE), len(PART))
         if values.ndim != 1 or rest or not 1 <= n_parts <= MAX_SEGMENTS:
+            got = f"an array of shape {values.shape}" if values.ndim else repr(self.values)
             raise ValueError(
                 f"a genome has {len(WHOLE)} genes and {len(PART)} more for each of 1 to {MAX_SEGMENTS} segments, "
-                f"in one row; got an array of shape {values.shape}"
+                f"in one row; got {got}"
             )
         if not np.isfinite(values).all():
             raise ValueError(f"gene {int(np.argmin(np.isfinite(values)))} of the genome is not a finite number")
@@ -58,6 +64,22 @@ class Genome:
         drawn = rng.uniform(genes.low, genes.high)
         whole = rng.integers(genes.low.astype(int), genes.high.astype(int), endpoint=True)
         return cls(repair(np.where(genes.is_count, whole, drawn)[np.newaxis], robot)[0])
+
+    @classmethod
+    def of(cls, given: "Genome | str | ArrayLike") -> "Genome":
+        """Take a genome as it is, or read it from its text or its (n_genes,) values.
+
+        Raises:
+            GenomeError: if a text is no genome.
+            ValueError: if values are no genome.
+        """
+        match given:
+            case Genome():
+                return given
+            case str():
+                return cls.parse(given)
+            case _:
+                return cls(given)  # type: ignore[arg-type]
 
     @classmethod
     def parse(cls, text: str) -> Self:
@@ -95,6 +117,19 @@ class Genome:
         whole, parts = self.values[: len(WHOLE)], self.values[len(WHOLE) :].reshape(self.n_parts, -1)
         parts = parts[np.minimum(np.arange(robot.segments[1]), self.n_parts - 1)]
         return type(self)(repair(np.concatenate([whole, parts.ravel()])[np.newaxis], robot)[0])
+
+
+def read_genomes(given: Iterable[Genome | str | ArrayLike]) -> list[Genome]:
+    """Read several genomes, each as ``Genome.of`` does.
+
+    Raises:
+        GenomeError: if a text is no genome.
+        ValueError: if values are no genome, or a single one is given, which has parts that could be taken for several.
+    """
+    is_row = isinstance(given, np.ndarray) and given.ndim == 1 and given.dtype.kind in "fiu" and given.size
+    if is_row or isinstance(given, Genome | str):
+        raise ValueError("this takes several genomes, and got a single one; put it in a list: [genome]")
+    return [Genome.of(one) for one in given]
 
 
 @lru_cache(maxsize=int(MAX_SEGMENTS))
@@ -143,6 +178,8 @@ def _write(token: str, index: int | None, values: Floats) -> str:
 
 
 def _parse(text: str) -> list[float]:
+    if not isinstance(text, str):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise GenomeError(f"a genome is read from its text, a str; got {text!r:.60}")
     if len(text) > _MAX_TEXT:
         raise GenomeError(f"a genome's text has at most {_MAX_TEXT} characters; this one has {len(text)}")
     found = [(match.group(), match.start()) for match in re.finditer(r"\||[^\s|]+", text)]

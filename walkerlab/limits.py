@@ -44,6 +44,8 @@ def _ranges(robot: Robot) -> dict[Feature, tuple[float, float, str, Kind]]:
 @lru_cache(maxsize=64)
 def genes_of(robot: Robot) -> Genes:
     """Return the gene table of robots within these limits: two genes of the whole body, twelve for each segment."""
+    if not isinstance(robot, Robot):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ValueError(f"this takes the limits, a Robot such as settings.robot; got a {type(robot).__name__}")
     ranges = _ranges(robot)
     n_parts = robot.segments[1]
     columns = [(feature.name, feature) for feature in WHOLE]
@@ -63,7 +65,11 @@ def genes_of(robot: Robot) -> Genes:
 
 
 def gene_table(robot: Robot) -> pd.DataFrame:
-    """Return the gene table for people: a row for each gene, with its unit, range, kind and meaning."""
+    """Return the gene table for people: a row for each gene, with its unit, range, kind and meaning.
+
+    Raises:
+        ValueError: if given anything but the limits.
+    """
     genes = genes_of(robot)
     columns = ("names", "units", "low", "high", "kinds", "meanings")
     titles = ("gene", "unit", "low", "high", "kind", "meaning")

@@ -1,11 +1,19 @@
-"""Pictures of the tidy table. Each is a function of the table and an Axes, and has no logic of its own."""
+"""Pictures: of the tidy table, and of a robot. Each draws on the Axes that it is given, and has no logic of its own."""
 
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.patches import Polygon
 from matplotlib.ticker import MaxNLocator
+
+from walkerlab.entities.terrain import height
+from walkerlab.genes import Floats
+from walkerlab.genome import Genome
+from walkerlab.rollout import simulate
+from walkerlab.scene import compile_scene
+from walkerlab.settings import Settings
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -35,10 +43,12 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     best = counted.max()
     name = f"{label}: " if label else ""
     colour = RUNS[len(axes.lines) // 2 % len(RUNS)]
-    axes.plot(best.index, best, lw=2.2, color=colour, label=f"{name}best")
-    axes.plot(middle.index, middle[0.5], lw=1.4, ls="--", color=colour, label=f"{name}median")
+    axes.plot(best.index, best, lw=2.2, color=colour, label=f"{name}best", marker="o", markersize=3)
+    axes.plot(middle.index, middle[0.5], lw=1.4, ls="--", color=colour, label=f"{name}median", marker=".")
     half = "" if label else "middle half"
     axes.fill_between(middle.index, middle[0.25], middle[0.75], color=colour, alpha=0.15, lw=0, label=half)
+    if best.empty:
+        axes.text(0.5, 0.5, "no walk counted", transform=axes.transAxes, ha="center")
     unit = records.attrs.get("units", {}).get("fitness", "")
     axes.set_xlabel("generation")
     axes.set_ylabel(f"{records.attrs.get('fitness', 'fitness')}{f' [{unit}]' if unit else ''}")
@@ -48,6 +58,48 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(axis="y", lw=0.5, alpha=0.4)
     return axes
+
+
+def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None, *, seconds: float = 1.5) -> Axes:
+    """Draw a robot from the side, to scale, caught six times in its stride, ever darker; needs no GL.
+
+    Args:
+        genome: a genome or its text.
+        settings: of terrain, robot and simulation.
+        ax: where to draw; a new figure if None.
+        seconds: how much of its walk, from the middle on.
+
+    Returns:
+        The Axes drawn on.
+    """
+    axes = ax or _new_axes()
+    scene, rollout = compile_scene(genome, settings), simulate(genome, settings)
+    middle = rollout.time[-1] / 2
+    moments = np.searchsorted(rollout.time, np.linspace(middle, min(middle + seconds, rollout.time[-1]), 6))
+    for shade, moment in zip(np.linspace(0.15, 1.0, len(moments)), moments, strict=True):
+        ends, radii, colours = scene.outline(rollout.poses[moment])
+        for i in np.argsort(-ends[:, :, 1].mean(axis=1)):  # the far side first
+            axes.add_patch(
+                Polygon(_capsule(ends[i][:, [0, 2]], float(radii[i])), fc=colours[i], alpha=shade, ec="k", lw=0.3)
+            )
+    near = rollout.com[moments, 0]
+    x = np.linspace(near.min() - 0.8, near.max() + 0.8, 400)
+    ground = height(settings.terrain, x)
+    axes.fill_between(x, ground, ground.min() - 0.08, color="0.8", lw=0)
+    axes.set_xlim(x[0], x[-1])
+    axes.set_aspect("equal")
+    axes.set_xlabel("way forward [m]")
+    axes.set_ylabel("height [m]")
+    axes.spines[["top", "right"]].set_visible(False)
+    return axes
+
+
+def _capsule(ends: Floats, radius: float) -> Floats:
+    """Return the outline of a capsule seen from the side, from the (2, 2) ends of its axis."""
+    along = ends[1] - ends[0]
+    turned = np.arctan2(along[1], along[0]) + np.linspace(np.pi / 2, 3 * np.pi / 2, 13)
+    half = radius * np.stack([np.cos(turned), np.sin(turned)], axis=1)
+    return np.concatenate([ends[0] + half, ends[1] - half])
 
 
 def save(axes: Axes, *paths: str) -> None:

@@ -2,14 +2,15 @@
 
 Written in a model's class:
 
-    step_height: float = quantity(0.08, low=0.0, high=0.4, unit="m", about="the rise of each stair")
+    step_height: float = quantity(0.08, low=0.01, high=0.4, unit="m", about="the rise of each stair")
 
 Read by whoever asks for 0.9:
 
-    Terrain.step_height is 0.9 m; it must be 0 to 0.4 m. It is the rise of each stair.
+    Terrain.step_height is 0.9 m; it must be 0.01 to 0.4 m. It is the rise of each stair.
 """
 
-from collections.abc import Iterable
+from collections.abc import Generator, Iterable, Mapping, Sequence, Set
+from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
 from enum import IntEnum
@@ -23,6 +24,21 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationIn
 
 class SettingsError(ValueError):
     """Settings that cannot be: every fault of one call, a line each."""
+
+
+@contextmanager
+def told_with(faults: Sequence[str]) -> Generator[None]:
+    """Tell faults found beforehand, and those of the settings made within, at once.
+
+    Raises:
+        SettingsError: if there is any fault.
+    """
+    try:
+        yield
+    except SettingsError as error:
+        raise SettingsError("\n".join([*faults, str(error)])) from None
+    if faults:
+        raise SettingsError("\n".join(faults))
 
 
 class Choice(IntEnum):
@@ -66,7 +82,7 @@ class Quantity:
             items = list(cast(Iterable[object], value))
         except TypeError:
             items = []
-        if isinstance(value, str) or len(items) != len(self.parts):
+        if isinstance(value, str | bytes | bytearray | Mapping | Set) or len(items) != len(self.parts):
             raise ValueError(f" is {value!r}; it must be {len(self.parts)} numbers: {', '.join(self.parts)}.")
         numbers, faults = tuple[float, ...](), list[str]()
         for item, part in zip(items, self.parts, strict=True):
@@ -136,6 +152,7 @@ class OneOf:
         return ", ".join(f"{choice.name} ({choice.value})" for choice in self.choices)
 
     def _one(self, value: object) -> object:
+        value = _as_from_a_file(value)
         if self.functions and callable(value) and not isinstance(value, type):
             return value
         if isinstance(value, str) and value in self.choices.__members__:
@@ -192,19 +209,43 @@ class SettingsModel(BaseModel, frozen=True):
         Raises:
             SettingsError: naming each field, its value, unit, range and what it is for.
         """
-        try:
+        with _in_our_words(type(self)):
             super().__init__(**values)
-        except ValidationError as error:
-            raise SettingsError("\n".join(_sentences(type(self), error))) from None
+
+    @classmethod
+    def model_validate(cls, obj: Any, **how: Any) -> Self:
+        """Make settings from plain data; raises what ``__init__`` does."""
+        with _in_our_words(cls):
+            return super().model_validate(obj, **how)
+
+    @classmethod
+    def model_validate_json(cls, json_data: str | bytes | bytearray, **how: Any) -> Self:
+        """Make settings from a JSON text; raises what ``__init__`` does."""
+        with _in_our_words(cls):
+            return super().model_validate_json(json_data, **how)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        """Refuse, and name the mend.
+
+        Raises:
+            SettingsError: always.
+        """
+        raise SettingsError(
+            f"{type(self).__name__}.{name} stays as it is: settings never change, so that a run is always of those it "
+            f"was made with. Make new ones from the whole Settings s: s = s.with_({name}={_pasted(value)})"
+        )
 
     @classmethod
     def advice(cls, name: str) -> str:
         """Say what might have been meant by a name that there is not."""
         return did_you_mean(name, cls.model_fields) or f" It has {', '.join(cls.model_fields)}."
 
-    def __repr_args__(self) -> Any:
-        """Show only what differs from the default."""
-        return [(name, value) for name, value in self if value != type(self).model_fields[name].default]
+    def __repr__(self) -> str:
+        """Show what can be pasted back: only what differs from the default."""
+        changed = [(name, value) for name, value in self if value != type(self).model_fields[name].default]
+        return f"{type(self).__name__}({', '.join(f'{name}={_pasted(value)}' for name, value in changed)})"
+
+    __str__ = __repr__
 
 
 class Domain(SettingsModel, frozen=True):
@@ -239,15 +280,32 @@ class Domain(SettingsModel, frozen=True):
                 return value
             case partial():
                 bound = {name: _written(bound) for name, bound in value.keywords.items()}
-                return {"function": _address(value.func), "with": bound}
+                args = {"args": list(map(_written, value.args))} if value.args else {}
+                return {"function": _address(value.func), "with": bound} | args
             case _:
                 return {"function": _address(value), "with": {}}
 
 
-def _written(bound: Any) -> str | int | float | None:
+def _written(bound: object) -> str | int | float | None:
     """Write what is bound to a function as it is, if it is a plain number or text, or else as Python shows it."""
-    plain = bound.item() if getattr(bound, "shape", None) == () else bound
-    return plain if isinstance(plain, str | int | float | None) else repr(plain)
+    return bound if isinstance(bound, str | int | float | None) else repr(bound)
+
+
+def _as_from_a_file(value: object) -> object:
+    """Make a partial what it will be when read from a file: numbers are plain, and what binds nothing is none."""
+    if not isinstance(value, partial):
+        return value
+    bound = [*value.args, *value.keywords.values()]
+    if not bound:
+        return value.func
+    if all(one is _plain_number(one) for one in bound):
+        return value
+    keywords = {name: _plain_number(one) for name, one in value.keywords.items()}
+    return partial(value.func, *map(_plain_number, value.args), **keywords)
+
+
+def _plain_number(bound: Any) -> object:
+    return bound.item() if getattr(bound, "shape", None) == () else bound
 
 
 def _address(function: object) -> str:
@@ -257,9 +315,34 @@ def _address(function: object) -> str:
 def function_name(function: object) -> str:
     """Name a function as people know it; ``partial(tournament, size=7)`` is ``tournament(size=7)``."""
     if isinstance(function, partial):
-        bound = [*map(repr, function.args), *(f"{name}={value!r}" for name, value in function.keywords.items())]
-        return f"{function_name(function.func)}({', '.join(bound)})"
+        return f"{function_name(function.func)}({', '.join(_bound(function))})"
     return getattr(function, "__name__", type(function).__name__)
+
+
+def _bound(function: "partial[Any]") -> list[str]:
+    return [*map(repr, function.args), *(f"{name}={value!r}" for name, value in function.keywords.items())]
+
+
+def _pasted(value: object) -> str:
+    """Show a setting as it would be typed: a choice, or a function, by its name."""
+    match value:
+        case Choice():
+            return repr(value.name)
+        case tuple():
+            return f"({', '.join(map(_pasted, cast(tuple[object, ...], value)))})"
+        case partial():
+            return f"partial({', '.join([function_name(value.func), *_bound(value)])})"
+        case _:
+            return function_name(value) if callable(value) else repr(value)
+
+
+@contextmanager
+def _in_our_words(model: type[SettingsModel]) -> Generator[None]:
+    """Turn pydantic's findings into a ``SettingsError``."""
+    try:
+        yield
+    except ValidationError as error:
+        raise SettingsError("\n".join(_sentences(model, error))) from None
 
 
 def _sentences(model: type[SettingsModel], error: ValidationError) -> list[str]:

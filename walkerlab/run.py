@@ -1,7 +1,6 @@
 """A run: its settings and its table, from memory or from a run file."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -9,13 +8,11 @@ from typing import Any
 import pandas as pd
 
 from walkerlab import fitness, records, store
-from walkerlab.algorithm import ROOMS
-from walkerlab.quantity import Choice
+from walkerlab.algorithm import ROOMS, in_turn
+from walkerlab.quantity import Choice, function_name
 from walkerlab.records import Individual
 from walkerlab.settings import Fitness, Settings
 from walkerlab.store import RunFileError
-
-Function = Callable[..., Any]
 
 _OURS = {"fitness": fitness} | {kind.__name__.lower(): room for kind, room in ROOMS.items()}
 """Each slot that can hold a function, and the room of our own functions for it."""
@@ -54,34 +51,75 @@ class Run:
         return int(self.records.generation.nunique())
 
 
-def load(path: str | Path, **functions: Any) -> Run:
-    """Read a run from its file.
+def load(path: str | Path) -> Run:
+    """Read a run from its file; functions of the user's own are known by name only, which does to look at it.
 
     Args:
-        path: the run file.
-        **functions: the user's own functions, by slot (``mutation=my_mutation``), if the run shall go on; to look at
-            it they are not needed.
+        path: the run file, or the folder with it.
 
     Raises:
-        RunFileError: if there is no such file, or it is not a run.
+        RunFileError: if there is no such file, it is not a run, or it is damaged.
     """
-    path = Path(path)
+    path = store.locate(path)
     _, plain, table = store.read(path)
-    algorithm = plain["algorithm"]
-    for slot in _OURS:
-        algorithm[slot] = functions.get(slot) or _restored(algorithm[slot], slot)
-    return Run(Settings(**plain), table, path)
+    try:
+        algorithm = plain["algorithm"]
+        restored = {slot: _restored(algorithm[slot], slot) for slot in _OURS}
+        parts: dict[str, Any] = {**plain, "algorithm": {**algorithm, **restored}}
+        settings = Settings(**parts)
+    except (TypeError, KeyError, ValueError) as error:
+        raise RunFileError(f"{path} is damaged; its settings cannot be read: {error}") from error
+    sizes = table.groupby("generation").size()
+    if sizes.to_dict() != dict.fromkeys(range(len(sizes)), settings.algorithm.population_size):
+        raise RunFileError(f"{path} is damaged: robots are missing from its table, or there are too many.")
+    return Run(settings, table, path)
 
 
-def missing_functions(settings: Settings) -> dict[str, str]:
-    """Name the user's own functions that a run file could not give back, by slot."""
-    slots = {slot: getattr(settings.algorithm, slot) for slot in _OURS}
-    return {
-        slot: function.__name__
-        for slot, value in slots.items()
-        for function in (value if isinstance(value, tuple) else (value,))
-        if isinstance(function, _Missing)
+def with_functions(run: Run, functions: dict[str, Any]) -> Run:
+    """Give a loaded run the user's own functions back, so that it can go on as it began.
+
+    Args:
+        run: as loaded.
+        functions: what fills each slot in which a function is missing.
+
+    Raises:
+        RunFileError: if one is still missing, or something else was given than the run was made with.
+    """
+    recorded = {slot: in_turn(getattr(run.settings.algorithm, slot)) for slot in _OURS}
+    missing = {slot: fill for slot, fill in recorded.items() if any(map(_is_missing, fill))}
+    for slot in functions.keys() - missing.keys():
+        known = f"it was {_recipe(recorded[slot])}" if slot in recorded else f"there are {', '.join(recorded)}"
+        raise RunFileError(f"{run.path} needs no {slot!r} given back: {known}. A resumed run goes on as it began.")
+    settings = run.settings.with_(**functions)
+    wrong = {
+        slot: fill
+        for slot, fill in missing.items()
+        if _names(in_turn(getattr(settings.algorithm, slot))) != _names(fill) or slot not in functions
     }
+    if wrong:
+        given = ", ".join(f"{slot}={_recipe(fill)}" for slot, fill in wrong.items())
+        raise RunFileError(
+            f"{run.path} was made with functions of your own, and a run file holds no code. Give back the same, by "
+            f"name and bound numbers: resume(path, {given})"
+        )
+    return replace(run, settings=settings)
+
+
+def _names(fill: tuple[Any, ...]) -> list[str]:
+    return [one.name if isinstance(one, Choice) else function_name(one) for one in fill]
+
+
+def _recipe(fill: tuple[Any, ...]) -> str:
+    """Write what fills a slot as Python."""
+    words = [
+        repr(one.name)
+        if isinstance(one, Choice)
+        else f"partial({function_name(one).replace('(', ', ', 1)}"
+        if isinstance(one, partial)
+        else function_name(one)
+        for one in fill
+    ]
+    return words[0] if len(words) == 1 else f"[{', '.join(words)}]"
 
 
 def _restored(written: Any, slot: str) -> Any:
@@ -89,12 +127,13 @@ def _restored(written: Any, slot: str) -> Any:
     match written:
         case list():
             return [_restored(one, slot) for one in written]
-        case {"function": str(function), "with": dict(keywords)}:
-            home, _, name = function.rpartition(".")
+        case {"function": str(address), "with": dict(keywords), **rest}:
+            home, _, name = address.rpartition(".")
             ours = _OURS[slot]
-            if home != ours.__name__ or name not in _choices(slot):
-                return _Missing(name, slot)
-            return partial(getattr(ours, name), **keywords) if keywords else getattr(ours, name)
+            is_ours = home == ours.__name__ and name in _choices(slot)
+            function = getattr(ours, name) if is_ours else _Missing(name, slot)
+            arguments = rest.get("args", [])
+            return partial(function, *arguments, **keywords) if arguments or keywords else function
         case _:
             return written
 
@@ -102,6 +141,10 @@ def _restored(written: Any, slot: str) -> Any:
 def _choices(slot: str) -> set[str]:
     kinds: dict[str, type[Choice]] = {kind.__name__.lower(): kind for kind in (Fitness, *ROOMS)}
     return set(kinds[slot].__members__)
+
+
+def _is_missing(operator: Any) -> bool:
+    return isinstance(operator.func if isinstance(operator, partial) else operator, _Missing)
 
 
 class _Missing:
@@ -113,6 +156,6 @@ class _Missing:
 
     def __call__(self, *_: object, **__: object) -> Any:
         raise RunFileError(
-            f"this run was made with your own function {self.__name__!r} for Algorithm.{self.slot}, and a run file "
-            f"holds no code. Give it back: resume(path, {self.slot}={self.__name__})"
+            f"these settings come from a run file, which holds no code: Algorithm.{self.slot} was your own function "
+            f"{self.__name__!r}. Give it back: settings.with_({self.slot}={self.__name__})"
         )

@@ -75,6 +75,23 @@ class Scene:
         lowest = float(np.min(data.geom_xpos[own] @ up - reach))
         data.qpos[:3] += (CLEARANCE - lowest) * up
 
+    def outline(self, pose: Floats) -> tuple[Floats, Floats, Floats]:
+        """Lay out the capsules of the body in a pose, for a drawing that needs no GL.
+
+        Args:
+            pose: (nq,) as in ``Rollout.poses``.
+
+        Returns:
+            (n, 2, 3) both ends of each capsule's axis, in m; (n,) their radii; (n, 4) their colours, RGBA.
+        """
+        model, data = self.model, mujoco.MjData(self.model)
+        data.qpos[:] = pose
+        mujoco.mj_kinematics(model, data)
+        own = model.geom_bodyid > 0
+        half = data.geom_xmat[own].reshape(-1, 3, 3)[:, :, 2] * model.geom_size[own, 1, np.newaxis]
+        ends = np.stack([data.geom_xpos[own] - half, data.geom_xpos[own] + half], axis=1)
+        return ends, model.geom_size[own, 0].copy(), model.geom_rgba[own].astype(np.float64)
+
     @property
     def rest(self) -> Floats:
         """(nu,) servo targets of the body at rest."""
@@ -92,24 +109,24 @@ def ticks(n_steps: int, timestep: float) -> tuple[Indices, Indices]:
     return np.unique(tick, return_index=True)[1], tick
 
 
-def compile_scene(genome: Genome | str, settings: Settings, *, scenery: bool = False) -> Scene:
+def compile_scene(genome: Genome | str | Floats, settings: Settings, *, scenery: bool = False) -> Scene:
     """Build the world in which one individual walks.
 
     Args:
-        genome: a genome or its text; brought within the robot limits first.
+        genome: a genome, its text or its (n_genes,) values; brought within the robot limits first.
         settings: of terrain, robot and simulation.
         scenery: whether to add sky, chequered ground and a sun, which cost more to compile than the rest.
 
     Raises:
         GenomeError: if a text is no genome.
+        ValueError: if values are no genome.
     """
     return describe_scene(genome, settings, scenery=scenery)[1]
 
 
-def describe_scene(genome: Genome | str, settings: Settings, *, scenery: bool) -> tuple[mujoco.MjSpec, Scene]:
+def describe_scene(genome: Genome | str | Floats, settings: Settings, *, scenery: bool) -> tuple[mujoco.MjSpec, Scene]:
     """Build the same world, and hand out its description too; it is good until this thread's next scene."""
-    genome = Genome.parse(genome) if isinstance(genome, str) else genome
-    return _build(genome.within(settings.robot), settings, scenery=scenery)
+    return _build(Genome.of(genome).within(settings.robot), settings, scenery=scenery)
 
 
 def scene_of(genome: Genome, settings: Settings) -> Scene:

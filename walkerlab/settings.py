@@ -1,11 +1,22 @@
 """Everything that a class can set: four domains, each number with its range, unit and meaning."""
 
-from collections.abc import Callable
-from typing import Any, Self
+from collections.abc import Callable, Mapping
+from typing import Any, Self, cast
 
-from pydantic import model_validator
+from pydantic import ValidationInfo, field_validator, model_validator
 
-from walkerlab.quantity import Choice, Domain, SettingsModel, did_you_mean, limits, one_of, quantity, vector
+from walkerlab.quantity import (
+    Choice,
+    Domain,
+    OneOf,
+    SettingsModel,
+    did_you_mean,
+    limits,
+    one_of,
+    quantity,
+    told_with,
+    vector,
+)
 
 _TINY = 1e-12  # m; room for the rounding of floats, as 3 × 0.1 is more than 0.3
 
@@ -220,12 +231,43 @@ class Settings(SettingsModel, frozen=True):
         Raises:
             SettingsError: if no domain has such a setting, or the value will not do.
         """
-        owners = self._owners()
-        parts: dict[str, Any] = dict(self) | {name: changes[name] for name in changes if name not in owners}
-        for name, value in changes.items():
+        owners, faults = self._owners(), list[str]()
+        parts: dict[str, Any] = dict(self)
+        for name in sorted(changes, key=owners.__contains__):  # whole domains come first
             if name in owners:
-                parts[owners[name]] = dict(parts[owners[name]]) | {name: value}
-        return type(self)(**parts)
+                parts[owners[name]] = dict(parts[owners[name]]) | {name: changes[name]}
+                continue
+            try:
+                parts[name] = self._domain(name, changes[name])
+            except ValueError as fault:  # the others are held against the domain as it was
+                faults.append(str(fault))
+        with told_with(faults):
+            return type(self)(**parts)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _check(cls, value: object, info: ValidationInfo) -> object:
+        return cls._domain(info.field_name or "", value)
+
+    @classmethod
+    def _domain(cls, name: str, value: Any) -> Any:
+        """Refuse what is no domain of this name, nor the settings of one; pass over names that there are not."""
+        if name not in cls.model_fields:
+            return value
+        kind: type[Domain] = type(cls.model_fields[name].default)
+        if isinstance(value, kind):
+            return value
+        if isinstance(value, Mapping):
+            return dict(cast(Mapping[str, Any], value))
+        fields = [
+            field
+            for field, declared in kind.declared().items()
+            if isinstance(declared, OneOf) and str(value) in declared.choices.__members__
+        ]
+        guess = f" Did you mean {name}={kind.__name__}({fields[0]}={value!r})?" if fields else ""
+        raise ValueError(
+            f"Settings.{name} is {value!r}; it must be a {kind.__name__}, or a dict of its settings.{guess}"
+        )
 
     @classmethod
     def advice(cls, name: str) -> str:

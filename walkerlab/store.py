@@ -19,6 +19,7 @@ from walkerlab.records import COLUMNS, tidy
 
 APPLICATION = 0x77616C6B  # "walk", in the file's header
 SCHEMA = 1
+RUN_FILE = "run.walk"  # its name in a folder of its own
 
 _SQL = {int: "INTEGER", float: "REAL", str: "TEXT"}
 _FACTS = "CREATE TABLE run (fact TEXT PRIMARY KEY, value TEXT NOT NULL)"
@@ -32,22 +33,42 @@ class RunFileError(ValueError):
     """A run file that cannot be used as asked; it says why, and what would."""
 
 
-def create(path: Path, settings: dict[str, Any]) -> None:
-    """Make a new run file.
+def locate(path: str | Path) -> Path:
+    """Return the run file that is meant by its own path, or by that of its folder."""
+    path = Path(path)
+    return path / RUN_FILE if path.is_dir() else path
 
-    Args:
-        path: where; its folder is made if need be.
-        settings: as plain data.
+
+def claim(path: Path) -> None:
+    """Make sure that a new run file can be made here; its folder is made if need be.
 
     Raises:
-        RunFileError: if something is there already: a run is never written over.
+        RunFileError: if something is there already (a run is never written over), or nothing can be written there.
     """
     if path.exists():
         raise RunFileError(
             f"{path} exists already, and a run is never written over. "
             "Resume it, or give the new run another name or folder."
         )
-    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch(exist_ok=False)
+        path.unlink()
+    except OSError as error:
+        raise RunFileError(f"no run file can be made at {path}: {error.strerror}. Give it another folder.") from error
+
+
+def create(path: Path, settings: dict[str, Any], generation: pd.DataFrame) -> None:
+    """Make a run file with its first generation: all of it, or nothing.
+
+    Args:
+        path: claimed before.
+        settings: as plain data.
+        generation: the tidy table of generation 0.
+
+    Raises:
+        RunFileError: if the file cannot be written.
+    """
     facts = {
         "settings": json.dumps(settings),
         "python": platform.python_version(),
@@ -60,14 +81,18 @@ def create(path: Path, settings: dict[str, Any]) -> None:
         db.execute(_FACTS)
         db.execute(_RECORDS)
         db.executemany("INSERT INTO run VALUES (?, ?)", facts.items())
+        _insert(db, generation)
 
 
 def append(path: Path, generation: pd.DataFrame) -> None:
     """Add one generation: all of it, or nothing."""
-    marks = ", ".join("?" * len(COLUMNS))
-    rows = generation[list(COLUMNS)].astype(object).itertuples(index=False, name=None)
     with _open(path) as db:
-        db.executemany(f"INSERT INTO records VALUES ({marks})", rows)
+        _insert(db, generation)
+
+
+def _insert(db: sqlite3.Connection, generation: pd.DataFrame) -> None:
+    rows = generation[list(COLUMNS)].astype(object).itertuples(index=False, name=None)
+    db.executemany(f"INSERT INTO records VALUES ({', '.join('?' * len(COLUMNS))})", rows)
 
 
 def change_settings(path: Path, settings: dict[str, Any]) -> None:

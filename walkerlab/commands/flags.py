@@ -1,14 +1,18 @@
 """The settings as flags: made from their declarations, so that none can be missing, or say what is not so."""
 
 import argparse
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from difflib import get_close_matches
 from typing import Any
 
-from walkerlab.quantity import Choice, Declared, Domain, OneOf, Quantity, SettingsError
+from walkerlab.quantity import Choice, Declared, Domain, OneOf, Quantity, told_with
 from walkerlab.settings import Settings
+
+NEGATIVE = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
+"""How a word begins that is a number for Python, and no flag."""
 
 DOMAINS: dict[str, type[Domain]] = {name: type(domain) for name, domain in Settings()}
 
@@ -34,6 +38,7 @@ def flag_names() -> dict[tuple[str, str], str]:
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     """Give a parser a flag for each setting, grouped by domain; what is not given leaves no trace."""
+    parser._negative_number_matcher = NEGATIVE  # argparse by itself takes -1. and -1e5 for flags
     groups = {
         domain: parser.add_argument_group(domain, (model.__doc__ or "").partition("\n")[0])
         for domain, model in DOMAINS.items()
@@ -67,14 +72,8 @@ def settings_of(given: Mapping[str, Any], strangers: Sequence[str] = ()) -> Sett
         domain, dot, field = place.partition(".")
         if dot:
             parts[domain][field] = value
-    faults = _refusals(strangers)
-    try:
-        settings = Settings(**parts)
-    except SettingsError as error:
-        raise SettingsError("\n".join([*faults, str(error)])) from None
-    if faults:
-        raise SettingsError("\n".join(faults))
-    return settings
+    with told_with(_refusals(strangers)):
+        return Settings(**parts)
 
 
 def _refusals(strangers: Sequence[str]) -> list[str]:

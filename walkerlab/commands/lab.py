@@ -29,11 +29,13 @@ def copy_notebooks(folder: Path) -> list[Path]:
 
 
 def open_lab(folder: Path, options: Sequence[str] = ()) -> None:
-    """Run JupyterLab on a folder, for this computer only, until it is stopped.
+    """Run JupyterLab on a folder, opened on the first notebook, for this computer only, until it is stopped.
 
     Raises:
         ImportError: if JupyterLab is not installed.
     """
     from jupyterlab.labapp import LabApp  # type: ignore[import-untyped]
 
-    LabApp.launch_instance([str(folder / FIRST), "--ServerApp.ip=127.0.0.1", *options])
+    first = f"--LabApp.default_url=/lab/tree/{FIRST}"  # a file's name alone would print the address of the Launcher
+    where = [f"--ServerApp.root_dir={folder.resolve()}", "--ServerApp.ip=127.0.0.1"]
+    LabApp.launch_instance([*where, first, *options])

@@ -7,8 +7,7 @@ from matplotlib.figure import Figure
 from walkerlab import plots
 from walkerlab.evolution import Run
 from walkerlab.export import export_mjcf
-
-RUN_FILE = "run.walk"
+from walkerlab.store import RUN_FILE
 
 FILES = {
     RUN_FILE: "the whole run; walkerlab can show it, and go on with it",
@@ -16,7 +15,7 @@ FILES = {
     "fitness.svg": "the fitness curve, for a report",
     "fitness.png": "the same as a picture",
     "champion.txt": "the champion's gene, as text that can be edited",
-    "champion.xml": "the champion's body and world as MJCF, for any MuJoCo",
+    "champion.xml": "its body and world as MJCF, for any MuJoCo (its gait is computed by walkerlab from the gene)",
 }
 """Each file and what it is."""
 

@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Mapping
 from typing import Any, cast
 
-import numpy as np
 import pandas as pd
 
 from walkerlab.fitness import UNITS
-from walkerlab.records import champion, parent_numbers
+from walkerlab.phenotype import express
+from walkerlab.records import Individual, champion, parent_numbers
 from walkerlab.rollout import VERDICTS
 from walkerlab.settings import Settings
 
@@ -18,6 +18,14 @@ Plain = Mapping[str, Mapping[str, Any]]
 """Settings as a run file holds them: by domain and field, functions of the user's own by name only."""
 
 
+def opening(settings: Settings, n_cores: int, *, done: int = 0) -> str:
+    """Say what is about to be evolved, of which some generations may be done already."""
+    algorithm = settings.algorithm
+    robots, generations = _count(algorithm.population_size, "robot"), _count(algorithm.generations, "generation")
+    already = f" ({done} of them done)" if done else ""
+    return f"{robots}, {generations}{already}, {_count(n_cores, 'core')}. Ctrl-C stops early and keeps what is done."
+
+
 def champion_story(records: pd.DataFrame, settings: Plain) -> str:
     """Tell what the champion can do, and what it looks like."""
     best = champion(records)
@@ -26,8 +34,8 @@ def champion_story(records: pd.DataFrame, settings: Plain) -> str:
         return f"No walk counted, so there is no champion to speak of. Why: {best.verdict}. {VERDICTS[best.verdict]}"
     return (
         f"Your champion is robot {best.individual}, born in generation {best.generation}.\n"
-        f"It went {row.distance:.2f} m forward in {settings['simulation']['duration']:g} s, and once under way it made "
-        f"{row.velocity:.2f} m/s: {row.velocity / row.body_length:.1f} body lengths a second.\n"
+        f"It went {row.distance:.2f} m forward in {settings['simulation']['duration']:g} s. Over the last two thirds "
+        f"of the walk it made {row.velocity:.2f} m/s: {row.velocity / row.body_length:.1f} body lengths a second.\n"
         f"Its fitness ({_fitness_name(settings)}) is {_with_unit(best.fitness, settings)}.\n"
         f"Its body has {_count(row.n_segments, 'segment')} and {row.n_legs} legs, weighs {row.weight:.1f} kg "
         f"and is {row.body_length:.2f} m long."
@@ -46,23 +54,44 @@ def changed_settings(settings: Plain) -> str:
     return "\n".join(["Settings that differ from the defaults:", *changed] if changed else ["All settings: default."])
 
 
-def by_generation(records: pd.DataFrame) -> str:
-    """Tabulate best, median and number of counted walks; of a long run, evenly spaced generations."""
-    numbers = records.generation.unique()
-    shown = numbers[np.unique(np.linspace(0, len(numbers) - 1, ROWS).round().astype(int))]
-    lines = ["generation      best    median   counted"]
+def gene(individual: Individual) -> str:
+    """Give a gene as text, and say what of it is carried only."""
+    n_grown = len(express(individual.genome).segments)
+    first = "first" if n_grown == 1 else f"first {n_grown}"
+    carried = f" (segments beyond the {first} are not grown: inherited all the same)"
+    return f"Its gene{carried if individual.genome.n_parts > n_grown else ''}:\n{individual.genome}"
+
+
+def by_generation(records: pd.DataFrame, settings: Plain) -> str:
+    """Tabulate best, median and number of counted walks; of a long run, every 5th generation or so, and the last."""
+    name, unit = _fitness_name(settings), _unit(settings)
+    best, median = (f"{word} [{unit}]" if unit else word for word in ("best", "median"))
+    shown = _round_steps(int(records.generation.max()))
+    lines = [
+        f"Fitness ({name}) of the robots whose walks count, and how many these are:",
+        f"generation {best:>10} {median:>12}    counted",
+    ]
     for number, table in records[records.generation.isin(shown)].groupby("generation"):
         counted = table.fitness[table.verdict == "ok"]
-        lines.append(f"{number:10} {counted.max():9.3f} {counted.median():9.3f}  {len(counted):4} of {len(table)}")
+        lines.append(f"{number:10} {counted.max():10.3f} {counted.median():12.3f}  {len(counted):4} of {len(table)}")
     return "\n".join(lines)
 
 
+def _round_steps(last: int) -> list[int]:
+    """Count from 0 in steps of 1, 2, 5, 10, 20 … to a last generation, which is always shown, in ``ROWS`` at most."""
+    steps = (step * 10**power for power in range(9) for step in (1, 2, 5))
+    return next(shown for step in steps if len(shown := [*range(0, last, step), last]) <= ROWS)
+
+
 def verdict_counts(records: pd.DataFrame) -> str:
-    """Count the verdicts, each walk once."""
-    counts = _births(records).verdict.value_counts()
-    return "\n".join(
-        ["Verdicts:", *(f"  {count:6}  {verdict}: {VERDICTS[str(verdict)]}" for verdict, count in counts.items())]
-    )
+    """Count the verdicts, each walk once: an elite is in the table again, but walked when it was born."""
+    births = _births(records)
+    counts = births.verdict.value_counts()
+    elites = ", for elites do not walk again" if len(births) < len(records) else ""
+    title = f"Verdicts of {_count(len(births), 'walk')} ({_count(len(records), 'row')} in the table{elites}):"
+    meanings = [VERDICTS.get(str(verdict), "No verdict of ours.") for verdict in counts.index]
+    rows = zip(counts, counts.index, meanings, strict=True)
+    return "\n".join([title, *(f"  {count:6}  {verdict}: {meaning}" for count, verdict, meaning in rows)])
 
 
 def descent(records: pd.DataFrame, individual: int) -> str:
@@ -73,9 +102,8 @@ def descent(records: pd.DataFrame, individual: int) -> str:
     rows = [
         skipped if one is None else f"{one.Index:7} {one.born:10} {one.fitness:9.3f}  {one.operators}" for one in shown
     ]
-    return "\n".join(
-        ["Its line of descent, through the fitter parent of each:", "  robot generation   fitness  made by", *rows]
-    )
+    title = "Its line of descent, through the fitter parent of each:"
+    return "\n".join([title, "  robot generation   fitness  made by selection > crossover > mutation", *rows])
 
 
 def _fitter_line(records: pd.DataFrame, individual: int) -> Iterator[Any]:
@@ -97,8 +125,12 @@ def _fitness_name(settings: Plain) -> str:
 
 
 def _with_unit(fitness: float, settings: Plain) -> str:
-    units = {kind.name: unit for kind, unit in UNITS.items()}
-    return f"{fitness:.3f} {units.get(_fitness_name(settings), '')}".rstrip()
+    return f"{fitness:.3f} {_unit(settings)}".rstrip()
+
+
+def _unit(settings: Plain) -> str:
+    """Return the unit of the fitness; none for a function of the user's own."""
+    return {kind.name: unit for kind, unit in UNITS.items()}.get(_fitness_name(settings), "")
 
 
 def _count(n: int, thing: str) -> str:

@@ -3,8 +3,10 @@
 import math
 from typing import Any
 
+import numpy as np
 from dm_control import composer
 
+from walkerlab.genes import Floats
 from walkerlab.settings import Structure, Terrain
 
 ARENA_LENGTH = 30.0  # m of stairs ahead of the landing
@@ -88,6 +90,13 @@ class Ground(composer.Arena):
 def slope(terrain: Terrain) -> float:
     """Return the pitch of the ground at the start, in rad; positive is uphill."""
     return math.radians(terrain.incline) if terrain.structure == Structure.incline else 0.0
+
+
+def height(terrain: Terrain, x: Floats) -> Floats:
+    """Return the height of the ground [m] along the middle of the way, at each x [m]."""
+    if terrain.structure == Structure.stairs:
+        return terrain.step_height * np.maximum(0, np.floor((x - LANDING) / terrain.step_depth) + 1)
+    return x * math.tan(slope(terrain))
 
 
 def bounds(terrain: Terrain) -> tuple[tuple[float, float], tuple[float, float]]:

@@ -1,7 +1,9 @@
 """Try a new operator on a toy population before anything costly runs."""
 
 import inspect
+import traceback
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -88,9 +90,10 @@ def _check(
         except OperatorError:
             raise
         except Exception as error:
+            toy = "a toy population" if slot == "mutation" else "a toy population with negative and equal fitness"
             raise OperatorError(
-                f"{who} must work on every population; on a toy one with negative and equal fitness it raised "
-                f"{type(error).__name__}: {error}. Its traceback, above, shows the line."
+                f"{who} raised {type(error).__name__}: {error}{_line_of(error, operator)}, when tried on {toy}. "
+                "It must work on every population."
             ) from error
         if not all(map(np.array_equal, arrays, given)):
             raise OperatorError(
@@ -103,6 +106,13 @@ def _check(
             f"{who} must give the same answer for the same rng, or no run can be repeated; it gave two. Let all its "
             "chance come from rng, as in rng.random(), rng.integers(n) or rng.choice(n), not from random or np.random."
         )
+
+
+def _line_of(error: Exception, operator: Callable[..., Any]) -> str:
+    """Say which line of the operator raised an error, counted as in its file or notebook cell."""
+    own = getattr(inspect.unwrap(operator.func if isinstance(operator, partial) else operator), "__code__", None)
+    lines = [line for frame, line in traceback.walk_tb(error.__traceback__) if frame.f_code is own]
+    return f" (line {lines[-1]})" if lines else ""
 
 
 def _check_signature(
