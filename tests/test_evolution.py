@@ -65,6 +65,10 @@ class TestTheTable:
             assert all(born[int(parent)] < row.born for parent in row.parents.split())
             assert bool(row.parents) == (row.operators != "random")
 
+    def test_a_run_says_in_a_line_what_has_come_of_it(self, run):
+        assert repr(run).startswith("Run(3 generations of 6 robots; champion: robot ")
+        assert f"distance {run.champion.fitness:.2f} m)" in repr(run)
+
     def test_units_are_told(self, run):
         assert run.records.attrs["units"]["velocity"] == "m/s"
         assert run.records.attrs["units"]["fitness"] == "m"

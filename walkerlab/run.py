@@ -36,6 +36,18 @@ class Run:
         """Write on the table what its fitness is."""
         records.name_fitness(self.records, *fitness.label(self.settings.algorithm.fitness))
 
+    def __repr__(self) -> str:
+        """Say in a line what has come of it."""
+        if self.records.empty:
+            return "Run(no generation is done yet)"
+        name, unit = fitness.label(self.settings.algorithm.fitness)
+        best, kept = self.champion, f", in {self.path}" if self.path else ""
+        size = self.settings.algorithm.population_size
+        return (
+            f"Run({self.n_generations} generations of {size} robots; champion: robot {best.individual} of "
+            f"generation {best.generation}, {name} {best.fitness:.2f}{f' {unit}' if unit else ''}{kept})"
+        )
+
     @property
     def champion(self) -> Individual:
         """The fittest robot of all generations."""

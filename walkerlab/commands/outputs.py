@@ -15,6 +15,7 @@ FILES = {
     "fitness.svg": "the fitness curve, for a report",
     "fitness.png": "the same as a picture",
     "champion.txt": "the champion's gene, as text that can be edited",
+    "champion.png": "the champion, caught in its stride",
     "champion.xml": "its body and world as MJCF, for any MuJoCo (its gait is computed by walkerlab from the gene)",
 }
 """Each file and what it is."""
@@ -29,5 +30,7 @@ def write(run: Run, folder: Path) -> None:
     run.records.to_csv(folder / "records.csv", index=False)
     axes = Figure(figsize=(7.2, 4.0), layout="constrained").add_subplot()
     plots.save(plots.fitness_curve(run.records, axes), *(str(folder / f"fitness.{kind}") for kind in ("svg", "png")))
+    axes = Figure(figsize=(9, 3), layout="constrained").add_subplot()
+    plots.save(plots.stride(run.champion.genome, run.settings, axes), str(folder / "champion.png"))
     (folder / "champion.txt").write_text(f"{run.champion.genome}\n", encoding="utf-8")
     export_mjcf(run.champion.genome, run.settings, folder, name="champion")

@@ -1,4 +1,4 @@
-"""The picture at the head of README: a champion caught six times in its stride, beside the curve that led to it.
+"""The picture at the head of README: a champion caught in its stride, beside the curve that led to it.
 
     python -m walkerlab.commands.portrait RUN-FILE data/champion.png
 
@@ -21,7 +21,7 @@ from walkerlab.run import Run, load
 from walkerlab.scene import compile_scene
 
 SIZE = (1500, 480)  # pixels
-MOMENTS = np.linspace(0.05, 0.62, 6)  # of the walk, as shares
+MOMENTS = np.linspace(0.1, 0.75, 4)  # of the walk, as shares
 
 
 def strobe(run: Run) -> NDArray[np.uint8]:
@@ -33,7 +33,7 @@ def strobe(run: Run) -> NDArray[np.uint8]:
     data, camera, option = mujoco.MjData(model), mujoco.MjvCamera(), mujoco.MjvOption()
     moments = (MOMENTS * (len(rollout.time) - 1)).astype(int)
     camera.lookat[:] = rollout.com[moments].mean(axis=0) + np.array([0, 0, 0.05])
-    camera.distance, camera.azimuth, camera.elevation = 0.62 * np.ptp(rollout.com[moments, 0]) + 0.6, 82, -14
+    camera.distance, camera.azimuth, camera.elevation = 0.42 * np.ptp(rollout.com[moments, 0]) + 0.5, 78, -16
     with mujoco.Renderer(model, height, width) as renderer:
         drawn: Any = renderer.scene
         for moment in moments[::-1]:
