@@ -54,29 +54,31 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     axes.set_ylabel(f"{records.attrs.get('fitness', 'fitness')}{f' [{unit}]' if unit else ''}")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.margins(x=0.01)
-    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0, 1), ncols=3, borderaxespad=0)
+    columns = len(axes.lines) // 2 if label else 3  # a column for each of several runs
+    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0, 1), ncols=columns, borderaxespad=0)
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(axis="y", lw=0.5, alpha=0.4)
     return axes
 
 
-def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None, *, seconds: float = 1.5) -> Axes:
-    """Draw a robot from the side, to scale, caught six times in its stride, ever darker; needs no GL.
+def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Axes:
+    """Draw a robot from the side, to scale, caught up to four times on its way, ever darker; needs no GL.
 
     Args:
         genome: a genome or its text.
         settings: of terrain, robot and simulation.
         ax: where to draw; a new figure if None.
-        seconds: how much of its walk, from the middle on.
 
     Returns:
         The Axes drawn on.
     """
     axes = ax or _new_axes()
     scene, rollout = compile_scene(genome, settings), simulate(genome, settings)
-    middle = rollout.time[-1] / 2
-    moments = np.searchsorted(rollout.time, np.linspace(middle, min(middle + seconds, rollout.time[-1]), 6))
-    for shade, moment in zip(np.linspace(0.15, 1.0, len(moments)), moments, strict=True):
+    bodies = np.abs(rollout.com[:, 0] - rollout.com[0, 0]) / (1.25 * rollout.phenotype.body_length)
+    count = int(np.clip(bodies[-1], 0, 3)) + 1  # as many as do not stand in each other's way
+    last = int(np.argmax(bodies >= min(bodies[-1], count - 1)))
+    moments = np.searchsorted(rollout.time, np.linspace(0, rollout.time[last], count))
+    for shade, moment in zip(np.linspace(0.25, 1.0, len(moments)) if count > 1 else [1.0], moments, strict=True):
         ends, radii, colours = scene.outline(rollout.poses[moment])
         for i in np.argsort(-ends[:, :, 1].mean(axis=1)):  # the far side first
             axes.add_patch(
