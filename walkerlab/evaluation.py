@@ -15,7 +15,6 @@ from walkerlab.genes import Floats
 from walkerlab.genome import Genome, read_genomes
 from walkerlab.interrupts import interrupts_held
 from walkerlab.limits import genes_of, repair
-from walkerlab.phenotype import express
 from walkerlab.rollout import Rollout, walk
 from walkerlab.scene import scene_of
 from walkerlab.settings import Algorithm, Robot, Settings
@@ -143,7 +142,7 @@ def _walk_all(genomes: Sequence[Genome], settings: Settings) -> list[Rollout]:
 
 
 def _rate(genome: Genome, rollout: Rollout, settings: Settings) -> Evaluation:
-    phenotype = express(genome)
+    phenotype = rollout.phenotype
     return Evaluation(
         genome=genome,
         fitness=measures.score(rollout, settings.algorithm.fitness),

@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from walkerlab.ga.loop import NOT_COUNTED
 from walkerlab.ga.slots import OperatorError
 from walkerlab.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.quantity import function_name
 from walkerlab.rollout import Rollout
 from walkerlab.settings import Fitness
-
-NOT_COUNTED = -math.inf
-"""The fitness of a walk that does not count: under every other, so that its robot has no children."""
 
 UNITS = {Fitness.distance: "m", Fitness.velocity: "m/s"}
 
