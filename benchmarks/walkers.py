@@ -13,12 +13,13 @@ import pandas as pd
 
 import walkerlab as wl
 from walkerlab.algorithm import generate_robot_population
-from walkerlab.entities.terrain import LANDING
+from walkerlab.layout import LANDING
 
 GROUNDS = {
     "flat": wl.Terrain(),
     "incline": wl.Terrain(structure="incline", incline=10),
     "stairs": wl.Terrain(structure="stairs", step_height=0.08),
+    "gravel, rocks": wl.Terrain(texture="gravel", texture_density=0.05, obstacle="rock"),
 }
 
 
@@ -30,16 +31,20 @@ def try_out(ground, seed, given):
     run = wl.evolve(settings, progress=False)
     n_evaluations = run.records.drop_duplicates("individual").shape[0]
     champion = wl.simulate(run.champion.genome, settings, poses=False)
-    finer = wl.simulate(run.champion.genome, settings.with_(timestep=settings.simulation.timestep / 4), poses=False)
+    kept = run.confirm()
     distance, terrain = wl.fitness.distance(champion), settings.terrain
     row = {
         "ground": ground,
         "seed": seed,
         "evaluations": n_evaluations,
         "not counted": int((run.records.verdict != "ok").sum()),
+        "verdicts": " ".join(f"{n} {verdict}" for verdict, n in run.records.verdict.value_counts().items()),
         "distance [m]": distance,
         "body lengths/s": wl.fitness.velocity(champion) / champion.phenotype.body_length,
-        "kept at dt/4": wl.fitness.distance(finer) / distance if finer.counts else 0.0,
+        "kept at dt/4": kept.kept_finer,
+        "kept from other starts": kept.kept_nudged,
+        "poorest start": max(0.0, kept.nudged[0] / distance),
+        "void again": ", ".join(verdict for verdict in kept.verdicts if verdict != "ok"),
         "along slope [m]": distance / math.cos(math.radians(terrain.incline)) if "incline" in ground else None,
         "stairs climbed": max(0, math.floor((champion.com[-1, 0] - LANDING) / terrain.step_depth) + 1)
         if "stairs" in ground

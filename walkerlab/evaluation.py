@@ -31,6 +31,7 @@ class Evaluation:
         genome: as it walked, within the limits.
         fitness: higher is better; ``-inf`` if the walk does not count.
         verdict: ``ok``, or why it does not count.
+        reason: the figures behind the verdict, in words.
         distance: net forward travel, m.
         velocity: mean forward speed over the last two thirds, m/s.
         n_segments: grown segments.
@@ -42,6 +43,7 @@ class Evaluation:
     genome: Genome
     fitness: float
     verdict: str
+    reason: str
     distance: float
     velocity: float
     n_segments: int
@@ -147,6 +149,7 @@ def _rate(genome: Genome, rollout: Rollout, settings: Settings) -> Evaluation:
         genome=genome,
         fitness=measures.score(rollout, settings.algorithm.fitness),
         verdict=rollout.verdict,
+        reason=rollout.reason,
         distance=measures.distance(rollout),
         velocity=measures.velocity(rollout),
         n_segments=len(phenotype.segments),

@@ -14,7 +14,8 @@ from walkerlab.quantity import function_name
 from walkerlab.rollout import Rollout
 from walkerlab.settings import Fitness
 
-UNITS = {Fitness.distance: "m", Fitness.velocity: "m/s"}
+UNITS = {Fitness.distance: "m", Fitness.velocity: "m/s", Fitness.efficiency: "m/J", Fitness.straightness: "m"}
+IDLE = 1.0  # J counted on top, so that a robot that does nothing, and is moved by a breath, is not the most efficient
 
 
 def distance(rollout: Rollout) -> float:
@@ -28,7 +29,22 @@ def velocity(rollout: Rollout) -> float:
     return float((rollout.com[-1, 0] - rollout.com[start, 0]) / (rollout.time[-1] - rollout.time[start]))
 
 
-FUNCTIONS: dict[Fitness, Callable[[Rollout], float]] = {Fitness.distance: distance, Fitness.velocity: velocity}
+def efficiency(rollout: Rollout) -> float:
+    """Net forward travel for each joule of work that the legs do, in m/J."""
+    return distance(rollout) / (IDLE + float(rollout.work[-1]))
+
+
+def straightness(rollout: Rollout) -> float:
+    """Net forward travel, less how far it ended to either side of where it began, in m."""
+    return distance(rollout) - abs(float(rollout.com[-1, 1] - rollout.com[0, 1]))
+
+
+FUNCTIONS: dict[Fitness, Callable[[Rollout], float]] = {
+    Fitness.distance: distance,
+    Fitness.velocity: velocity,
+    Fitness.efficiency: efficiency,
+    Fitness.straightness: straightness,
+}
 
 
 def label(fitness: Fitness | Callable[..., Any]) -> tuple[str, str]:
@@ -85,7 +101,11 @@ def _made_up_walk() -> Rollout:
     com = np.stack([0.5 * time, 0.01 * np.sin(time), 0.2 + 0.01 * np.cos(9 * time)], axis=1)
     swing = Swing(amplitude=0.5, phase=0.0, offset=0.0)
     segment = Segment(length=0.4, mass=4.0, legs=Legs(length=0.3, force=8.0, hip=swing, knee=swing, stride=math.pi))
-    on_ground, poses = np.arange(401) % 4 > 0, np.empty((0, 11))
-    for record in (time, com, on_ground):
+    on_ground = np.arange(401) % 4 > 0
+    sink, work, poses = np.where(on_ground, 0.001, 0.0), 20 * time, np.empty((0, 11))
+    for record in (time, com, on_ground, sink, work):
         record.setflags(write=False)
-    return Rollout(time, com, on_ground, Phenotype((segment,), frequency=1.5), 0.25, "ok", poses)
+    return Rollout(
+        time, com, on_ground, sink, work, np.empty((0, 3)), np.empty(0), Phenotype((segment,), frequency=1.5),
+        settled=0.25, creep=0.0, overlap=0.0, drive=1.5, warnings=0, verdict="ok", reason="", poses=poses,
+    )  # fmt: skip

@@ -16,6 +16,7 @@ MAX_SEGMENTS = Robot.declared()["segments"].high  # type: ignore[union-attr]
 
 WHOLE = (Feature.segments, Feature.frequency)
 PART = tuple(feature for feature in Feature if feature not in WHOLE)
+FREQUENCY = (0.4, 2.2)  # Hz, of strides
 _TURN = 6.283
 
 
@@ -25,7 +26,7 @@ def _ranges(robot: Robot) -> dict[Feature, tuple[float, float, str, Kind]]:
     angle = "rad"
     return {
         Feature.segments: (*robot.segment_range, "", "count"),
-        Feature.frequency: (0.4, 2.2, "Hz", "real"),
+        Feature.frequency: (*FREQUENCY, "Hz", "real"),
         Feature.length: (shortest, longest, "m", "real"),
         Feature.mass: (robot.weight[0] / (2 * robot.segments[1]), robot.weight[1], "kg", "real"),
         Feature.legs: (0, 1, "pair", "count"),

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 from matplotlib.ticker import MaxNLocator
 
-from walkerlab.entities.terrain import height
+from walkerlab.layout import height
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.rollout import simulate

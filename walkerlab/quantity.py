@@ -11,7 +11,7 @@ Read by whoever asks for 0.9:
 
 from collections.abc import Generator, Iterable, Mapping, Sequence, Set
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from enum import IntEnum
 from functools import partial
@@ -65,6 +65,7 @@ class Quantity:
         about: what it is, as a clause: "the rise of each stair".
         whole: whether only whole numbers will do.
         parts: what its numbers are called, ``("min", "max")`` or ``("x", "y", "z")``; none for a single number.
+        presets: values that have a name, as ``"moon"`` for its gravity; the name will do for the value.
     """
 
     low: float
@@ -73,17 +74,24 @@ class Quantity:
     about: str
     whole: bool = False
     parts: tuple[str, ...] = ()
+    presets: Mapping[str, tuple[float, ...]] = field(default_factory=dict[str, tuple[float, ...]])
 
     def __call__(self, value: object) -> float | tuple[float, ...]:
         """Return the value as plain Python numbers, or raise a ``ValueError`` with a clause for each fault."""
         if not self.parts:
             return self._number(value, "")
+        if isinstance(value, str) and value in self.presets:
+            return self.presets[value]
         try:
             items = list(cast(Iterable[object], value))
         except TypeError:
             items = []
         if isinstance(value, str | bytes | bytearray | Mapping | Set) or len(items) != len(self.parts):
-            raise ValueError(f" is {value!r}; it must be {len(self.parts)} numbers: {', '.join(self.parts)}.")
+            named = f" Or the name of one: {', '.join(self.presets)}." if self.presets else ""
+            guess = did_you_mean(value, self.presets) if isinstance(value, str) else ""
+            raise ValueError(
+                f" is {value!r}; it must be {len(self.parts)} numbers: {', '.join(self.parts)}.{named}{guess}"
+            )
         numbers, faults = tuple[float, ...](), list[str]()
         for item, part in zip(items, self.parts, strict=True):
             try:
@@ -178,9 +186,17 @@ def limits(default: tuple[float, float], *, low: float, high: float, unit: str =
     return _declare(default, Quantity(low, high, unit, about, whole=isinstance(default[0], int), parts=PAIR))
 
 
-def vector(default: tuple[float, float, float], *, low: float, high: float, unit: str = "", about: str) -> Any:
-    """Declare an (x, y, z) vector: x forward, y left, z up."""
-    return _declare(default, Quantity(low, high, unit, about, parts=("x", "y", "z")))
+def vector(
+    default: tuple[float, float, float],
+    *,
+    low: float,
+    high: float,
+    unit: str = "",
+    about: str,
+    presets: Mapping[str, tuple[float, float, float]] = {},  # noqa: B006
+) -> Any:
+    """Declare an (x, y, z) vector: x forward, y left, z up; a preset is a vector with a name."""
+    return _declare(default, Quantity(low, high, unit, about, parts=("x", "y", "z"), presets=presets))
 
 
 def one_of(default: Choice, *, about: str, functions: bool = False, several: bool = False) -> Any:

@@ -18,6 +18,7 @@ COLUMNS: dict[str, tuple[type, str, str]] = {
     "operators": (str, "", "what made it: selection > crossover > mutation, or random"),
     "fitness": (float, "", "higher is better; -inf if the walk does not count"),
     "verdict": (str, "", "ok, or why the walk does not count"),
+    "reason": (str, "", "the figures behind the verdict"),
     "distance": (float, "m", "net forward travel of the centre of mass"),
     "velocity": (float, "m/s", "mean forward speed over the last two thirds of the walk"),
     "n_segments": (int, "", "body segments"),
@@ -28,7 +29,7 @@ COLUMNS: dict[str, tuple[type, str, str]] = {
 }
 """Each column: its type, unit and meaning."""
 
-MEASURED = ("fitness", "verdict", "distance", "velocity", "n_segments", "n_legs", "weight", "body_length")
+MEASURED = ("fitness", "verdict", "reason", "distance", "velocity", "n_segments", "n_legs", "weight", "body_length")
 
 
 def tabulate(population: Population[Evaluation], operators: str) -> pd.DataFrame:
@@ -109,6 +110,7 @@ class Individual:
         genome: its genome.
         fitness: higher is better; ``-inf`` if its walk does not count.
         verdict: ``ok``, or why it does not count.
+        reason: the figures behind the verdict, in words.
         generation: in which it was born.
         parents: their numbers; none in generation 0.
     """
@@ -117,6 +119,7 @@ class Individual:
     genome: Genome
     fitness: float
     verdict: str
+    reason: str
     generation: int
     parents: tuple[int, ...]
 
@@ -135,6 +138,7 @@ def champion(records: pd.DataFrame) -> Individual:
         genome=Genome.parse(row.genome),
         fitness=float(row.fitness),
         verdict=row.verdict,
+        reason=row.reason,
         generation=int(row.born),
         parents=parent_numbers(row.parents),
     )

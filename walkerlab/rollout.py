@@ -1,5 +1,6 @@
 """One walk: the scene is stepped, what a fitness needs is recorded, and a verdict says whether it counts."""
 
+import math
 import threading
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
@@ -8,50 +9,33 @@ from dataclasses import dataclass
 import mujoco
 import numpy as np
 from mujoco.rollout import rollout as step_through
-from numpy.typing import NDArray
 
+from walkerlab.assembly import ANYTHING, COM, DEPTH, GROUND, ITSELF, LOAD, ROPE
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
-from walkerlab.phenotype import Phenotype
+from walkerlab.judge import Trace, judge
 from walkerlab.scene import Scene, compile_scene, ticks
-from walkerlab.settings import Settings, Simulation
+from walkerlab.settings import Settings
 
 SETTLE_CHUNK = 0.25  # s, after each of which a settling body is looked at
 SETTLE_LIMIT = 3.0  # s, after which it walks whether it came to rest or not
 REST_SPEED = 0.02  # m/s of the centre of mass, under which a body is at rest
 
-VERDICTS = {
-    "ok": "The walk counts.",
-    "unstable": "The physics broke down: MuJoCo warned, or a number was not finite.",
-    "too fast": "It moved faster than Simulation.max_speed allows: thrown, not walking.",
-    "airborne": "It was off the ground for longer than Simulation.max_airborne: flying, not walking.",
-    "out of arena": "It left the ground that was built.",
-}
-"""Each verdict that a walk can get, in words for people."""
-
 _STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
 @dataclass(frozen=True, eq=False)
-class Rollout:
-    """One recorded walk, from the moment the body has settled; a sample at each tick of the gait's clock.
+class Rollout(Trace):
+    """One recorded walk: its trace, and whether it counts.
 
     Attributes:
-        time: (n,) s since the gait began.
-        com: (n, 3) centre of mass, m; x forward, y left, z up.
-        on_ground: (n,) whether any part of the body touched the ground.
-        phenotype: the robot that walked.
-        settled: s that the body was given to come to rest before the walk.
         verdict: ``ok``, or why the walk does not count: a key of ``VERDICTS``.
+        reason: the figures behind the verdict, in words; "" if it is ``ok``.
         poses: (n, nq) generalized positions as in ``mjData.qpos``; (0, nq) if they were not asked for.
     """
 
-    time: Floats
-    com: Floats
-    on_ground: NDArray[np.bool_]
-    phenotype: Phenotype
-    settled: float
     verdict: str
+    reason: str
     poses: Floats
 
     @property
@@ -74,45 +58,78 @@ def simulate(genome: Genome | str, settings: Settings, *, poses: bool = True) ->
     return walk(compile_scene(genome, settings), poses=poses)
 
 
-def walk(scene: Scene, *, poses: bool = True) -> Rollout:
+def walk(scene: Scene, *, nudge: Floats | None = None, poses: bool = True) -> Rollout:
     """Settle the body without drive until it rests, then let it walk for the settings' duration, and judge.
 
     The physics runs in C from the first step to the last: the controls are known before the walk.
+
+    Args:
+        scene: the compiled world.
+        nudge: (nv,) small turns and shifts of the start, as in ``Scene.place``.
+        poses: whether to record every pose.
     """
-    model, simulation = scene.model, scene.simulation
+    model, timestep = scene.model, scene.settings.simulation.timestep
     data = mujoco.MjData(model)
     with _warnings_counted_not_printed():
-        state, settled = _settle(scene, data)
-        n_steps = round(simulation.duration / simulation.timestep) + 1
-        states, sensors = _step(model, data, state, scene.controls(n_steps)[np.newaxis])
-    first = np.union1d(ticks(n_steps, simulation.timestep)[0], n_steps - 1)
+        scene.place(data, nudge)
+        overlap = _overlap(scene, data)
+        state, settled, creep = _settle(scene, data)
+        n_steps = round(scene.settings.simulation.duration / timestep) + 1
+        controls = scene.controls(n_steps)
+        states, sensors = _step(model, data, state, controls[np.newaxis])
+    first = np.union1d(ticks(n_steps, timestep)[0], n_steps - 1)
     # A sensor is read before its step and a state after it: the state that a sensor saw is the one before.
-    com, on_ground = sensors[0, first, :3], sensors[0, first, 3] > 0
-    positions = np.concatenate([state, states[0, :-1]])[first, 1 : 1 + model.nq] if poses else np.empty((0, model.nq))
-    time = first.astype(np.float64) * simulation.timestep
-    warned = any(data.warning.number)
-    for record in (time, com, on_ground, positions):
-        record.setflags(write=False)
-    verdict = _judge(time, com, on_ground, scene, warned=warned)
-    return Rollout(time, com, on_ground, scene.phenotype, settled, verdict, positions)
+    seen, sensed = np.concatenate([state, states[0, :-1]])[first], sensors[0, first]
+    time = first.astype(np.float64) * timestep
+    trace = Trace(
+        time=time,
+        com=sensed[:, COM],
+        on_ground=sensed[:, ANYTHING] > sensed[:, ITSELF],
+        sink=np.maximum(0.0, -np.where(sensed[:, GROUND] > 0, sensed[:, DEPTH], 0.0)),
+        work=_work(model, time, seen, controls[first]),
+        load=sensed[:, LOAD] if scene.settings.robot.drag_weight else np.empty((0, 3)),
+        rope=sensed[:, ROPE] if scene.settings.robot.drag_weight else np.empty(0),
+        phenotype=scene.phenotype,
+        settled=settled,
+        creep=creep,
+        overlap=overlap,
+        drive=_drive(time, controls[first]),
+        warnings=int(sum(data.warning.number)),
+    )
+    record = seen[:, 1 : 1 + model.nq] if poses else np.empty((0, model.nq))
+    for values in (trace.time, trace.com, trace.on_ground, trace.sink, trace.work, trace.load, trace.rope, record):
+        values.setflags(write=False)
+    verdict, reason = judge(trace, scene)
+    return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=record)
 
 
-def _settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float]:
-    """Hold the pose of rest until the body is still: the (1, n_state) state reached, and the seconds it took."""
-    model, timestep = scene.model, scene.simulation.timestep
-    scene.place(data)
+def _overlap(scene: Scene, data: mujoco.MjData) -> float:
+    """Return how deep [m] the robot or its sledge is in anything at the start; its own joints do not matter."""
+    mujoco.mj_fwdPosition(scene.model, data)
+    roots = scene.model.body_rootid[scene.model.geom_bodyid[data.contact.geom]]
+    meets = (roots[:, 0] != roots[:, 1]) & np.isin(roots, scene.roots).any(axis=1)
+    return float(np.max(-data.contact.dist, where=meets, initial=0.0))
+
+
+def _settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float, float]:
+    """Hold the pose of rest until the body is still.
+
+    Returns:
+        The (1, n_state) state reached, the seconds it took, and the speed [m/s] at the end of them.
+    """
+    model, timestep = scene.model, scene.settings.simulation.timestep
     state = np.empty((1, mujoco.mj_stateSize(model, _STATE)))
     mujoco.mj_getState(model, data, state[0], _STATE)
     n_steps = round(SETTLE_CHUNK / timestep)
     hold = np.tile(scene.rest, (1, n_steps, 1))
-    settled = 0.0
-    while settled < SETTLE_LIMIT:
+    settled, speed = 0.0, math.inf
+    while settled < SETTLE_LIMIT and speed > REST_SPEED:
         states, sensors = _step(model, data, state, hold)
-        state, com = states[:, -1].copy(), sensors[0, :, :3]
+        state, com = states[:, -1].copy(), sensors[0, :, COM]
         settled += SETTLE_CHUNK
-        if np.linalg.norm(com[-1] - com[n_steps // 2]) < REST_SPEED * (n_steps - 1 - n_steps // 2) * timestep:
-            break
-    return state, settled
+        middle = n_steps // 2
+        speed = float(np.linalg.norm(com[-1] - com[middle])) / ((n_steps - 1 - middle) * timestep)
+    return state, settled, speed
 
 
 def _step(model: mujoco.MjModel, data: mujoco.MjData, state: Floats, controls: Floats) -> tuple[Floats, Floats]:
@@ -121,27 +138,22 @@ def _step(model: mujoco.MjModel, data: mujoco.MjData, state: Floats, controls: F
     return step_through(model, [data], state, controls, initial_warmstart=warmstart)
 
 
-def _judge(time: Floats, com: Floats, on_ground: NDArray[np.bool_], scene: Scene, *, warned: bool) -> str:
-    """Name the first rule that the walk breaks, or ``ok``."""
-    simulation: Simulation = scene.simulation
-    if warned or not np.isfinite(com).all():
-        return "unstable"
-    speed = np.linalg.norm(np.diff(com, axis=0), axis=1) / np.diff(time)
-    if speed.max(initial=0.0) > simulation.max_speed * scene.phenotype.body_length:
-        return "too fast"
-    if _longest_flight(time, on_ground) > simulation.max_airborne:
-        return "airborne"
-    low, high = scene.bounds
-    if (com[:, :2] < low).any() or (com[:, :2] > high).any():
-        return "out of arena"
-    return "ok"
+def _work(model: mujoco.MjModel, time: Floats, states: Floats, controls: Floats) -> Floats:
+    """Add up what the servos have done so far, (n,) [J]: torque times speed, whichever way it goes."""
+    joint = model.actuator_trnid[:, 0]
+    angle = states[:, 1 + model.jnt_qposadr[joint]]
+    speed = states[:, 1 + model.nq + model.jnt_dofadr[joint]]
+    gain, bias = model.actuator_gainprm[:, 0], model.actuator_biasprm
+    torque = np.clip(gain * controls + bias[:, 1] * angle + bias[:, 2] * speed, *model.actuator_forcerange.T)
+    power = np.abs(torque * speed).sum(axis=1)
+    return np.concatenate([[0.0], np.cumsum(power[:-1] * np.diff(time))])
 
 
-def _longest_flight(time: Floats, on_ground: NDArray[np.bool_]) -> float:
-    """Return the longest time [s] from leaving the ground to touching it again, or to the end of the record."""
-    edges = np.flatnonzero(np.diff(~on_ground, prepend=False, append=False))
-    left, touched = edges[::2], np.minimum(edges[1::2], len(time) - 1)
-    return float(np.max(time[touched] - time[left], initial=0.0))
+def _drive(time: Floats, controls: Floats) -> float:
+    """Return how often [Hz] the servo target that does so most turns round and back again."""
+    steps = np.diff(controls, axis=0)
+    turns = (steps[:-1] * steps[1:] < 0).sum(axis=0)
+    return float(np.max(turns, initial=0)) / 2 / time[-1]
 
 
 _thread = threading.local()

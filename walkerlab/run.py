@@ -9,6 +9,7 @@ import pandas as pd
 
 from walkerlab import fitness, records, store
 from walkerlab.algorithm import ROOMS, in_turn
+from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
 from walkerlab.quantity import Choice, function_name
 from walkerlab.records import Individual
 from walkerlab.settings import Fitness, Settings
@@ -52,6 +53,14 @@ class Run:
     def champion(self) -> Individual:
         """The fittest robot of all generations."""
         return records.champion(self.records)
+
+    def confirm(self, n_nudges: int = N_NUDGES) -> Confirmation:
+        """Let the champion walk again at a quarter of the timestep and from other starts, and say what it keeps.
+
+        Args:
+            n_nudges: how many other starts, each a little different.
+        """
+        return confirm(self.champion.genome, self.settings, n_nudges)
 
     def lineage(self, individual: int) -> pd.DataFrame:
         """Return the rows of an individual and its ancestors, youngest first, with the operators behind each."""

@@ -1,33 +1,25 @@
 """One world, compiled: a genome and the settings become an ``MjModel`` and the controls that drive it."""
 
 import math
-import threading
 from dataclasses import dataclass
 from functools import lru_cache
 
 import mujoco
 import numpy as np
+from numpy.typing import NDArray
 
-from walkerlab.entities import generate_robot, generate_terrain
-from walkerlab.entities.terrain import bounds, slope
-from walkerlab.entities.walker import SIDES
+from walkerlab.assembly import assemble, describe
 from walkerlab.genes import Floats, Indices
 from walkerlab.genome import Genome
-from walkerlab.phenotype import Legs, Phenotype, Segment, express
-from walkerlab.settings import Settings, Simulation, Terrain
+from walkerlab.layout import PIECE_HEIGHT, slope
+from walkerlab.phenotype import Phenotype, express
+from walkerlab.settings import Settings
 
 CONTROL_RATE = 50.0  # Hz, at which servos take a new target
 RAMP = 0.5  # s, over which a gait swells from rest to its full swing
 CLEARANCE = 0.005  # m, between the ground and the lowest point of a robot at the start
-
-BODY_DENSITY = 600.0  # kg/m³ of a trunk: mass and length together give its girth
-SPLAY = math.radians(36)  # of the thighs outward: a stance wide enough not to topple
-LEG_SHARE = 0.3  # of a segment's mass, that is its legs'
-THIGH_SHARE = 0.6  # of a leg's mass
-LEG_GIRTH = 0.07  # radius of a thigh over the length of the leg
-SERVO_BAND = 0.3  # rad of error at which a servo gives its full torque
-SPINE_STIFFNESS = 30.0  # N·m/rad for each kg·m of mass times length behind the joint
-ROTOR = 0.001  # kg·m² of rotor inertia for each N·m of torque: with the band, a servo of 9 Hz whatever it turns
+SLACK = 0.01  # m by which the rope is not quite taut at the start
+_ROPE_ENDS = ("walker/hitch", "sledge/ring")
 
 
 @dataclass(frozen=True)
@@ -35,20 +27,26 @@ class Scene:
     """One compiled world.
 
     Attributes:
-        model: ready for ``mj_step``; actuators in the order of ``controls``.
-        pitch: of the ground at the start, in rad; positive is uphill.
-        bounds: (2, 2) least and greatest x and y [m] of the ground that was built; infinite on a plane.
+        model: ready for ``mj_step``; actuators in the order of ``controls``, the robot's body 1 and what hangs on it.
         genome: the genome it was built from, within the limits.
         phenotype: the robot in it.
-        simulation: the settings it will be stepped by.
+        settings: of the world that it is in.
     """
 
     model: mujoco.MjModel
-    pitch: float
-    bounds: Floats
     genome: Genome
     phenotype: Phenotype
-    simulation: Simulation
+    settings: Settings
+
+    @property
+    def roots(self) -> list[int]:
+        """The bodies by which robot and sledge hang in the world."""
+        return [1, self.model.body("sledge/").id] if self.settings.robot.drag_weight else [1]
+
+    @property
+    def own(self) -> NDArray[np.bool_]:
+        """(ngeom,) whether a geom is part of the robot, its pack included."""
+        return self.model.body_rootid[self.model.geom_bodyid] == 1
 
     def controls(self, n_steps: int) -> Floats:
         """Compute the servo targets of the whole walk; the gait needs no feedback.
@@ -57,23 +55,42 @@ class Scene:
             (n_steps, nu) in rad, a new value ``CONTROL_RATE`` times a second.
         """
         amplitude, phase, offset = _motion(self.phenotype)
-        first, tick = ticks(n_steps, self.simulation.timestep)
+        first, tick = ticks(n_steps, self.settings.simulation.timestep)
         time = np.arange(len(first))[:, np.newaxis] / CONTROL_RATE
         swell = np.minimum(time / RAMP, 1.0)
         wave = offset + swell * amplitude * np.sin(math.tau * self.phenotype.frequency * time + phase)
         return wave[tick]
 
-    def place(self, data: mujoco.MjData) -> None:
-        """Stand the robot on the ground at the origin: its belly along the slope, its lowest point just clear."""
-        model = self.model
-        data.qpos[3:7] = [math.cos(self.pitch / 2), 0, -math.sin(self.pitch / 2), 0]
+    def place(self, data: mujoco.MjData, nudge: Floats | None = None) -> None:
+        """Stand the robot at the start in its pose of rest: belly along the slope, just clear of what lies below it.
+
+        Its foremost point is at x = 0, before all that lies on the ground; its sledge is behind it, the rope all but
+        taut.
+
+        Args:
+            data: to be written into.
+            nudge: (nv,) small turns and shifts to start a little differently, in the model's degrees of freedom.
+        """
+        model, terrain, pitch = self.model, self.settings.terrain, slope(self.settings.terrain)
+        data.qpos[model.jnt_qposadr[model.actuator_trnid[:, 0]]] = self.rest
+        data.qpos[3:7] = [math.cos(pitch / 2), 0, -math.sin(pitch / 2), 0]
+        if nudge is not None:
+            mujoco.mj_integratePos(model, data.qpos, nudge, 1.0)
         mujoco.mj_kinematics(model, data)
-        own = model.geom_bodyid > 0
-        up = np.array([-math.sin(self.pitch), 0, math.cos(self.pitch)])
-        axis = data.geom_xmat[own].reshape(-1, 3, 3)[:, :, 2]
-        reach = np.abs(axis @ up) * model.geom_size[own, 1] + model.geom_size[own, 0]
-        lowest = float(np.min(data.geom_xpos[own] @ up - reach))
-        data.qpos[:3] += (CLEARANCE - lowest) * up
+        forward, up = np.array([[math.cos(pitch), 0, math.sin(pitch)], [-math.sin(pitch), 0, math.cos(pitch)]])
+        ends, radii, _ = self._capsules(data)
+        stones = PIECE_HEIGHT * terrain.texture_size * bool(terrain.n_pieces)
+        data.qpos[:3] += (CLEARANCE + stones - np.min(ends @ up - radii[:, np.newaxis])) * up
+        data.qpos[:3] -= max(0.0, np.max(ends @ forward + radii[:, np.newaxis])) * forward
+        if self.settings.robot.drag_weight:
+            mujoco.mj_kinematics(model, data)
+            sledge, (hitch, ring) = model.body("sledge/").jntadr[0], (model.site(name) for name in _ROPE_ENDS)
+            tail = data.site_xpos[hitch.id]
+            drop = tail @ up - stones - CLEARANCE - ring.pos[2]
+            back = math.sqrt(model.tendon_range[model.tendon("rope").id, 1] ** 2 - drop**2) - SLACK
+            place = (tail @ forward - back - ring.pos[0]) * forward + (stones + CLEARANCE) * up
+            start = model.jnt_qposadr[sledge]
+            data.qpos[start : start + 7] = [*place, *data.qpos[3:7]]
 
     def outline(self, pose: Floats) -> tuple[Floats, Floats, Floats]:
         """Lay out the capsules of the body in a pose, for a drawing that needs no GL.
@@ -84,13 +101,17 @@ class Scene:
         Returns:
             (n, 2, 3) both ends of each capsule's axis, in m; (n,) their radii; (n, 4) their colours, RGBA.
         """
-        model, data = self.model, mujoco.MjData(self.model)
+        data = mujoco.MjData(self.model)
         data.qpos[:] = pose
-        mujoco.mj_kinematics(model, data)
-        own = model.geom_bodyid > 0
-        half = data.geom_xmat[own].reshape(-1, 3, 3)[:, :, 2] * model.geom_size[own, 1, np.newaxis]
-        ends = np.stack([data.geom_xpos[own] - half, data.geom_xpos[own] + half], axis=1)
-        return ends, model.geom_size[own, 0].copy(), model.geom_rgba[own].astype(np.float64)
+        mujoco.mj_kinematics(self.model, data)
+        return self._capsules(data)
+
+    def _capsules(self, data: mujoco.MjData) -> tuple[Floats, Floats, Floats]:
+        model = self.model
+        limbs = self.own & (model.geom_type == int(mujoco.mjtGeom.mjGEOM_CAPSULE))
+        half = data.geom_xmat[limbs].reshape(-1, 3, 3)[:, :, 2] * model.geom_size[limbs, 1, np.newaxis]
+        ends = np.stack([data.geom_xpos[limbs] - half, data.geom_xpos[limbs] + half], axis=1)
+        return ends, model.geom_size[limbs, 0].copy(), model.geom_rgba[limbs].astype(np.float64)
 
     @property
     def rest(self) -> Floats:
@@ -121,103 +142,23 @@ def compile_scene(genome: Genome | str | Floats, settings: Settings, *, scenery:
         GenomeError: if a text is no genome.
         ValueError: if values are no genome.
     """
-    return describe_scene(genome, settings, scenery=scenery)[1]
+    if scenery:
+        return describe_scene(genome, settings, scenery=True)[1]
+    return scene_of(Genome.of(genome).within(settings.robot), settings)
 
 
 def describe_scene(genome: Genome | str | Floats, settings: Settings, *, scenery: bool) -> tuple[mujoco.MjSpec, Scene]:
     """Build the same world, and hand out its description too; it is good until this thread's next scene."""
-    return _build(Genome.of(genome).within(settings.robot), settings, scenery=scenery)
+    own = Genome.of(genome).within(settings.robot)
+    phenotype = express(own)
+    spec = describe(phenotype, settings, scenery=scenery)
+    return spec, Scene(spec.compile(), own, phenotype, settings)
 
 
 def scene_of(genome: Genome, settings: Settings) -> Scene:
     """Build the world of a genome that is known to be within the limits."""
-    return _build(genome, settings, scenery=False)[1]
-
-
-def _build(genome: Genome, settings: Settings, *, scenery: bool) -> tuple[mujoco.MjSpec, Scene]:
-    phenotype, terrain = express(genome), settings.terrain
-    spec = _plan_spec(phenotype.plan, terrain, scenery, threading.get_ident())
-    _write_measures(spec, phenotype)
-    spec.option.timestep = settings.simulation.timestep
-    ends = np.array(bounds(terrain))
-    return spec, Scene(spec.compile(), slope(terrain), ends, genome, phenotype, settings.simulation)
-
-
-# ------------------------------------------------------------------------------------------------ body plans
-
-
-@lru_cache(maxsize=512)
-def _plan_xml(plan: tuple[bool, ...], terrain: Terrain, scenery: bool) -> str:
-    """Have composer build one body plan on one ground, in nominal measures."""
-    ground, walker = generate_terrain(terrain, scenery=scenery), generate_robot(plan)
-    root, body = ground.mjcf_model, ground.attach(walker)
-    body.add("freejoint", name="free")
-    root.option.integrator = "implicitfast"
-    root.option.flag.autoreset = "disable"  # a world that blows up must not start anew unseen
-    root.sensor.add("subtreecom", name="com", body=body)
-    root.sensor.add("contact", name="touch", subtree1=body, body2="world", data="found", num=1)
-    return root.to_xml_string()
-
-
-@lru_cache(maxsize=512)
-def _plan_spec(plan: tuple[bool, ...], terrain: Terrain, scenery: bool, thread: int) -> mujoco.MjSpec:
-    """Return a thread's own spec of a plan, into which every individual's measures are written anew."""
-    assert thread == threading.get_ident()
-    return mujoco.MjSpec.from_string(_plan_xml(plan, terrain, scenery))
-
-
-def _write_measures(spec: mujoco.MjSpec, phenotype: Phenotype) -> None:
-    """Write one individual's numbers into the spec of its body plan: all of them, every time."""
-    behind = 0.0
-    for number, segment in reversed(list(enumerate(phenotype.segments, start=1))):
-        behind += segment.mass
-        _write_segment(spec, number, segment, phenotype, behind)
-        if segment.legs:
-            _write_legs(spec, number, segment, segment.legs)
-
-
-def _girth(segment: Segment) -> float:
-    """The radius [m] that gives the trunk its density, within what its length can bear."""
-    mass = segment.mass * (1 - LEG_SHARE if segment.legs else 1)
-    return float(np.clip(math.sqrt(mass / (math.pi * BODY_DENSITY * segment.length)), 0.02, 0.35 * segment.length))
-
-
-def _write_segment(spec: mujoco.MjSpec, number: int, segment: Segment, phenotype: Phenotype, behind: float) -> None:
-    girth = _girth(segment)
-    trunk = spec.geom(f"walker/trunk{number}")
-    trunk.size[0] = girth
-    trunk.fromto = [-girth, 0, 0, -(segment.length - girth), 0, 0]
-    trunk.mass = segment.mass * (1 - LEG_SHARE if segment.legs else 1)
-    if number > 1:
-        spec.body(f"walker/seg{number}").pos = [-phenotype.segments[number - 2].length, 0, 0]
-        stiffness = SPINE_STIFFNESS * behind * segment.length
-        for axis in ("pitch", "yaw"):
-            joint = spec.joint(f"walker/{axis}{number}")
-            joint.stiffness[0] = stiffness
-            joint.damping[0] = 0.05 * stiffness
-
-
-def _write_legs(spec: mujoco.MjSpec, number: int, segment: Segment, legs: Legs) -> None:
-    thick, half = LEG_GIRTH * legs.length, legs.length / 2
-    mass = segment.mass * LEG_SHARE / 2
-    for side, left in zip(SIDES, (1, -1), strict=True):
-        hip = [-segment.length / 2, left * (_girth(segment) + thick), 0]
-        knee = [0, left * half * math.sin(SPLAY), -half * math.cos(SPLAY)]
-        foot = [0, 0, -half]
-        for bone, joint, start, end, radius, share in (
-            ("thigh", "hip", hip, knee, thick, THIGH_SHARE),
-            ("shank", "knee", knee, foot, 0.8 * thick, 1 - THIGH_SHARE),
-        ):
-            spec.body(f"walker/{side}_{bone}{number}").pos = start
-            geom = spec.geom(f"walker/{side}_{bone}{number}")
-            geom.size[0] = radius
-            geom.fromto = [0, 0, 0, *end]
-            geom.mass = mass * share
-            spec.joint(f"walker/{side}_{joint}{number}").armature = ROTOR * legs.force
-            servo = spec.actuator(f"walker/{side}_{joint}{number}")
-            servo.gainprm[0] = legs.force / SERVO_BAND
-            servo.biasprm[1] = -legs.force / SERVO_BAND
-            servo.forcerange = [-legs.force, legs.force]
+    phenotype = express(genome)
+    return Scene(assemble(phenotype, settings), genome, phenotype, settings)
 
 
 # --------------------------------------------------------------------------------------------------- the gait

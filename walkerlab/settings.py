@@ -1,5 +1,6 @@
 """Everything that a class can set: four domains, each number with its range, unit and meaning."""
 
+import math
 from collections.abc import Callable, Mapping
 from typing import Any, Self, cast
 
@@ -27,6 +28,34 @@ class Structure(Choice):
     flat = 0, "______________ a level plane"
     incline = 1, "___---‾‾‾ a plane that rises, or falls, along the way"
     stairs = 2, "____┌──┌──┌── steps that go up along the way"
+    rough = 3, "___/‾\\_/‾\\_ hills and hollows, in both directions"
+    gaps = 4, "_____  ___  ___ a level plane with trenches across the way"
+
+
+class Texture(Choice):
+    """What the ground is made of: it decides the grip, and the look."""
+
+    rubber = 0, "a sports floor: the best grip of all"
+    marble = 1, "polished stone: hard and smooth"
+    ice = 2, "feet slide at the slightest push"
+    wood = 3, "parquet: firm and even"
+    concrete = 4, "rough and hard, like a pavement"
+    grass = 5, "a mown lawn: some of the grip is lost"
+    sand = 6, "a beach: grains give way, and what rolls soon stops"
+    gravel = 7, "small stones that shift under the foot"
+    mud = 8, "wet earth: slippery, and nothing rolls far"
+    snow = 9, "trodden snow: twice the grip of ice"
+
+
+class Obstacle(Choice):
+    """What lies about on the ground, for robots to push or to climb over."""
+
+    none = 0, "nothing lies about"
+    box = 1, "wooden boxes"
+    ball = 2, "light balls, which roll away"
+    cylinder = 3, "tins, standing"
+    rock = 4, "stones with edges: the heaviest"
+    log = 5, "round logs, lying"
 
 
 class Fitness(Choice):
@@ -34,6 +63,8 @@ class Fitness(Choice):
 
     distance = 0, "net forward travel of the centre of mass after settling, in m"
     velocity = 1, "mean forward speed over the last two thirds of the walk, in m/s"
+    efficiency = 2, "net forward travel for each joule of work that the legs do, in m/J"
+    straightness = 3, "net forward travel, less the drift to either side, in m"
 
 
 class Selection(Choice):
@@ -86,6 +117,22 @@ class Feature(Choice):
     stride = 13, "how far the right leg is behind the left in the stride; half a turn is a trot"
 
 
+class Guard(Choice):
+    """A rule that a walk keeps, or it does not count."""
+
+    none = 0, "all the guards below are on"
+    bad_start = 1, "it started inside something: the ground, an obstacle or its own load"
+    restless = 2, "it slid, rolled or was blown along before it made a step"
+    jittering = 3, "its legs were driven faster than any gene allows: trembling, not walking"
+    too_fast = 4, "it moved faster than Simulation.max_speed allows: thrown, not walking"
+    too_high = 5, "its centre of mass rose far above where it stood: vaulting, not walking"
+    sunk = 6, "a part of it was pushed deep into the ground, which no real ground allows"
+    airborne = 7, "it was off the ground for longer than Simulation.max_airborne: flying, not walking"
+    fell = 8, "it stood, and then went down: falling forward is not walking"
+    out_of_arena = 9, "it left the ground that was built"
+    load_lost = 10, "its sledge broke the rope, overtook it, or left the ground"
+
+
 class Camera(Choice):
     """From where a walk is watched."""
 
@@ -96,8 +143,31 @@ class Camera(Choice):
     orbit = 4, "slowly round the robot"
 
 
+PLANETS = {
+    "earth": (0.0, 0.0, -9.81),
+    "moon": (0.0, 0.0, -1.62),
+    "mars": (0.0, 0.0, -3.71),
+    "jupiter": (0.0, 0.0, -24.79),
+}
+"""Gravity at the surface, m/s²; from NASA's planetary fact sheets."""
+
+FIELD = (18.0, 6.0)  # m along and across the way, on which pieces and obstacles are strewn
+MAX_PIECES = 6000  # of texture, among which a walk takes some three times as long to compute as on bare ground
+CROWDED = 0.3  # part of the ground within the reach of an obstacle, over which there is no way through
+REACH = {
+    Obstacle.none: 0.0,
+    Obstacle.box: 0.71,
+    Obstacle.ball: 0.5,
+    Obstacle.cylinder: 0.5,
+    Obstacle.rock: 0.6,
+    Obstacle.log: 1.3,
+}
+"""How far an obstacle reaches from its middle, as a share of its size; a log is longer than it is thick."""
+SPREAD = 0.25  # how much larger or smaller than its size an obstacle may be, as a share
+
+
 class Terrain(Domain, frozen=True):
-    """The ground, and the forces over it."""
+    """The ground, what lies on it, and the forces over it."""
 
     structure: Structure = one_of(Structure.flat, about="the shape of the ground")
     incline: float = quantity(
@@ -105,9 +175,77 @@ class Terrain(Domain, frozen=True):
     )
     step_height: float = quantity(0.08, low=0.01, high=0.4, unit="m", about="the rise of each stair")
     step_depth: float = quantity(0.4, low=0.1, high=2.0, unit="m", about="the tread of each stair, along the way")
-    gravity: tuple[float, float, float] = vector(
-        (0.0, 0.0, -9.81), low=-30.0, high=30.0, unit="m/s²", about="the pull on everything; z is up"
+    hill_height: float = quantity(
+        0.12, low=0.0, high=0.6, unit="m", about="the height of a rough ground's hills over its hollows"
     )
+    hill_length: float = quantity(
+        1.5, low=0.8, high=6.0, unit="m", about="the distance between a rough ground's hills"
+    )
+    gap_width: float = quantity(0.1, low=0.02, high=1.0, unit="m", about="the width of each trench, along the way")
+    gap_distance: float = quantity(0.8, low=0.2, high=5.0, unit="m", about="the level ground between two trenches")
+    texture: Texture = one_of(Texture.rubber, about="what the ground is made of, which decides the grip")
+    texture_size: float = quantity(
+        0.06, low=0.02, high=0.3, unit="m", about="the width of the pieces, fixed to the ground, that are strewn over it"
+    )
+    texture_density: float = quantity(
+        0.0, low=0.0, high=1.0, about="the part of the ground that such pieces cover; 0 is bare ground"
+    )
+    obstacle: Obstacle = one_of(Obstacle.none, about="what lies about on the ground, to be pushed or climbed over")
+    obstacle_size: float = quantity(0.1, low=0.03, high=1.0, unit="m", about="the width of an obstacle, give or take")
+    obstacle_density: float = quantity(
+        0.25, low=0.0, high=2.0, unit="per m²", about="how many obstacles lie on each square metre"
+    )
+    gravity: tuple[float, float, float] = vector(
+        PLANETS["earth"],
+        low=-30.0,
+        high=30.0,
+        unit="m/s²",
+        about="the pull on everything; z is up",
+        presets=PLANETS,
+    )
+    wind: tuple[float, float, float] = vector(
+        (0.0, 0.0, 0.0), low=-40.0, high=40.0, unit="m/s", about="how the air moves; it pushes all that stands in it"
+    )
+    seed: int = quantity(
+        0, low=0, high=2**31 - 1, about="the seed of where pieces, obstacles and hills are: same seed, same ground"
+    )
+
+    @property
+    def n_pieces(self) -> int:
+        """About how many pieces of texture it takes; the more of the ground they cover, the more they overlap."""
+        length, width = FIELD
+        overlap = 1 + self.texture_density
+        return round(overlap * self.texture_density * length * width / (math.pi / 4 * self.texture_size**2))
+
+    @model_validator(mode="after")
+    def _room_for_all(self) -> Self:
+        """Refuse more than a computer can bear, or the ground."""
+        faults: list[str] = []
+        if self.n_pieces > MAX_PIECES:
+            larger = math.ceil(100 * self.texture_size * math.sqrt(self.n_pieces / MAX_PIECES)) / 100
+            mend = f"Terrain.texture_size {larger:g} m would do" if larger <= 0.3 else "lower the density"
+            faults.append(
+                f"Terrain.texture_size {self.texture_size:g} m and Terrain.texture_density {self.texture_density:g} "
+                f"ask for some {self.n_pieces} pieces; {MAX_PIECES} at most are laid, or walks would take "
+                f"too long to compute. At this density, {mend}."
+            )
+        reach = (1 + SPREAD) * REACH[self.obstacle] * self.obstacle_size
+        level = {Structure.stairs: "step_depth", Structure.gaps: "gap_distance"}.get(self.structure)
+        if level and 2 * reach > getattr(self, level):
+            faults.append(
+                f"Terrain.obstacle_size is {self.obstacle_size:g} m; such a {self.obstacle.name} can be "
+                f"{2 * reach:.2g} m long, and Terrain.{level} is {getattr(self, level):g} m: it does not fit."
+            )
+        crowd = self.obstacle_density * math.pi * (REACH[self.obstacle] * self.obstacle_size) ** 2
+        if crowd > CROWDED:
+            faults.append(
+                f"Terrain.obstacle_density {self.obstacle_density:g} per m² and Terrain.obstacle_size "
+                f"{self.obstacle_size:g} m leave no way through; at this size, a density of "
+                f"{math.floor(100 * self.obstacle_density * CROWDED / crowd) / 100:g} per m² would do."
+            )
+        if faults:
+            raise ValueError("\n".join(faults))
+        return self
 
 
 class Robot(Domain, frozen=True):
@@ -124,6 +262,12 @@ class Robot(Domain, frozen=True):
     legs: tuple[int, int] = limits((2, 8), low=2, high=16, about="the number of legs, which come in pairs")
     leg_force: tuple[float, float] = limits(
         (2.0, 20.0), low=0.1, high=500.0, unit="N·m", about="the greatest torque at each leg joint"
+    )
+    carry_weight: float = quantity(
+        0.0, low=0.0, high=100.0, unit="kg", about="a pack fixed on the back, part of no limit; 0 is none"
+    )
+    drag_weight: float = quantity(
+        0.0, low=0.0, high=100.0, unit="kg", about="a sledge on a rope behind, part of no limit; 0 is none"
     )
 
     @property
@@ -213,6 +357,9 @@ class Simulation(Domain, frozen=True):
     max_airborne: float = quantity(
         0.5, low=0.05, high=1000.0, unit="s", about="the time off the ground over which a walk does not count"
     )
+    forgive: Any = one_of(
+        Guard.none, several=True, about="the guards that are off, to watch evolution cheat; none of them as a rule"
+    )
 
 
 class Settings(SettingsModel, frozen=True):
@@ -231,11 +378,12 @@ class Settings(SettingsModel, frozen=True):
         Raises:
             SettingsError: if no domain has such a setting, or the value will not do.
         """
-        owners, faults = self._owners(), list[str]()
+        places, faults = self.places(), list[str]()
         parts: dict[str, Any] = dict(self)
-        for name in sorted(changes, key=owners.__contains__):  # whole domains come first
-            if name in owners:
-                parts[owners[name]] = dict(parts[owners[name]]) | {name: changes[name]}
+        for name in sorted(changes, key=places.__contains__):  # whole domains come first
+            if name in places:
+                domain, field = places[name]
+                parts[domain] = dict(parts[domain]) | {field: changes[name]}
                 continue
             try:
                 parts[name] = self._domain(name, changes[name])
@@ -272,12 +420,25 @@ class Settings(SettingsModel, frozen=True):
     @classmethod
     def advice(cls, name: str) -> str:
         """Say what might have been meant by a name that there is not, looking into the domains as well."""
-        owners = cls._owners()
-        if name in owners:
-            return f" It is one of {owners[name]}: {owners[name]}={owners[name].capitalize()}({name}=…)."
-        return did_you_mean(name, [*cls.model_fields, *owners]) or super().advice(name)
+        places = cls.places()
+        if name in places:
+            domain, field = places[name]
+            return f" It is one of {domain}: {domain}={domain.capitalize()}({field}=…)."
+        return did_you_mean(name, [*cls.model_fields, *places]) or super().advice(name)
 
     @classmethod
-    def _owners(cls) -> dict[str, str]:
-        """Say for each single setting of which domain it is."""
-        return {name: domain for domain, field in cls.model_fields.items() for name in dict(field.default)}
+    def places(cls) -> dict[str, tuple[str, str]]:
+        """Name each single setting in one word, and say its domain and field.
+
+        The word is the field's name. Where two domains have one of that name, it is the algorithm's, and the other is
+        called after its domain as well: ``seed`` and ``terrain_seed``.
+        """
+        fields = {
+            domain: list(type(field.default).model_fields)  # type: ignore[union-attr]
+            for domain, field in cls.model_fields.items()
+        }
+        return {
+            name if domain == "algorithm" or name not in fields["algorithm"] else f"{domain}_{name}": (domain, name)
+            for domain, names in fields.items()
+            for name in names
+        }

@@ -18,7 +18,7 @@ import pandas as pd
 from walkerlab.records import COLUMNS, tidy
 
 APPLICATION = 0x77616C6B  # "walk", in the file's header
-SCHEMA = 1
+SCHEMA = 2
 RUN_FILE = "run.walk"  # its name in a folder of its own
 
 _SQL = {int: "INTEGER", float: "REAL", str: "TEXT"}

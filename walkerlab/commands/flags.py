@@ -2,7 +2,6 @@
 
 import argparse
 import re
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from difflib import get_close_matches
@@ -26,14 +25,8 @@ class Help(argparse.HelpFormatter):
 
 
 def flag_names() -> dict[tuple[str, str], str]:
-    """Name the flag of each setting: ``("terrain", "step_height")`` is ``--step-height``.
-
-    Where two domains have a field of one name, each flag says whose it is: ``--terrain-seed``.
-    """
-    fields = [(domain, field) for domain, model in DOMAINS.items() for field in model.declared()]
-    owners = Counter(field for _, field in fields)
-    words = {(domain, field): field if owners[field] == 1 else f"{domain}_{field}" for domain, field in fields}
-    return {place: f"--{word.replace('_', '-')}" for place, word in words.items()}
+    """Name the flag of each setting: ``("terrain", "step_height")`` is ``--step-height``."""
+    return {place: f"--{word.replace('_', '-')}" for word, place in Settings.places().items()}
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -71,7 +64,7 @@ def settings_of(given: Mapping[str, Any], strangers: Sequence[str] = ()) -> Sett
     for place, value in given.items():
         domain, dot, field = place.partition(".")
         if dot:
-            parts[domain][field] = value
+            parts[domain][field] = _named(value)
     with told_with(_refusals(strangers)):
         return Settings(**parts)
 
@@ -95,6 +88,15 @@ def _value(text: str) -> int | float | str:
     return text
 
 
+def _named(value: Any) -> Any:
+    """Take a lone word out of its list: the name of a preset, as in ``--gravity moon``."""
+    match value:
+        case [str(name)]:
+            return name
+        case _:
+            return value
+
+
 def _takes_several(declared: Declared) -> bool:
     return bool(declared.parts) if isinstance(declared, Quantity) else declared.several
 
@@ -108,7 +110,8 @@ def _metavar(declared: Declared) -> str:
         case Quantity(parts=()):
             return "N" if declared.whole else "X"
         case _:
-            return " ".join(part.upper() for part in declared.parts)
+            named = f" | {' | '.join(declared.presets)}" if declared.presets else ""
+            return " ".join(part.upper() for part in declared.parts) + named
 
 
 def _show(default: Any) -> str:

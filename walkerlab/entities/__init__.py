@@ -10,7 +10,8 @@ with warnings.catch_warnings():  # dm_control looks for a display while it is im
     from dm_control import composer as composer
     from dm_control import mjcf as mjcf
 
+from walkerlab.entities.load import Pack, Sledge, tie
 from walkerlab.entities.terrain import Ground, generate_terrain
 from walkerlab.entities.walker import Walker, generate_robot
 
-__all__ = ["Ground", "Walker", "generate_robot", "generate_terrain"]
+__all__ = ["Ground", "Pack", "Sledge", "Walker", "generate_robot", "generate_terrain", "tie"]

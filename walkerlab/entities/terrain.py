@@ -1,21 +1,21 @@
-"""The ground: a level plane, an incline, or stairs."""
+"""The ground, and what lies about on it: built from the settings and the lay of the land.
+
+The pieces of its texture are not here: there can be thousands, which are written into the compiled world as numbers.
+"""
 
 import math
 from typing import Any
 
-import numpy as np
 from dm_control import composer
 
-from walkerlab.genes import Floats
+from walkerlab.entities.obstacle import add_obstacles
+from walkerlab.layout import ARENA_LENGTH, ARENA_WIDTH, LANDING, PLATEAU, TRENCH, Layout, lay_out, slope
 from walkerlab.settings import Structure, Terrain
+from walkerlab.textures import MATERIALS, RGB, Material
 
-ARENA_LENGTH = 30.0  # m of stairs ahead of the landing
-PLATEAU = 300.0  # m of level ground after the last stair, more than anyone walks
-ARENA_WIDTH = 10.0  # m
-LANDING = 1.0  # m of level ground ahead of the robot's nose before the first stair
-FRICTION = (0.9, 0.01, 0.001)  # sliding, torsional [m], rolling [m]: rubber feet on a sports floor
-
-LIGHT, DARK = (0.87, 0.88, 0.84, 1), (0.79, 0.81, 0.77, 1)
+BEHIND = 20.0  # m of level ground behind the start, where the plane is not it
+BASE = 0.5  # m from the level ground down to the plane, where the plane is not it
+AIR = (1.2, 1.8e-5)  # density [kg/m³] and viscosity [Pa·s] of what moves as wind
 
 
 class Ground(composer.Arena):
@@ -23,94 +23,138 @@ class Ground(composer.Arena):
 
     Seen from the side, robots walking to the right:
 
-        flat ______________   incline ___---‾‾‾   stairs ____┌──┌──┌──
+        flat   ______________    incline ___---‾‾‾         stairs ____┌──┌──┌──
+        rough  ___/‾\\_/‾‾\\__    gaps    _____  ___  ___
     """
 
-    def _build(self, terrain: Terrain, *, scenery: bool = False, name: str = "ground") -> None:
+    def _build(self, terrain: Terrain, layout: Layout, *, scenery: bool = False, name: str = "ground") -> None:
         super()._build(name=name)
-        root = self._mjcf_root
+        root, material = self._mjcf_root, MATERIALS[terrain.texture]
         root.option.gravity = terrain.gravity
         root.option.cone = "pyramidal"
         root.option.noslip_iterations = 0
-        root.default.geom.friction = FRICTION
-        root.default.geom.priority = 1
-        root.worldbody.add(
-            "geom", name="plane", type="plane", size=(0, 0, 1), euler=(0, -slope(terrain), 0), rgba=LIGHT
-        )
-        if terrain.structure == Structure.stairs:
-            self._lay_stairs(terrain.step_height, terrain.step_depth)
+        root.option.flag.sleep = "enable"
+        if any(terrain.wind):
+            root.option.wind = terrain.wind
+            root.option.density, root.option.viscosity = AIR
+        default = root.default.geom
+        default.friction, default.priority, default.condim = material.friction(), 1, 4  # turning feet meet friction too
+        self._paints = _paints(root, material) if scenery else {}
+        raised = terrain.structure in (Structure.rough, Structure.gaps)
+        self._lay("plane", (0, 0, -BASE * raised), (0, 0, 1), material.light, "chequer", type="plane")
+        root.find("geom", "plane").euler = (0, -slope(terrain), 0)
+        match terrain.structure:
+            case Structure.stairs:
+                self._lay_stairs(terrain, material)
+            case Structure.gaps:
+                self._lay_gaps(terrain, material)
+            case Structure.rough:
+                self._lay_hills(layout, material)
+            case _:
+                pass
         if scenery:
-            self._add_scenery()
+            _add_sky_and_sun(root)
 
-    def _lay_stairs(self, rise: float, tread: float) -> None:
+    def _lay(self, name: str, pos: Any, size: Any, colour: RGB, paint: str, **more: Any) -> None:
+        """Lay one geom of the ground: painted where it is for looking at, of one colour elsewhere."""
+        geom = self._mjcf_root.worldbody.add("geom", name=name, pos=pos, size=size, **more)
+        if self._paints:
+            geom.material = self._paints[paint]
+        else:
+            geom.rgba = (*colour, 1)
+
+    def _lay_slab(self, name: str, ends: tuple[float, float], top: float, thick: float, material: Material) -> None:
+        """Lay a box across the arena, from one end to the other along the way; neighbours differ in shade."""
+        is_dark = name[-1] in "13579"
+        self._lay(
+            name,
+            (sum(ends) / 2, 0, top - thick / 2),
+            ((ends[1] - ends[0]) / 2, ARENA_WIDTH / 2, thick / 2),
+            material.dark if is_dark else material.light,
+            "dark" if is_dark else "light",
+            type="box",
+        )
+
+    def _lay_stairs(self, terrain: Terrain, material: Material) -> None:
         """Lay slabs, each a tread deep and thick enough to reach into the one below."""
-        thick = rise + 0.02
+        rise, tread = terrain.step_height, terrain.step_depth
         count = math.ceil(ARENA_LENGTH / tread)
         for i in range(1, count + 1):
-            depth = tread if i < count else PLATEAU
-            self._mjcf_root.worldbody.add(
-                "geom",
-                name=f"stair{i}",
-                type="box",
-                size=(depth / 2, ARENA_WIDTH / 2, thick / 2),
-                pos=(LANDING + (i - 1) * tread + depth / 2, 0, i * rise - thick / 2),
-                rgba=DARK if i % 2 else LIGHT,
-            )
+            start = LANDING + (i - 1) * tread
+            end = start + (tread if i < count else PLATEAU)
+            self._lay_slab(f"stair{i}", (start, end), i * rise, rise + 0.02, material)
 
-    def _add_scenery(self) -> None:
-        """Add what only eyes need: a sky, squares of 1 m on the plane, and a sun that casts shadows."""
-        root: Any = self._mjcf_root
-        root.statistic.extent, root.statistic.center = 3, (6, 0, 0)
-        root.visual.map.znear, root.visual.map.zfar, root.visual.map.shadowclip = 0.01, 50, 4
-        root.visual.quality.shadowsize = 4096
-        root.visual.rgba.haze = (0.95, 0.96, 0.98, 1)
-        root.asset.add(
-            "texture", name="sky", type="skybox", builtin="gradient",
-            rgb1=(0.95, 0.96, 0.98), rgb2=(0.55, 0.72, 0.88), width=256, height=256,
-        )  # fmt: skip
-        squares = root.asset.add(
-            "texture",
-            name="squares",
-            type="2d",
-            builtin="checker",
-            rgb1=LIGHT[:3],
-            rgb2=DARK[:3],
-            width=256,
-            height=256,
+    def _lay_gaps(self, terrain: Terrain, material: Material) -> None:
+        """Lay slabs with a trench between each and the next."""
+        period = terrain.gap_width + terrain.gap_distance
+        count = int(ARENA_LENGTH / period)
+        for i in range(count + 1):
+            start = LANDING + i * period - terrain.gap_distance if i else -BEHIND
+            end = LANDING + i * period if i < count else LANDING + ARENA_LENGTH + PLATEAU
+            self._lay_slab(f"slab{i}", (start, end), 0.0, TRENCH, material)
+
+    def _lay_hills(self, layout: Layout, material: Material) -> None:
+        """Lay a height field from the landing on, and level slabs before and after it."""
+        self._lay_slab("slab0", (-BEHIND, LANDING), 0.0, BASE, material)
+        self._lay_slab("slab2", (LANDING + ARENA_LENGTH, LANDING + ARENA_LENGTH + PLATEAU), 0.0, BASE, material)
+        hills, size = layout.hills, (ARENA_LENGTH / 2, ARENA_WIDTH / 2, layout.hills.max(), BASE)
+        field = self._mjcf_root.asset.add(
+            "hfield", name="hills", nrow=len(hills), ncol=hills.shape[1], size=size, elevation=hills[::-1].ravel()
         )
-        paint = root.asset.add("material", name="squares", texture=squares, texrepeat=(0.5, 0.5), texuniform="true")
-        plane = root.find("geom", "plane")
-        plane.material, plane.rgba = paint, None
-        root.worldbody.add(
-            "light", name="sun", directional="true", castshadow="true",
-            pos=(6, 0, 10), dir=(0.2, 0.4, -1), diffuse=(0.5, 0.5, 0.5), specular=(0.1, 0.1, 0.1),
+        middle = (LANDING + ARENA_LENGTH / 2, 0, 0)
+        geom = self._mjcf_root.worldbody.add("geom", name="hills", type="hfield", hfield=field, pos=middle)
+        if self._paints:
+            geom.material = self._paints["chequer"]
+        else:
+            geom.rgba = (*material.light, 1)
+
+
+def _paints(root: Any, material: Material) -> dict[str, Any]:
+    """Make what the ground is painted with: a chequer of 1 m squares, and each of its shades alone, all with grain."""
+
+    def paint(name: str, builtin: str, first: RGB, second: RGB, repeat: float) -> Any:
+        texture = root.asset.add(
+            "texture", name=name, type="2d", builtin=builtin, rgb1=first, rgb2=second, width=512, height=512,
+            mark="random", markrgb=material.speckle, random=material.grain * 0.25,
         )  # fmt: skip
+        return root.asset.add(
+            "material", name=name, texture=texture, texrepeat=(repeat, repeat), texuniform="true", specular=0.1
+        )
+
+    return {
+        "chequer": paint("chequer", "checker", material.light, material.dark, 0.5),
+        "light": paint("light", "flat", material.light, material.light, 0.5),
+        "dark": paint("dark", "flat", material.dark, material.dark, 0.5),
+    }
 
 
-def slope(terrain: Terrain) -> float:
-    """Return the pitch of the ground at the start, in rad; positive is uphill."""
-    return math.radians(terrain.incline) if terrain.structure == Structure.incline else 0.0
+def _add_sky_and_sun(root: Any) -> None:
+    """Add what only eyes need: a sky, and a sun that casts shadows."""
+    root.statistic.extent, root.statistic.center = 3, (6, 0, 0)
+    root.visual.map.znear, root.visual.map.zfar, root.visual.map.shadowclip = 0.01, 50, 4
+    root.visual.quality.shadowsize = 4096
+    root.visual.rgba.haze = (0.95, 0.96, 0.98, 1)
+    root.asset.add(
+        "texture", name="sky", type="skybox", builtin="gradient",
+        rgb1=(0.95, 0.96, 0.98), rgb2=(0.55, 0.72, 0.88), width=256, height=256,
+    )  # fmt: skip
+    root.worldbody.add(
+        "light", name="sun", directional="true", castshadow="true",
+        pos=(6, 0, 10), dir=(0.2, 0.4, -1), diffuse=(0.5, 0.5, 0.5), specular=(0.1, 0.1, 0.1),
+    )  # fmt: skip
 
 
-def height(terrain: Terrain, x: Floats) -> Floats:
-    """Return the height of the ground [m] along the middle of the way, at each x [m]."""
-    if terrain.structure == Structure.stairs:
-        return terrain.step_height * np.maximum(0, np.floor((x - LANDING) / terrain.step_depth) + 1)
-    return x * math.tan(slope(terrain))
-
-
-def bounds(terrain: Terrain) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the least and the greatest (x, y) in m of the ground that is built; a plane has no end."""
-    if terrain.structure != Structure.stairs:
-        return (-math.inf, -math.inf), (math.inf, math.inf)
-    return (-math.inf, -ARENA_WIDTH / 2), (LANDING + ARENA_LENGTH + PLATEAU / 2, ARENA_WIDTH / 2)
-
-
-def generate_terrain(terrain: Terrain, *, scenery: bool = False) -> Ground:
-    """Build the ground that these settings describe.
+def generate_terrain(terrain: Terrain, *standing: composer.Entity, scenery: bool = False) -> Ground:
+    """Build the ground that these settings describe, and all that lies on it.
 
     Args:
         terrain: the settings.
+        *standing: what stands on it, free to move, such as a robot; these bodies come before those of obstacles.
         scenery: whether to add what only eyes need.
     """
-    return Ground(terrain, scenery=scenery)
+    layout = lay_out(terrain)
+    ground = Ground(terrain, layout, scenery=scenery)
+    for entity in standing:
+        ground.attach(entity).add("freejoint", name="free")
+    add_obstacles(ground.mjcf_model, terrain, layout)
+    return ground

@@ -10,6 +10,7 @@ BodyPlan = tuple[bool, ...]
 """For each grown segment from the front, whether it has a pair of legs."""
 
 SIDES = ("left", "right")
+UNSEEN = (0, 0, 0, 0)
 TRUNK = (0.90, 0.62, 0.00, 1)
 LIMB = {"left": (0.00, 0.45, 0.70, 1), "right": (0.34, 0.71, 0.91, 1)}  # the nearer in side view is the right one
 
@@ -37,6 +38,9 @@ class Walker(composer.Entity):
         segment = self._mjcf_root.worldbody  # the first segment: what the walker is attached by is its own body
         for number, legged in enumerate(plan, start=1):
             segment = self._grow_segment(segment, number, legged)
+            if number == (1 + len(plan)) // 2:
+                self.back = segment.add("site", name="back", rgba=UNSEEN)
+        self.hitch = segment.add("site", name="hitch", rgba=UNSEEN)
 
     @property
     def mjcf_model(self) -> mjcf.RootElement:

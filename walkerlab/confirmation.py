@@ -1,0 +1,107 @@
+"""How much of a champion's fitness is its own, and how much luck: it walks again, a little differently.
+
+Evolution looks for whatever scores, so a champion may rest on one lucky bounce, or on an error of the physics. What
+stands at a quarter of the timestep, and from starts that are a little different, it can do.
+"""
+
+from dataclasses import dataclass
+from statistics import median
+
+import numpy as np
+
+from walkerlab.fitness import label, score
+from walkerlab.genes import Floats
+from walkerlab.genome import Genome
+from walkerlab.randomness import stream
+from walkerlab.rollout import walk
+from walkerlab.scene import Scene, compile_scene
+from walkerlab.settings import Settings
+
+FINER = 4  # times more steps
+N_NUDGES = 5  # starts that are a little different
+SHIFT, TURN, BEND = 0.02, 0.03, 0.03  # m to the side, rad of the whole body, rad of each joint: standard deviations
+
+
+@dataclass(frozen=True)
+class Confirmation:
+    """What a champion keeps of its fitness.
+
+    Attributes:
+        fitness: as evolution measured it.
+        finer: the same walk at a quarter of the timestep; -inf if it did not count.
+        nudged: from starts that are a little different, the poorest first.
+        verdicts: of the finer walk and of each from another start, in the order in which they were walked.
+        measure: what the fitness is, with its unit.
+    """
+
+    fitness: float
+    finer: float
+    nudged: tuple[float, ...]
+    verdicts: tuple[str, ...]
+    measure: str
+
+    @property
+    def kept_finer(self) -> float:
+        """Part of the fitness that is left at a quarter of the timestep; 0 if that walk did not count."""
+        return self._part(self.finer)
+
+    @property
+    def kept_nudged(self) -> float:
+        """Part of the fitness that is left from other starts: the median of them."""
+        return median(map(self._part, self.nudged))
+
+    def _part(self, fitness: float) -> float:
+        return max(0.0, fitness / self.fitness) if self.fitness > 0 and np.isfinite(fitness) else 0.0
+
+    def __str__(self) -> str:
+        """Tell it in words."""
+        name, _, unit = self.measure.partition(" ")
+        void = [verdict for verdict in self.verdicts if verdict != "ok"]
+        said = (
+            f"Its {name} of {self.fitness:.2f} {unit}".rstrip() + ", walked again:\n"
+            f"  {self.kept_finer:4.0%} is left at a quarter of the timestep\n"
+            f"  {self.kept_nudged:4.0%} is left when it starts a little differently (the middle one of "
+            f"{len(self.nudged)}; the poorest keeps {self._part(self.nudged[0]):.0%})"
+        )
+        return said + (f"\n  {len(void)} of these walks did not count: {', '.join(void)}" if void else "")
+
+
+def confirm(genome: Genome | str, settings: Settings, n_nudges: int = N_NUDGES) -> Confirmation:
+    """Let a robot walk again at a quarter of the timestep, and from a few starts that are a little different.
+
+    Args:
+        genome: a genome or its text.
+        settings: of all four domains; the algorithm's seed is that of the other starts.
+        n_nudges: how many of these.
+
+    Raises:
+        GenomeError: if a text is no genome.
+        ValueError: if there is no other start to walk from.
+    """
+    if n_nudges < 1:
+        raise ValueError(f"n_nudges is {n_nudges}; it must be 1 or more: how many other starts the robot walks from")
+    fitness, (name, unit) = settings.algorithm.fitness, label(settings.algorithm.fitness)
+    finer_steps = settings.with_(timestep=settings.simulation.timestep / FINER)
+    scene = compile_scene(genome, settings)
+    nudges = [nudge(scene, settings.algorithm.seed, number) for number in range(n_nudges)]
+    rollouts = [
+        walk(compile_scene(genome, finer_steps), poses=False),
+        *(walk(scene, nudge=one, poses=False) for one in nudges),
+    ]
+    finer, *nudged = (score(rollout, fitness) for rollout in rollouts)
+    return Confirmation(
+        fitness=score(walk(scene, poses=False), fitness),
+        finer=finer,
+        nudged=tuple(sorted(nudged)),
+        verdicts=tuple(rollout.verdict for rollout in rollouts),
+        measure=f"{name} {unit}".strip(),
+    )
+
+
+def nudge(scene: Scene, seed: int, number: int) -> Floats:
+    """Draw the (nv,) small turns and shifts of a start: of the robot alone, all else stays where it is."""
+    model = scene.model
+    own = model.body_rootid[model.dof_bodyid] == 1
+    scale = np.where(own, BEND, 0.0)
+    scale[:6] = 0, SHIFT, 0, TURN, TURN, TURN
+    return scale * stream(seed, "perturbation", number).standard_normal(model.nv)
