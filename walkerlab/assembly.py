@@ -35,7 +35,6 @@ COM, GROUND, DEPTH, ANYTHING, ITSELF, LOAD, ROPE = slice(0, 3), 3, 4, 5, 6, slic
 """Where each sensor's numbers are, in the order of ``_world_xml``; the last two are there with a sledge only."""
 
 
-
 def describe(phenotype: Phenotype, settings: Settings, *, scenery: bool) -> mujoco.MjSpec:
     """Describe one world, all numbers written; the description is good until this thread's next."""
     spec = _world_spec(*_plan(phenotype, settings.robot), settings.terrain, scenery, threading.get_ident())
@@ -168,7 +167,6 @@ def _write_legs(spec: mujoco.MjSpec, number: int, segment: Segment, legs: Legs) 
             servo.gainprm[0] = legs.force / SERVO_BAND
             servo.biasprm[1] = -legs.force / SERVO_BAND
             servo.forcerange = [-legs.force, legs.force]
-
 
 
 # ------------------------------------------------------------------------------------------------------ transplanting

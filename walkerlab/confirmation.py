@@ -81,7 +81,10 @@ def confirm(genome: Genome | str, settings: Settings, n_nudges: int = N_NUDGES) 
     if n_nudges < 1:
         raise ValueError(f"n_nudges is {n_nudges}; it must be 1 or more: how many other starts the robot walks from")
     fitness, (name, unit) = settings.algorithm.fitness, label(settings.algorithm.fitness)
-    finer_steps = settings.with_(timestep=settings.simulation.timestep / FINER)
+    simulation = settings.simulation
+    finer_steps = settings.model_copy(  # which may be under the range of the setting
+        update={"simulation": simulation.model_copy(update={"timestep": simulation.timestep / FINER})}
+    )
     scene = compile_scene(genome, settings)
     nudges = [nudge(scene, settings.algorithm.seed, number) for number in range(n_nudges)]
     rollouts = [

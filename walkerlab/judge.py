@@ -14,8 +14,7 @@ from walkerlab.genes import Floats
 from walkerlab.layout import bounds, height
 from walkerlab.limits import FREQUENCY
 from walkerlab.phenotype import Phenotype
-from walkerlab.scene import Scene
-from walkerlab.settings import Guard
+from walkerlab.settings import Guard, Settings
 
 OVERLAP = 0.001  # m that a body may be inside another at the start
 CREEP = 0.1  # m/s at which a body may still move when it has had its time to come to rest
@@ -45,7 +44,7 @@ class Trace:
         sink: (n,) how deep its deepest part was in the ground, m.
         work: (n,) what the legs have done so far, forward and backward both counted, J.
         load: (n, 3) where the sledge is, m; (0, 3) without one.
-        rope: (n,) the distance between the ends of its rope, m; (0,) without one.
+        rope: (n,) the distance between the ends of its rope, as a part of the rope's length; (0,) without one.
         phenotype: the robot that walked.
         settled: s that the body was given to come to rest before the walk.
         creep: m/s at which it moved at the end of these.
@@ -69,7 +68,7 @@ class Trace:
     warnings: int
 
 
-def judge(trace: Trace, scene: Scene) -> tuple[str, str]:
+def judge(trace: Trace, settings: Settings) -> tuple[str, str]:
     """Name the first rule that a walk breaks.
 
     Returns:
@@ -80,79 +79,80 @@ def judge(trace: Trace, scene: Scene) -> tuple[str, str]:
     if not (np.isfinite(trace.com).all() and np.isfinite(trace.load).all()):
         when = trace.time[int(np.argmin(np.isfinite(trace.com).all(axis=1)))]
         return UNSTABLE, f"at {when:.2f} s a number was not finite"
-    forgiven = scene.settings.simulation.forgive
+    forgiven = settings.simulation.forgive
     for guard, check in GUARDS.items():
-        if guard not in (forgiven if isinstance(forgiven, tuple) else (forgiven,)) and (reason := check(trace, scene)):
+        if guard not in (forgiven if isinstance(forgiven, tuple) else (forgiven,)) and (
+            reason := check(trace, settings)
+        ):
             return guard.name.replace("_", " "), reason
     return "ok", ""
 
 
-def _bad_start(trace: Trace, scene: Scene) -> str:
+def _bad_start(trace: Trace, _: Settings) -> str:
     return f"it started {trace.overlap:.3f} m deep in something" if trace.overlap > OVERLAP else ""
 
 
-def _restless(trace: Trace, scene: Scene) -> str:
+def _restless(trace: Trace, _: Settings) -> str:
     moving = f"after {trace.settled:g} s without drive it still moved at {trace.creep:.2f} m/s; {CREEP:g} is allowed"
     return moving if trace.creep > CREEP else ""
 
 
-def _jittering(trace: Trace, scene: Scene) -> str:
+def _jittering(trace: Trace, _: Settings) -> str:
     return f"a joint was driven at {trace.drive:.1f} Hz; {BAND:.1f} is allowed" if trace.drive > BAND else ""
 
 
-def _too_fast(trace: Trace, scene: Scene) -> str:
-    allowed = scene.settings.simulation.max_speed
+def _too_fast(trace: Trace, settings: Settings) -> str:
+    allowed = settings.simulation.max_speed
     speed = np.linalg.norm(np.diff(trace.com, axis=0), axis=1) / np.diff(trace.time) / trace.phenotype.body_length
     return _exceeds(trace.time[1:], speed, allowed, "it moved at {:.1f} body lengths/s; {:g} is allowed")
 
 
-def _too_high(trace: Trace, scene: Scene) -> str:
-    _, highest = _ground_near(trace, scene)
+def _too_high(trace: Trace, settings: Settings) -> str:
+    _, highest = _ground_near(trace, settings)
     above = trace.com[:, 2] - highest
     risen = (above - above[0]) / trace.phenotype.body_length
     said = "its centre of mass was {:.2f} body lengths higher than at rest; {:g} is allowed"
     return _exceeds(trace.time, risen, RISE, said)
 
 
-def _sunk(trace: Trace, scene: Scene) -> str:
+def _sunk(trace: Trace, _: Settings) -> str:
     return _exceeds(trace.time, trace.sink, SINK, "a part of it was {:.3f} m deep in the ground; {:g} is allowed")
 
 
-def _airborne(trace: Trace, scene: Scene) -> str:
-    allowed = scene.settings.simulation.max_airborne
+def _airborne(trace: Trace, settings: Settings) -> str:
+    allowed = settings.simulation.max_airborne
     left, lasted = _longest_flight(trace.time, trace.on_ground)
     said = f"from {left:.2f} s on it was off the ground for {lasted:.2f} s; {allowed:g} is allowed"
     return said if lasted > allowed else ""
 
 
-def _fell(trace: Trace, scene: Scene) -> str:
-    lowest, _ = _ground_near(trace, scene)
+def _fell(trace: Trace, settings: Settings) -> str:
+    lowest, _ = _ground_near(trace, settings)
     above = trace.com[:, 2] - lowest
     part = above / above[0] if above[0] > 0 else np.ones_like(above)
     said = "its centre of mass sank to {:.0%} of its height at rest; {:.0%} is allowed"
     return _exceeds(trace.time, -part, -DROP, said, sign=-1)
 
 
-def _out_of_arena(trace: Trace, scene: Scene) -> str:
-    low, high = bounds(scene.settings.terrain)
+def _out_of_arena(trace: Trace, settings: Settings) -> str:
+    low, high = bounds(settings.terrain)
     outside = np.max(np.maximum(low - trace.com[:, :2], trace.com[:, :2] - high), axis=1)
     return _exceeds(trace.time, outside, 0.0, "it was {:.2f} m outside the ground that is built; {:g} is allowed")
 
 
-def _load_lost(trace: Trace, scene: Scene) -> str:
+def _load_lost(trace: Trace, settings: Settings) -> str:
     if not trace.load.size:
         return ""
-    length = rope_length(scene)
     ahead = trace.load[:, 0] - trace.com[:, 0]
-    below = height(scene.settings.terrain, trace.load[:, 0], trace.load[:, 1]) - trace.load[:, 2]
+    below = height(settings.terrain, trace.load[:, 0], trace.load[:, 1]) - trace.load[:, 2]
     return (
-        _exceeds(trace.time, trace.rope / length, STRETCH, "the rope was drawn to {:.2f} of its length; {:g} is allowed")
+        _exceeds(trace.time, trace.rope, STRETCH, "the rope was drawn to {:.2f} times its length; {:g} is allowed")
         or _exceeds(trace.time, ahead, AHEAD, "the sledge was {:.2f} m ahead of the robot; {:g} is allowed")
         or _exceeds(trace.time, below, SINK, "the sledge was {:.2f} m deep in the ground; {:g} is allowed")
     )
 
 
-GUARDS: dict[Guard, Callable[[Trace, Scene], str]] = {
+GUARDS: dict[Guard, Callable[[Trace, Settings], str]] = {
     Guard.bad_start: _bad_start,
     Guard.restless: _restless,
     Guard.jittering: _jittering,
@@ -167,11 +167,6 @@ GUARDS: dict[Guard, Callable[[Trace, Scene], str]] = {
 """Every guard, in the order in which they are asked."""
 
 
-def rope_length(scene: Scene) -> float:
-    """Return the length [m] of the rope by which a sledge is dragged."""
-    return float(scene.model.tendon_range[scene.model.tendon("rope").id, 1])
-
-
 def _exceeds(time: Floats, value: Floats, allowed: float, said: str, *, sign: int = 1) -> str:
     """Say when a value was largest, how large, and what is allowed; nothing if it was never more than that."""
     worst = int(np.argmax(value))
@@ -180,10 +175,10 @@ def _exceeds(time: Floats, value: Floats, allowed: float, said: str, *, sign: in
     return f"at {time[worst]:.2f} s " + said.format(sign * float(value[worst]), sign * allowed)
 
 
-def _ground_near(trace: Trace, scene: Scene) -> tuple[Floats, Floats]:
+def _ground_near(trace: Trace, settings: Settings) -> tuple[Floats, Floats]:
     """Return the least and the greatest height of the ground under the robot, (n,) each [m]."""
     reach = trace.phenotype.body_length / 2 * np.linspace(-1, 1, 5)[:, np.newaxis]
-    heights = height(scene.settings.terrain, trace.com[:, 0] + reach, trace.com[:, 1] + 0 * reach)
+    heights = height(settings.terrain, trace.com[:, 0] + reach, trace.com[:, 1] + 0 * reach)
     return heights.min(axis=0), heights.max(axis=0)
 
 

@@ -16,7 +16,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.random import Generator
-from numpy.typing import NDArray
 
 from walkerlab.genes import Floats
 from walkerlab.randomness import stream
@@ -79,7 +78,7 @@ def height(terrain: Terrain, x: Floats, y: Floats | float = 0.0) -> Floats:
     """Return the height of the bare ground [m] at each x, y [m]; of a trench, that of its bottom."""
     match terrain.structure:
         case Structure.stairs:
-            return terrain.step_height * np.maximum(0, np.floor((x - LANDING) / terrain.step_depth) + 1)
+            return terrain.step_height * np.maximum(0.0, np.floor((x - LANDING) / terrain.step_depth) + 1)
         case Structure.gaps:
             start, end = _gaps(terrain).T
             number = np.clip(np.searchsorted(start, x, side="right") - 1, 0, len(start) - 1)
@@ -121,8 +120,7 @@ def levels(terrain: Terrain) -> Floats:
 def _gaps(terrain: Terrain) -> Floats:
     """Return the (n, 2) start and end of each trench along the way [m]."""
     period = terrain.gap_width + terrain.gap_distance
-    start = LANDING + period * np.arange(int(ARENA_LENGTH / period))
-    return np.stack([start, start + terrain.gap_width], axis=1)
+    return LANDING + np.array([(i * period, i * period + terrain.gap_width) for i in range(int(ARENA_LENGTH / period))])
 
 
 @lru_cache(maxsize=16)
@@ -226,10 +224,9 @@ def _strew_obstacles(terrain: Terrain, rng: Generator) -> tuple[Floats, Floats, 
     spots = np.empty((count, 2))
     for n, reach in enumerate(reaches):
         fits = np.where(room >= 2 * reach, room, 0.0)
-        is_near: NDArray[np.bool_] = np.array([True])
-        while is_near.any():
+        while True:
             start, end = stretches[rng.choice(len(room), p=fits / fits.sum())]
-            spot = np.array([rng.uniform(start + reach, end - reach), rng.uniform(-1, 1) * (FIELD[1] / 2 - reach)])
-            is_near = np.hypot(*(spots[:n] - spot).T) < reaches[:n] + reach
-        spots[n] = spot
+            spots[n] = rng.uniform(start + reach, end - reach), rng.uniform(-1, 1) * (FIELD[1] / 2 - reach)
+            if (np.hypot(*(spots[:n] - spots[n]).T) >= reaches[:n] + reach).all():
+                break
     return spots, rng.uniform(-math.pi, math.pi, count), sizes

@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 from matplotlib.ticker import MaxNLocator
 
-from walkerlab.layout import height
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
+from walkerlab.layout import height
 from walkerlab.rollout import simulate
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings

@@ -193,7 +193,7 @@ def vector(
     high: float,
     unit: str = "",
     about: str,
-    presets: Mapping[str, tuple[float, float, float]] = {},  # noqa: B006
+    presets: Mapping[str, tuple[float, float, float]] = {},
 ) -> Any:
     """Declare an (x, y, z) vector: x forward, y left, z up; a preset is a vector with a name."""
     return _declare(default, Quantity(low, high, unit, about, parts=("x", "y", "z"), presets=presets))

@@ -87,8 +87,8 @@ def walk(scene: Scene, *, nudge: Floats | None = None, poses: bool = True) -> Ro
         on_ground=sensed[:, ANYTHING] > sensed[:, ITSELF],
         sink=np.maximum(0.0, -np.where(sensed[:, GROUND] > 0, sensed[:, DEPTH], 0.0)),
         work=_work(model, time, seen, controls[first]),
-        load=sensed[:, LOAD] if scene.settings.robot.drag_weight else np.empty((0, 3)),
-        rope=sensed[:, ROPE] if scene.settings.robot.drag_weight else np.empty(0),
+        load=sensed[:, LOAD] if scene.rope else np.empty((0, 3)),
+        rope=sensed[:, ROPE] / scene.rope if scene.rope else np.empty(0),
         phenotype=scene.phenotype,
         settled=settled,
         creep=creep,
@@ -99,7 +99,7 @@ def walk(scene: Scene, *, nudge: Floats | None = None, poses: bool = True) -> Ro
     record = seen[:, 1 : 1 + model.nq] if poses else np.empty((0, model.nq))
     for values in (trace.time, trace.com, trace.on_ground, trace.sink, trace.work, trace.load, trace.rope, record):
         values.setflags(write=False)
-    verdict, reason = judge(trace, scene)
+    verdict, reason = judge(trace, scene.settings)
     return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=record)
 
 

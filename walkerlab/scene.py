@@ -41,7 +41,12 @@ class Scene:
     @property
     def roots(self) -> list[int]:
         """The bodies by which robot and sledge hang in the world."""
-        return [1, self.model.body("sledge/").id] if self.settings.robot.drag_weight else [1]
+        return [1, self.model.body("sledge/").id] if self.rope else [1]
+
+    @property
+    def rope(self) -> float:
+        """The length of the rope on which a sledge is dragged, in m; 0 without one."""
+        return float(self.model.tendon_range[0, 1]) if self.settings.robot.drag_weight else 0.0
 
     @property
     def own(self) -> NDArray[np.bool_]:
@@ -82,12 +87,12 @@ class Scene:
         stones = PIECE_HEIGHT * terrain.texture_size * bool(terrain.n_pieces)
         data.qpos[:3] += (CLEARANCE + stones - np.min(ends @ up - radii[:, np.newaxis])) * up
         data.qpos[:3] -= max(0.0, np.max(ends @ forward + radii[:, np.newaxis])) * forward
-        if self.settings.robot.drag_weight:
+        if self.rope:
             mujoco.mj_kinematics(model, data)
             sledge, (hitch, ring) = model.body("sledge/").jntadr[0], (model.site(name) for name in _ROPE_ENDS)
             tail = data.site_xpos[hitch.id]
             drop = tail @ up - stones - CLEARANCE - ring.pos[2]
-            back = math.sqrt(model.tendon_range[model.tendon("rope").id, 1] ** 2 - drop**2) - SLACK
+            back = math.sqrt(self.rope**2 - drop**2) - SLACK
             place = (tail @ forward - back - ring.pos[0]) * forward + (stones + CLEARANCE) * up
             start = model.jnt_qposadr[sledge]
             data.qpos[start : start + 7] = [*place, *data.qpos[3:7]]

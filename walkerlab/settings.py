@@ -178,14 +178,16 @@ class Terrain(Domain, frozen=True):
     hill_height: float = quantity(
         0.12, low=0.0, high=0.6, unit="m", about="the height of a rough ground's hills over its hollows"
     )
-    hill_length: float = quantity(
-        1.5, low=0.8, high=6.0, unit="m", about="the distance between a rough ground's hills"
-    )
+    hill_length: float = quantity(1.5, low=0.8, high=6.0, unit="m", about="the distance between a rough ground's hills")
     gap_width: float = quantity(0.1, low=0.02, high=1.0, unit="m", about="the width of each trench, along the way")
     gap_distance: float = quantity(0.8, low=0.2, high=5.0, unit="m", about="the level ground between two trenches")
     texture: Texture = one_of(Texture.rubber, about="what the ground is made of, which decides the grip")
     texture_size: float = quantity(
-        0.06, low=0.02, high=0.3, unit="m", about="the width of the pieces, fixed to the ground, that are strewn over it"
+        0.06,
+        low=0.02,
+        high=0.3,
+        unit="m",
+        about="the width of the pieces that are fixed to the ground, here and there",
     )
     texture_density: float = quantity(
         0.0, low=0.0, high=1.0, about="the part of the ground that such pieces cover; 0 is bare ground"

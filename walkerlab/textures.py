@@ -88,7 +88,7 @@ MATERIALS: dict[Texture, Material] = {
     ),
     Texture.gravel: Material(
         0.55, 0.013, 0.06, (0.52, 0.48, 0.47), (0.45, 0.41, 0.41), (0.69, 0.66, 0.63), (0.33, 0.31, 0.32), 0.30,
-        "µ: Wong, Theory of Ground Vehicles (0.6 at its peak, 0.55 sliding); c: Marks' Standard Handbook (wet and loose)",
+        "µ: Wong, Theory of Ground Vehicles (0.6 at its peak, 0.55 sliding); c: Marks' Standard Handbook (loose)",
     ),
     Texture.mud: Material(
         0.30, 0.020, 0.15, (0.36, 0.26, 0.18), (0.30, 0.21, 0.14), (0.52, 0.40, 0.28), (0.20, 0.14, 0.09), 0.15,

@@ -6,9 +6,9 @@ from typing import Any, cast
 import pandas as pd
 
 from walkerlab.fitness import UNITS
+from walkerlab.judge import VERDICTS
 from walkerlab.phenotype import express
 from walkerlab.records import Individual, champion, parent_numbers
-from walkerlab.judge import VERDICTS
 from walkerlab.settings import Settings
 
 ROWS = 12  # of a table by generation, however long the run

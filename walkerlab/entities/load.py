@@ -31,12 +31,12 @@ class Pack(composer.Entity):
 
 
 class Sledge(composer.Entity):
-    """A box on two runners that are bent up in front; its origin lies between them, on the ground.
+    r"""A box on two runners that are bent up in front; its origin lies between them, on the ground.
 
-        rope ____
-                 \\____________
-                  |   cargo   |
-                 _/‾‾‾‾‾‾‾‾‾‾‾   -> x is the other way: forward
+    +-----------+
+    |   cargo   |______ rope
+    +-----------+
+    `‾‾‾‾‾‾‾‾‾‾‾‾/   -> x
     """
 
     def _build(self, weight: float, name: str = "sledge") -> None:

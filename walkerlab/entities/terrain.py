@@ -15,16 +15,17 @@ from walkerlab.textures import MATERIALS, RGB, Material
 
 BEHIND = 20.0  # m of level ground behind the start, where the plane is not it
 BASE = 0.5  # m from the level ground down to the plane, where the plane is not it
+DROWSY = 0.01  # m/s (and rad/s, of bodies of 1 m) under which what lies about falls asleep
 AIR = (1.2, 1.8e-5)  # density [kg/m³] and viscosity [Pa·s] of what moves as wind
 
 
 class Ground(composer.Arena):
-    """The ground that all robots of a run walk on, forward being +x; it decides the friction of what touches it.
+    r"""The ground that all robots of a run walk on, forward being +x; it decides the friction of what touches it.
 
     Seen from the side, robots walking to the right:
 
         flat   ______________    incline ___---‾‾‾         stairs ____┌──┌──┌──
-        rough  ___/‾\\_/‾‾\\__    gaps    _____  ___  ___
+        rough  ___/‾\_/‾‾\__    gaps    _____  ___  ___
     """
 
     def _build(self, terrain: Terrain, layout: Layout, *, scenery: bool = False, name: str = "ground") -> None:
@@ -34,6 +35,7 @@ class Ground(composer.Arena):
         root.option.cone = "pyramidal"
         root.option.noslip_iterations = 0
         root.option.flag.sleep = "enable"
+        root.option.sleep_tolerance = DROWSY
         if any(terrain.wind):
             root.option.wind = terrain.wind
             root.option.density, root.option.viscosity = AIR
