@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from walkerlab.genome import Genome
 from walkerlab.limits import genes_of
-from walkerlab.quantity import OneOf, Quantity
+from walkerlab.quantity import OneOf, Quantity, SettingsError
 from walkerlab.settings import Algorithm, Robot, Settings, Simulation, Terrain
 
 
@@ -93,9 +93,20 @@ algorithms = domains(Algorithm).map(
     lambda drawn: Algorithm(**drawn | {"n_elites": drawn["n_elites"] % drawn["population_size"]})
 )
 
+
+def _bare_if_need_be(drawn):
+    """Strew what was drawn, or nothing if it is more than a ground can hold."""
+    try:
+        return Terrain(**drawn)
+    except SettingsError:
+        return Terrain(**drawn | {"texture_density": 0.0, "obstacle": "none"})
+
+
+terrains = domains(Terrain).map(_bare_if_need_be)
+
 all_settings = st.builds(
     Settings,
-    terrain=domains(Terrain).map(lambda drawn: Terrain(**drawn)),
+    terrain=terrains,
     robot=robots(),
     algorithm=algorithms,
     simulation=domains(Simulation).map(lambda drawn: Simulation(**drawn)),

@@ -17,13 +17,14 @@ HOUSE = Path(walkerlab.__file__).parent
 FLOORS = (
     ("quantity", "randomness", "genes", "interrupts"),
     ("settings", "ga"),
-    ("limits", "entities"),
-    ("genome",),
+    ("limits", "layout", "textures"),
+    ("genome", "entities"),
     ("phenotype", "algorithm"),
+    ("assembly", "judge"),
     ("scene",),
     ("rollout", "export"),
     ("fitness",),
-    ("evaluation",),
+    ("evaluation", "confirmation"),
     ("records",),
     ("store",),
     ("run",),
@@ -36,12 +37,12 @@ FLOORS = (
 
 FLOOR = {room: height for height, rooms in enumerate(FLOORS) for room in rooms}
 
-ONLY_FROM = {"ga": {"genes", "randomness"}, "entities": {"settings", "genes"}}
+ONLY_FROM = {"ga": {"genes", "randomness"}, "entities": {"settings", "genes", "layout", "textures"}}
 """Rooms that know less than their floor allows: ga meets no robot, entities spend no chance."""
 
 ONLY_IN = {
     "dm_control": {"entities", "export", "environment"},
-    "mujoco": {"scene", "rollout", "export", "commands"},
+    "mujoco": {"assembly", "scene", "rollout", "export", "commands"},
     "matplotlib": {"plots", "commands"},
     "ipywidgets": {"widgets"},
     "IPython": {"widgets"},
@@ -64,7 +65,7 @@ LIGHT |= {
 }
 LIGHT |= {
     f"walkerlab.{room}": {"mujoco", "dm_control", "matplotlib", "ipywidgets"}
-    for room in ("limits", "genome", "algorithm")
+    for room in ("limits", "layout", "textures", "genome", "algorithm", "judge")
 }
 """What must not be loaded by importing them."""
 

@@ -14,16 +14,20 @@ from walkerlab.settings import Structure
 GENOME = wl.Genome.random(wl.Robot(), rng=stream(4, "check"))
 
 
-@pytest.mark.parametrize("structure", Structure)
-def test_plain_mujoco_walks_the_exported_robot_as_we_do(structure, tmp_path):
-    settings = wl.Settings(terrain=wl.Terrain(structure=structure))
+WORLDS = [{"structure": structure} for structure in Structure]
+WORLDS += [{"carry_weight": 1, "drag_weight": 2, "wind": (1, 0, 0)}, {"texture": "sand", "obstacle": "rock", "seed": 3}]
+
+
+@pytest.mark.parametrize("world", WORLDS, ids=str)
+def test_plain_mujoco_walks_the_exported_robot_as_we_do(world, tmp_path):
+    settings = wl.Settings().with_(**world)
     scene = wl.compile_scene(GENOME, settings)
     model = mujoco.MjModel.from_xml_path(str(wl.export_mjcf(GENOME, settings, tmp_path / "new")))
     ours, theirs = mujoco.MjData(scene.model), mujoco.MjData(model)
     scene.place(ours)
     ours.ctrl[:] = scene.rest
     mujoco.mj_resetDataKeyframe(model, theirs, 0)
-    np.testing.assert_allclose(theirs.qpos, ours.qpos, atol=1e-6)
+    np.testing.assert_allclose(theirs.qpos, ours.qpos, rtol=1e-5, atol=1e-6)
     for control in scene.controls(400):  # 2 s; the file holds six digits, so they part slowly
         ours.ctrl[:], theirs.ctrl[:] = control, control
         mujoco.mj_step(scene.model, ours)

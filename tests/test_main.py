@@ -60,11 +60,13 @@ def test_the_help_gives_each_setting_its_meaning_range_and_default(capsys):
     assert "the rise of each stair: 0.01 to 0.4 m [0.08]" in said
 
 
-def test_a_field_that_two_domains_share_gets_a_flag_for_each(monkeypatch):
-    monkeypatch.setattr(flags, "DOMAINS", {"terrain": wl.Terrain, "ground": wl.Terrain})
-    names = flags.flag_names()
-    assert names["terrain", "gravity"] == "--terrain-gravity"
-    assert names["ground", "gravity"] == "--ground-gravity"
+def test_a_field_that_two_domains_share_gets_a_flag_for_each():
+    both = parsed("--seed", "3", "--terrain-seed", "4")
+    assert (both.algorithm.seed, both.terrain.seed) == (3, 4)
+
+
+def test_a_preset_is_called_by_its_name():
+    assert parsed("--gravity", "moon") == parsed("--gravity", "0", "0", "-1.62")
 
 
 def parsed(*words: str) -> wl.Settings:
@@ -171,7 +173,7 @@ def test_a_folder_that_cannot_be_is_told_without_a_traceback(here, capsys):
 
 
 def test_a_run_in_which_no_walk_counts_still_ends_well(here, capsys):
-    assert main(["evolve", *TINY[:-1], "--max-airborne", "0.05", "--gravity", "0", "0", "1"]) == 0
+    assert main(["evolve", *TINY[:-1], "--forgive", "restless", "too_high", "--gravity", "0", "0", "1"]) == 0
     said = capsys.readouterr().out
     assert "No walk counted" in said
     assert "airborne" in said

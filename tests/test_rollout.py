@@ -8,7 +8,7 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.randomness import stream
-from walkerlab.rollout import VERDICTS, _judge, walk
+from walkerlab.rollout import walk
 
 SETTINGS = wl.Settings().with_(duration=2.0)
 GENOMES = [wl.Genome.random(wl.Robot(), rng=stream(2, "check", i)) for i in range(8)]
@@ -55,65 +55,20 @@ def test_falling_over_while_settling_is_not_travel():
             assert np.abs(np.diff(rollout.com[:3, 0])).max() < 0.02
 
 
-class TestVerdict:
-    """Each rule, broken in a walk that is otherwise fine; each guard can be turned off."""
-
-    scene = wl.compile_scene(GENOMES[0], wl.Settings(terrain=wl.Terrain(structure="stairs")))
-    time = np.arange(401) * 0.02
-
-    def judge(self, com=None, on_ground=None, warned=False, **guards):
-        plain = np.stack([self.time, 0 * self.time, 0 * self.time + 0.2], axis=1)  # 1 m/s along x
-        scene = type(self.scene)(**{**vars(self.scene), "simulation": wl.Simulation(**guards)})
-        on_ground = np.ones(401, dtype=bool) if on_ground is None else on_ground
-        return _judge(self.time, plain if com is None else com, on_ground, scene, warned=warned)
-
-    def com(self, **changes):
-        com = np.stack([self.time, 0 * self.time, 0 * self.time + 0.2], axis=1)
-        for axis, change in changes.items():
-            com[:, "xyz".index(axis)] = change(self.time)
-        return com
-
-    def test_a_plain_walk_counts(self):
-        assert self.judge() == "ok"
-
-    def test_what_breaks_the_physics(self):
-        assert self.judge(warned=True) == "unstable"
-        broken = self.com()
-        broken[200, 2] = np.nan
-        assert self.judge(broken) == "unstable"
-
-    def test_what_is_thrown(self):
-        jump = self.com(x=lambda t: np.where(t > 4, t + 1, t))
-        assert self.judge(jump) == "too fast"
-        assert self.judge(jump, max_speed=1000) == "ok"
-
-    def test_what_flies(self):
-        flight = (self.time < 2) | (self.time > 2.6)
-        assert self.judge(on_ground=flight) == "airborne"
-        assert self.judge(on_ground=flight, max_airborne=0.7) == "ok"
-        hops = np.arange(401) % 20 < 2  # 0.36 s each
-        assert self.judge(on_ground=hops) == "ok"
-
-    def test_what_leaves_the_stairs(self):
-        assert self.judge(self.com(y=lambda t: t)) == "out of arena"
-        assert self.judge(self.com(x=lambda t: 50 * t), max_speed=1000) == "out of arena"
-
-    def test_every_verdict_has_its_sentence(self):
-        assert set(VERDICTS) == {"ok", "unstable", "too fast", "airborne", "out of arena"}
-
-
 @pytest.mark.parametrize("timestep", [0.005, 0.0075, 0.0095])
 def test_a_flight_lasts_as_long_at_any_timestep(timestep):
-    """Without gravity a robot hangs in the air for the whole walk, which is as long as it was asked to be."""
-    floating = wl.Settings(terrain=wl.Terrain(gravity=(0, 0, 0))).with_(duration=1.0, timestep=timestep)
-    assert wl.simulate(GENOMES[0], floating).time[-1] == pytest.approx(1.0, abs=timestep)
-    assert wl.simulate(GENOMES[0], floating.with_(max_airborne=1.02)).verdict == "ok"
-    assert wl.simulate(GENOMES[0], floating.with_(max_airborne=0.9)).verdict == "airborne"
+    """Where things fall upward, a robot is in the air for the whole walk, which is as long as it was asked to be."""
+    upward = wl.Settings(terrain=wl.Terrain(gravity=(0, 0, 0.5))).with_(
+        duration=1.0, timestep=timestep, forgive=["restless", "too_high"]
+    )
+    assert wl.simulate(GENOMES[0], upward).time[-1] == pytest.approx(1.0, abs=timestep)
+    assert wl.simulate(GENOMES[0], upward.with_(max_airborne=1.02)).verdict == "ok"
+    assert wl.simulate(GENOMES[0], upward.with_(max_airborne=0.9)).verdict == "airborne"
 
 
 def test_a_record_cannot_be_written_into():
     rollout = wl.simulate(GENOMES[0], SETTINGS)
-    for record in (rollout.time, rollout.com, rollout.on_ground, rollout.poses):
+    for record in (rollout.time, rollout.com, rollout.on_ground, rollout.sink, rollout.work, rollout.poses):
         with pytest.raises(ValueError, match="read-only"):
             record[:] = 0
 

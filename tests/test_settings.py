@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from walkerlab.quantity import PAIR, Choice, OneOf, Quantity, SettingsError, function_name
 from walkerlab.settings import (
+    MAX_PIECES,
     Algorithm,
     Camera,
     Crossover,
@@ -30,7 +31,7 @@ DOMAINS = {"terrain": Terrain, "robot": Robot, "algorithm": Algorithm, "simulati
 FIELDS = [(domain, name) for domain in DOMAINS.values() for name in domain.declared()]
 NUMBERS = [(domain, name) for domain, name in FIELDS if isinstance(domain.declared()[name], Quantity)]
 CHOICES = [(domain, name) for domain, name in FIELDS if isinstance(domain.declared()[name], OneOf)]
-NEEDS = {"n_elites": {"population_size": 10_000}}
+NEEDS = {"n_elites": {"population_size": 10_000}, "texture_density": {"texture_size": 0.3}}
 """What an end of a range asks of another field."""
 
 every_field = pytest.mark.parametrize(("domain", "name"), FIELDS)
@@ -145,6 +146,48 @@ def test_a_min_over_its_max_is_refused(name):
     assert f" {declared.unit}; " in message or not declared.unit
 
 
+def test_a_gravity_may_be_called_by_its_planet():
+    assert Terrain(gravity="moon") == Terrain(gravity=(0, 0, -1.62))
+    assert Settings().with_(gravity="jupiter").terrain.gravity == (0, 0, -24.79)
+    message = refusal(Terrain, gravity="mooon")
+    assert (
+        "it must be 3 numbers: x, y, z. Or the name of one: earth, moon, mars, jupiter. Did you mean 'moon'?" in message
+    )
+
+
+def test_one_word_names_one_setting_and_where_two_domains_share_it_the_algorithm_has_it():
+    places = Settings.places()
+    assert sorted(places.values()) == sorted(
+        (keyword, name) for keyword in DOMAINS for name in DOMAINS[keyword].declared()
+    )
+    assert places["seed"] == ("algorithm", "seed")
+    both = Settings().with_(seed=3, terrain_seed=4)
+    assert (both.algorithm.seed, both.terrain.seed) == (3, 4)
+
+
+class TestGroundThatCannotBe:
+    """More than a computer can bear, or than there is room for, is refused with a mend that will do."""
+
+    def test_too_many_pieces(self):
+        message = refusal(Terrain, texture_size=0.03, texture_density=0.4)
+        assert "Terrain.texture_size 0.03 m and Terrain.texture_density 0.4 ask for some" in message
+        larger = float(re.search(r"texture_size ([\d.]+) m would do", message).group(1))
+        assert Terrain(texture_size=larger, texture_density=0.4).n_pieces <= MAX_PIECES
+
+    def test_too_many_obstacles(self):
+        message = refusal(Terrain, obstacle="log", obstacle_size=0.5, obstacle_density=2)
+        fewer = float(re.search(r"a density of ([\d.]+) per m² would do", message).group(1))
+        assert Terrain(obstacle="log", obstacle_size=0.5, obstacle_density=fewer)
+        assert Terrain(obstacle="none", obstacle_size=0.5, obstacle_density=2), "where nothing lies, there is room"
+
+    @pytest.mark.parametrize(("structure", "level"), [("stairs", "step_depth"), ("gaps", "gap_distance")])
+    def test_obstacles_larger_than_what_they_lie_on(self, structure, level):
+        message = refusal(Terrain, structure=structure, obstacle="box", obstacle_size=0.5, obstacle_density=0.1)
+        assert "Terrain.obstacle_size is 0.5 m" in message
+        assert f"Terrain.{level} is" in message
+        assert Terrain(structure="flat", obstacle="box", obstacle_size=0.5, obstacle_density=0.1)
+
+
 def test_a_message_reads_like_this():
     assert refusal(Terrain, step_height=0.9) == (
         "Terrain.step_height is 0.9 m; it must be 0.01 to 0.4 m. It is the rise of each stair."
@@ -247,7 +290,7 @@ def test_all_faults_of_one_call_are_told_at_once():
     lines = refusal(Settings, **beyond).splitlines()
     assert [re.match(r"\w+\.\w+", line).group() for line in lines] == everything
 
-    flat = {name: value for fields in beyond.values() for name, value in fields.items()}
+    flat = {word: beyond[domain][name] for word, (domain, name) in Settings.places().items()}
     assert len(refusal(Settings().with_, **flat, no_such=1).splitlines()) == len(everything) + 1
 
 
@@ -287,7 +330,8 @@ def test_an_unknown_name_gets_a_did_you_mean(domain, name):
 @every_field
 def test_a_setting_given_outside_its_domain_is_told_its_domain(domain, name):
     keyword = domain.__name__.lower()
-    assert f"{keyword}={domain.__name__}({name}=…)" in refusal(Settings, **{name: 1})
+    word = next(word for word, place in Settings.places().items() if place == (keyword, name))
+    assert f"{keyword}={domain.__name__}({name}=…)" in refusal(Settings, **{word: 1})
 
 
 def test_a_name_like_no_other_gets_the_list():
@@ -425,15 +469,18 @@ def test_whatever_way_settings_are_made_their_faults_are_told_in_our_words():
 
 
 @hypothesis_settings(max_examples=60)
-@given(all_settings, all_settings, st.sampled_from([name for domain, name in FIELDS if domain is not Robot]))
-def test_with_changes_just_that(settings, others, name):
-    domain = next(domain for domain in DOMAINS if name in DOMAINS[domain].declared())
+@given(all_settings, all_settings, st.sampled_from(list(Settings.places())))
+def test_with_changes_just_that(settings, others, word):
+    domain, name = Settings.places()[word]
+    settings = settings.with_(robot=Robot(), terrain=Terrain(texture_size=0.3))  # where any single one will do
     value = getattr(getattr(others, domain), name)
+    if domain == "robot":
+        value = getattr(Robot(), name)
     if name in ("population_size", "n_elites"):
         settings = settings.with_(population_size=10_000, n_elites=0)
         value = max(value, 4) if name == "population_size" else value
     before = settings.model_dump()
-    changed = settings.with_(**{name: value})
+    changed = settings.with_(**{word: value})
     assert settings.model_dump() == before
     assert getattr(getattr(changed, domain), name) == value
     after = changed.model_dump()

@@ -18,6 +18,7 @@ _ROOMS = {
         "mutate_population",
         "select_from_population",
     ),
+    "confirmation": ("Confirmation", "confirm"),
     "entities": ("generate_robot", "generate_terrain"),
     "evaluation": ("Evaluation", "evaluate", "evaluate_population"),
     "evolution": ("Evolution", "Generation", "evolve", "resume"),
@@ -37,13 +38,16 @@ _ROOMS = {
         "Crossover",
         "Feature",
         "Fitness",
+        "Guard",
         "Mutation",
+        "Obstacle",
         "Robot",
         "Selection",
         "Settings",
         "Simulation",
         "Structure",
         "Terrain",
+        "Texture",
     ),
     "store": ("RunFileError",),
 }
@@ -61,6 +65,8 @@ if TYPE_CHECKING:
     from walkerlab.algorithm import generate_robot_population as generate_robot_population
     from walkerlab.algorithm import mutate_population as mutate_population
     from walkerlab.algorithm import select_from_population as select_from_population
+    from walkerlab.confirmation import Confirmation as Confirmation
+    from walkerlab.confirmation import confirm as confirm
     from walkerlab.entities import generate_robot as generate_robot
     from walkerlab.entities import generate_terrain as generate_terrain
     from walkerlab.evaluation import Evaluation as Evaluation
@@ -90,13 +96,16 @@ if TYPE_CHECKING:
     from walkerlab.settings import Crossover as Crossover
     from walkerlab.settings import Feature as Feature
     from walkerlab.settings import Fitness as Fitness
+    from walkerlab.settings import Guard as Guard
     from walkerlab.settings import Mutation as Mutation
+    from walkerlab.settings import Obstacle as Obstacle
     from walkerlab.settings import Robot as Robot
     from walkerlab.settings import Selection as Selection
     from walkerlab.settings import Settings as Settings
     from walkerlab.settings import Simulation as Simulation
     from walkerlab.settings import Structure as Structure
     from walkerlab.settings import Terrain as Terrain
+    from walkerlab.settings import Texture as Texture
     from walkerlab.store import RunFileError as RunFileError
 
 

@@ -174,6 +174,8 @@ def _finish(run: "wl.Run", *, quiet: bool) -> int:
         if stopped:
             print(f"Stopped after {run.n_generations} of {wanted} generations; all of these are kept.\n")
         print(report.champion_story(run.records, run.settings.model_dump()))
+        if run.champion.verdict == "ok":
+            print(run.confirm())
         print(f"\nIn the folder {folder} there are now")
         print("\n".join(f"  {name:13} {about}" for name, about in outputs.FILES.items()))
         print("\nWhat next?")

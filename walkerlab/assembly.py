@@ -89,6 +89,12 @@ def _world_spec(
 ) -> mujoco.MjSpec:
     """Return a thread's own spec of a world, into which every individual's measures are written anew."""
     assert thread == threading.get_ident()
+    return _nominal_spec(plan, carry_weight, drag_weight, terrain, scenery)
+
+
+def _nominal_spec(
+    plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain, scenery: bool
+) -> mujoco.MjSpec:
     spec = mujoco.MjSpec.from_string(_world_xml(plan, carry_weight, drag_weight, terrain, scenery))
     _strew_pieces(spec, terrain)
     return spec
@@ -175,19 +181,22 @@ def _write_legs(spec: mujoco.MjSpec, number: int, segment: Segment, legs: Legs) 
 @lru_cache(maxsize=512)
 def _world_model(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain) -> mujoco.MjModel:
     """Compile one world in nominal measures, into copies of which those of individuals are written."""
-    return _world_spec(plan, carry_weight, drag_weight, terrain, False, threading.get_ident()).compile()
+    return _nominal_spec(plan, carry_weight, drag_weight, terrain, False).compile()
 
 
 KINDS = ("body", "jnt", "dof", "geom", "site", "actuator", "tendon")
 """Of what a model has rows, as its arrays are called: ``body_mass``, ``dof_armature``."""
 
+FLAGS = ("sameframe", "simple", "simplenum")
+"""Whole numbers that follow from measures: which frames coincide, and which inertias are diagonal."""
+
 
 @lru_cache(maxsize=1)
 def _measured() -> tuple[tuple[str, str], ...]:
-    """Name every array of a model that holds measures of something, and of what kind: numbers, not addresses."""
+    """Name every array of a model that holds measures of something, or follows from them, and of what kind."""
     model = mujoco.MjSpec().compile()
-    arrays = ((name, name.partition("_")[0], getattr(model, name)) for name in dir(model))
-    return tuple((name, kind) for name, kind, array in arrays if kind in KINDS and _is_real(array))
+    arrays = ((name, *name.partition("_")[::2], getattr(model, name)) for name in dir(model))
+    return tuple((name, kind) for name, kind, of, it in arrays if kind in KINDS and (of in FLAGS or _is_real(it)))
 
 
 def _is_real(array: object) -> bool:
@@ -213,5 +222,8 @@ def _transplant(robot: mujoco.MjModel, nominal: mujoco.MjModel, world: mujoco.Mj
     boxes = robot.bvh_aabb[robot.body_bvhadr[1] :]  # by which contacts are looked for
     start = world.body_bvhadr[1]
     world.bvh_aabb[start : start + len(boxes)] = boxes
-    world.body_subtreemass[0] += robot.body_subtreemass[0] - nominal.body_subtreemass[0]
-    world.stat.meaninertia += (robot.stat.meaninertia - nominal.stat.meaninertia) * robot.nv / world.nv
+    others = world.body_subtreemass[0] - nominal.body_subtreemass[0]
+    world.body_subtreemass[0] = robot.body_subtreemass[0] + others
+    share = robot.nv / world.nv
+    others = world.stat.meaninertia - nominal.stat.meaninertia * share
+    world.stat.meaninertia = robot.stat.meaninertia * share + others

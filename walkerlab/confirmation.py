@@ -10,16 +10,14 @@ from statistics import median
 import numpy as np
 
 from walkerlab.fitness import label, score
-from walkerlab.genes import Floats
 from walkerlab.genome import Genome
-from walkerlab.randomness import stream
-from walkerlab.rollout import walk
-from walkerlab.scene import Scene, compile_scene
+from walkerlab.rollout import nudge, walk
+from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
 
 FINER = 4  # times more steps
 N_NUDGES = 5  # starts that are a little different
-SHIFT, TURN, BEND = 0.02, 0.03, 0.03  # m to the side, rad of the whole body, rad of each joint: standard deviations
+UNSEEN = 1000  # the number of the first of these starts: evolution walks from the first ones, if from any
 
 
 @dataclass(frozen=True)
@@ -71,7 +69,7 @@ def confirm(genome: Genome | str, settings: Settings, n_nudges: int = N_NUDGES) 
 
     Args:
         genome: a genome or its text.
-        settings: of all four domains; the algorithm's seed is that of the other starts.
+        settings: of all four domains; the terrain's seed is that of the other starts too.
         n_nudges: how many of these.
 
     Raises:
@@ -86,25 +84,16 @@ def confirm(genome: Genome | str, settings: Settings, n_nudges: int = N_NUDGES) 
         update={"simulation": simulation.model_copy(update={"timestep": simulation.timestep / FINER})}
     )
     scene = compile_scene(genome, settings)
-    nudges = [nudge(scene, settings.algorithm.seed, number) for number in range(n_nudges)]
+    seen = [walk(scene, nudge=nudge(scene, start), poses=False) for start in range(simulation.n_starts)]
     rollouts = [
         walk(compile_scene(genome, finer_steps), poses=False),
-        *(walk(scene, nudge=one, poses=False) for one in nudges),
+        *(walk(scene, nudge=nudge(scene, UNSEEN + number), poses=False) for number in range(n_nudges)),
     ]
     finer, *nudged = (score(rollout, fitness) for rollout in rollouts)
     return Confirmation(
-        fitness=score(walk(scene, poses=False), fitness),
+        fitness=min(score(rollout, fitness) for rollout in seen),
         finer=finer,
         nudged=tuple(sorted(nudged)),
         verdicts=tuple(rollout.verdict for rollout in rollouts),
         measure=f"{name} {unit}".strip(),
     )
-
-
-def nudge(scene: Scene, seed: int, number: int) -> Floats:
-    """Draw the (nv,) small turns and shifts of a start: of the robot alone, all else stays where it is."""
-    model = scene.model
-    own = model.body_rootid[model.dof_bodyid] == 1
-    scale = np.where(own, BEND, 0.0)
-    scale[:6] = 0, SHIFT, 0, TURN, TURN, TURN
-    return scale * stream(seed, "perturbation", number).standard_normal(model.nv)

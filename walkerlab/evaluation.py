@@ -15,7 +15,7 @@ from walkerlab.genes import Floats
 from walkerlab.genome import Genome, read_genomes
 from walkerlab.interrupts import interrupts_held
 from walkerlab.limits import genes_of, repair
-from walkerlab.rollout import Rollout, walk
+from walkerlab.rollout import Rollout, nudge, walk
 from walkerlab.scene import scene_of
 from walkerlab.settings import Algorithm, Robot, Settings
 
@@ -139,15 +139,22 @@ def _within(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Geno
     return [genome.within(robot) for genome in read_genomes(genomes)]
 
 
-def _walk_all(genomes: Sequence[Genome], settings: Settings) -> list[Rollout]:
-    return [walk(scene_of(genome, settings), poses=False) for genome in genomes]
+def _walk_all(genomes: Sequence[Genome], settings: Settings) -> list[list[Rollout]]:
+    """Let each walk from every start, in a worker."""
+    starts = range(settings.simulation.n_starts)
+    scenes = (scene_of(genome, settings) for genome in genomes)
+    return [[walk(scene, nudge=nudge(scene, start), poses=False) for start in starts] for scene in scenes]
 
 
-def _rate(genome: Genome, rollout: Rollout, settings: Settings) -> Evaluation:
+def _rate(genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Evaluation:
+    """Rate the poorest of its walks."""
+    scores = [measures.score(rollout, settings.algorithm.fitness) for rollout in rollouts]
+    fitness = min(scores)
+    rollout = rollouts[scores.index(fitness)]
     phenotype = rollout.phenotype
     return Evaluation(
         genome=genome,
-        fitness=measures.score(rollout, settings.algorithm.fitness),
+        fitness=fitness,
         verdict=rollout.verdict,
         reason=rollout.reason,
         distance=measures.distance(rollout),

@@ -14,12 +14,15 @@ from walkerlab.assembly import ANYTHING, COM, DEPTH, GROUND, ITSELF, LOAD, ROPE
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.judge import Trace, judge
+from walkerlab.randomness import stream
 from walkerlab.scene import Scene, compile_scene, ticks
 from walkerlab.settings import Settings
 
 SETTLE_CHUNK = 0.25  # s, after each of which a settling body is looked at
 SETTLE_LIMIT = 3.0  # s, after which it walks whether it came to rest or not
 REST_SPEED = 0.02  # m/s of the centre of mass, under which a body is at rest
+
+SHIFT, TURN, BEND = 0.02, 0.03, 0.03  # m to the side, rad of the body, rad of each joint: standard deviations
 
 _STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
@@ -101,6 +104,16 @@ def walk(scene: Scene, *, nudge: Floats | None = None, poses: bool = True) -> Ro
         values.setflags(write=False)
     verdict, reason = judge(trace, scene.settings)
     return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=record)
+
+
+def nudge(scene: Scene, number: int) -> Floats | None:
+    """Draw the (nv,) small turns and shifts of a start: of the robot alone; none for the start of number 0."""
+    if not number:
+        return None
+    model = scene.model
+    scale = np.where(model.body_rootid[model.dof_bodyid] == 1, BEND, 0.0)
+    scale[:6] = 0, SHIFT, 0, TURN, TURN, TURN
+    return scale * stream(scene.settings.terrain.seed, "perturbation", number).standard_normal(model.nv)
 
 
 def _overlap(scene: Scene, data: mujoco.MjData) -> float:

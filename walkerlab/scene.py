@@ -78,7 +78,8 @@ class Scene:
         """
         model, terrain, pitch = self.model, self.settings.terrain, slope(self.settings.terrain)
         data.qpos[model.jnt_qposadr[model.actuator_trnid[:, 0]]] = self.rest
-        data.qpos[3:7] = [math.cos(pitch / 2), 0, -math.sin(pitch / 2), 0]
+        along_slope = [math.cos(pitch / 2), 0, -math.sin(pitch / 2), 0]
+        data.qpos[3:7] = along_slope
         if nudge is not None:
             mujoco.mj_integratePos(model, data.qpos, nudge, 1.0)
         mujoco.mj_kinematics(model, data)
@@ -94,8 +95,9 @@ class Scene:
             drop = tail @ up - stones - CLEARANCE - ring.pos[2]
             back = math.sqrt(self.rope**2 - drop**2) - SLACK
             place = (tail @ forward - back - ring.pos[0]) * forward + (stones + CLEARANCE) * up
+            place[1] = tail[1]
             start = model.jnt_qposadr[sledge]
-            data.qpos[start : start + 7] = [*place, *data.qpos[3:7]]
+            data.qpos[start : start + 7] = [*place, *along_slope]
 
     def outline(self, pose: Floats) -> tuple[Floats, Floats, Floats]:
         """Lay out the capsules of the body in a pose, for a drawing that needs no GL.

@@ -130,7 +130,7 @@ class Guard(Choice):
     airborne = 7, "it was off the ground for longer than Simulation.max_airborne: flying, not walking"
     fell = 8, "it stood, and then went down: falling forward is not walking"
     out_of_arena = 9, "it left the ground that was built"
-    load_lost = 10, "its sledge broke the rope, overtook it, or left the ground"
+    load_lost = 10, "its sledge broke the rope, overtook it, or sank into the ground"
 
 
 class Camera(Choice):
@@ -352,6 +352,9 @@ class Simulation(Domain, frozen=True):
 
     duration: float = quantity(8.0, low=1.0, high=120.0, unit="s", about="the length of the measured walk")
     timestep: float = quantity(0.005, low=0.0005, high=0.01, unit="s", about="the step of the physics")
+    n_starts: int = quantity(
+        1, low=1, high=20, about="how many starts, each a little different, every robot walks from; its poorest counts"
+    )
     camera: Camera = one_of(Camera.side, about="from where a walk is watched")
     max_speed: float = quantity(
         10.0, low=1.0, high=1000.0, unit="body lengths/s", about="the speed over which a walk does not count"

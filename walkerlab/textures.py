@@ -28,7 +28,7 @@ class Material:
         sliding: friction coefficient µ.
         patch: radius of the patch on which a foot turns, m.
         rolling: rolling resistance c.
-        light: colour of one square of a chequer of 1 m.
+        light: colour of one square of its chequer.
         dark: colour of the other.
         piece: colour of the pieces strewn on it.
         speckle: colour of its grain.
@@ -59,17 +59,17 @@ MATERIALS: dict[Texture, Material] = {
         "µ: chosen, above rubber on dry concrete; c: chosen, above a hard road",
     ),
     Texture.marble: Material(
-        0.50, 0.010, 0.010, (0.93, 0.90, 0.87), (0.62, 0.57, 0.57), (0.45, 0.40, 0.42), (0.80, 0.75, 0.73), 0.04,
+        0.50, 0.010, 0.010, (0.93, 0.90, 0.87), (0.55, 0.51, 0.52), (0.45, 0.40, 0.42), (0.78, 0.74, 0.73), 0.03,
         "µ: chosen near the 0.5 asked of a dry stone floor (Khaday et al., Coatings 11, 2021, 1254); "
         f"{_ROLLING} (hard and smooth)",
     ),
     Texture.ice: Material(
-        0.10, 0.010, 0.010, (0.72, 0.88, 0.94), (0.63, 0.82, 0.90), (0.95, 0.99, 1.00), (0.93, 0.98, 1.00), 0.08,
+        0.10, 0.010, 0.010, (0.72, 0.88, 0.94), (0.63, 0.82, 0.90), (0.95, 0.99, 1.00), (0.93, 0.98, 1.00), 0.05,
         "µ: Noon, Engineering Analysis of Vehicular Accidents, 1994 (0.10 to 0.15); Navin et al., SAE, 1996 (0.09); "
         "c: chosen, as hard and smooth",
     ),
     Texture.wood: Material(
-        0.70, 0.010, 0.010, (0.82, 0.62, 0.42), (0.75, 0.55, 0.35), (0.45, 0.29, 0.17), (0.66, 0.46, 0.28), 0.10,
+        0.70, 0.010, 0.010, (0.84, 0.71, 0.53), (0.73, 0.58, 0.41), (0.45, 0.29, 0.17), (0.66, 0.50, 0.34), 0.12,
         "µ: OpenStax College Physics, table 5.1 (shoes on wood, kinetic); c: chosen, as hard and smooth",
     ),
     Texture.concrete: Material(
@@ -78,12 +78,12 @@ MATERIALS: dict[Texture, Material] = {
         f"{_ROLLING} (0.01 to 0.015)",
     ),
     Texture.grass: Material(
-        0.45, 0.013, 0.07, (0.42, 0.63, 0.42), (0.35, 0.56, 0.36), (0.20, 0.40, 0.24), (0.66, 0.80, 0.50), 0.25,
+        0.45, 0.013, 0.07, (0.50, 0.68, 0.38), (0.35, 0.55, 0.31), (0.20, 0.40, 0.24), (0.54, 0.70, 0.38), 0.20,
         "µ: chosen between wet grass (Noon 1994, 0.2) and dry earth (Wong, Theory of Ground Vehicles, 0.68); "
         f"{_ROLLING} (0.04 to 0.08)",
     ),
     Texture.sand: Material(
-        0.40, 0.017, 0.20, (0.93, 0.83, 0.62), (0.87, 0.76, 0.55), (0.72, 0.55, 0.34), (0.73, 0.58, 0.39), 0.20,
+        0.40, 0.017, 0.20, (0.93, 0.83, 0.62), (0.87, 0.76, 0.55), (0.72, 0.55, 0.34), (0.80, 0.67, 0.46), 0.20,
         f"µ: Caterpillar Performance Handbook (rubber on wet sand 0.4, dry 0.2); {_ROLLING} (0.2 to 0.4, loose)",
     ),
     Texture.gravel: Material(
@@ -91,12 +91,12 @@ MATERIALS: dict[Texture, Material] = {
         "µ: Wong, Theory of Ground Vehicles (0.6 at its peak, 0.55 sliding); c: Marks' Standard Handbook (loose)",
     ),
     Texture.mud: Material(
-        0.30, 0.020, 0.15, (0.36, 0.26, 0.18), (0.30, 0.21, 0.14), (0.52, 0.40, 0.28), (0.20, 0.14, 0.09), 0.15,
+        0.30, 0.020, 0.15, (0.47, 0.36, 0.27), (0.40, 0.30, 0.22), (0.58, 0.47, 0.35), (0.31, 0.23, 0.17), 0.18,
         "µ: chosen within 0.15 to 0.40 (Caterpillar Performance Handbook: wet clay 0.4); "
         "c: Caterpillar Performance Handbook (10 to 20 % on a soft, muddy road)",
     ),
     Texture.snow: Material(
-        0.20, 0.017, 0.07, (0.97, 0.98, 1.00), (0.90, 0.93, 0.98), (0.76, 0.83, 0.93), (0.80, 0.87, 0.96), 0.05,
+        0.20, 0.017, 0.07, (0.97, 0.98, 1.00), (0.86, 0.90, 0.97), (0.76, 0.83, 0.93), (0.78, 0.85, 0.95), 0.05,
         "µ: Noon 1994 (0.20 to 0.25); Wong, Theory of Ground Vehicles (packed, 0.2); "
         "c: ERDC/CRREL TR-01-16, table 11 (mostly 0.05 to 0.08)",
     ),

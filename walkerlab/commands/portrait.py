@@ -1,11 +1,10 @@
 """The picture at the head of README: a champion caught in its stride, beside the curve that led to it.
 
-    python -m walkerlab.commands.portrait RUN-FILE data/champion.png
+    MUJOCO_GL=egl python -m walkerlab.commands.portrait RUN-FILE data/champion.png
 
 Needs a GL that draws without a screen: ``walkerlab doctor`` says whether there is one.
 """
 
-import os
 import sys
 from typing import Any
 
@@ -33,7 +32,8 @@ def strobe(run: Run) -> NDArray[np.uint8]:
     data, camera, option = mujoco.MjData(model), mujoco.MjvCamera(), mujoco.MjvOption()
     moments = (MOMENTS * (len(rollout.time) - 1)).astype(int)
     camera.lookat[:] = rollout.com[moments].mean(axis=0) + np.array([0, 0, 0.05])
-    camera.distance, camera.azimuth, camera.elevation = 0.42 * np.ptp(rollout.com[moments, 0]) + 0.5, 78, -16
+    camera.distance = 0.42 * np.ptp(rollout.com[moments, 0]) + 0.3 + 0.7 * scene.phenotype.body_length
+    camera.azimuth, camera.elevation = 78, -16
     with mujoco.Renderer(model, height, width) as renderer:
         drawn: Any = renderer.scene
         for moment in moments[::-1]:
@@ -61,5 +61,4 @@ def portrait(run: Run, path: str) -> None:
 
 
 if __name__ == "__main__":
-    os.environ.setdefault("MUJOCO_GL", "egl")
     portrait(load(sys.argv[1]), sys.argv[2])

@@ -31,7 +31,10 @@ def champion_story(records: pd.DataFrame, settings: Plain) -> str:
     best = champion(records)
     row: Any = _births(records).loc[best.individual]
     if best.verdict != "ok":
-        return f"No walk counted, so there is no champion to speak of. Why: {best.verdict}. {VERDICTS[best.verdict]}"
+        return (
+            f"No walk counted, so there is no champion to speak of. Of robot {best.individual}, the judge says: "
+            f"{best.verdict}. {VERDICTS[best.verdict]}\nThat is, {best.reason}."
+        )
     return (
         f"Your champion is robot {best.individual}, born in generation {best.generation}.\n"
         f"It went {row.distance:.2f} m forward in {settings['simulation']['duration']:g} s. Over the last two thirds "

@@ -9,6 +9,7 @@ from typing import Any
 from dm_control import composer
 
 from walkerlab.entities.obstacle import add_obstacles
+from walkerlab.entities.scenery import dress, mix_paints
 from walkerlab.layout import ARENA_LENGTH, ARENA_WIDTH, LANDING, PLATEAU, TRENCH, Layout, lay_out, slope
 from walkerlab.settings import Structure, Terrain
 from walkerlab.textures import MATERIALS, RGB, Material
@@ -41,7 +42,7 @@ class Ground(composer.Arena):
             root.option.density, root.option.viscosity = AIR
         default = root.default.geom
         default.friction, default.priority, default.condim = material.friction(), 1, 4  # turning feet meet friction too
-        self._paints = _paints(root, material) if scenery else {}
+        self._paints = mix_paints(root, terrain) if scenery else {}
         raised = terrain.structure in (Structure.rough, Structure.gaps)
         self._lay("plane", (0, 0, -BASE * raised), (0, 0, 1), material.light, "chequer", type="plane")
         root.find("geom", "plane").euler = (0, -slope(terrain), 0)
@@ -54,8 +55,6 @@ class Ground(composer.Arena):
                 self._lay_hills(layout, material)
             case _:
                 pass
-        if scenery:
-            _add_sky_and_sun(root)
 
     def _lay(self, name: str, pos: Any, size: Any, colour: RGB, paint: str, **more: Any) -> None:
         """Lay one geom of the ground: painted where it is for looking at, of one colour elsewhere."""
@@ -99,7 +98,8 @@ class Ground(composer.Arena):
         """Lay a height field from the landing on, and level slabs before and after it."""
         self._lay_slab("slab0", (-BEHIND, LANDING), 0.0, BASE, material)
         self._lay_slab("slab2", (LANDING + ARENA_LENGTH, LANDING + ARENA_LENGTH + PLATEAU), 0.0, BASE, material)
-        hills, size = layout.hills, (ARENA_LENGTH / 2, ARENA_WIDTH / 2, layout.hills.max(), BASE)
+        highest = max(layout.hills.max(), 1e-6)  # MuJoCo knows no height field without a height
+        hills, size = layout.hills, (ARENA_LENGTH / 2, ARENA_WIDTH / 2, highest, BASE)
         field = self._mjcf_root.asset.add(
             "hfield", name="hills", nrow=len(hills), ncol=hills.shape[1], size=size, elevation=hills[::-1].ravel()
         )
@@ -109,41 +109,6 @@ class Ground(composer.Arena):
             geom.material = self._paints["chequer"]
         else:
             geom.rgba = (*material.light, 1)
-
-
-def _paints(root: Any, material: Material) -> dict[str, Any]:
-    """Make what the ground is painted with: a chequer of 1 m squares, and each of its shades alone, all with grain."""
-
-    def paint(name: str, builtin: str, first: RGB, second: RGB, repeat: float) -> Any:
-        texture = root.asset.add(
-            "texture", name=name, type="2d", builtin=builtin, rgb1=first, rgb2=second, width=512, height=512,
-            mark="random", markrgb=material.speckle, random=material.grain * 0.25,
-        )  # fmt: skip
-        return root.asset.add(
-            "material", name=name, texture=texture, texrepeat=(repeat, repeat), texuniform="true", specular=0.1
-        )
-
-    return {
-        "chequer": paint("chequer", "checker", material.light, material.dark, 0.5),
-        "light": paint("light", "flat", material.light, material.light, 0.5),
-        "dark": paint("dark", "flat", material.dark, material.dark, 0.5),
-    }
-
-
-def _add_sky_and_sun(root: Any) -> None:
-    """Add what only eyes need: a sky, and a sun that casts shadows."""
-    root.statistic.extent, root.statistic.center = 3, (6, 0, 0)
-    root.visual.map.znear, root.visual.map.zfar, root.visual.map.shadowclip = 0.01, 50, 4
-    root.visual.quality.shadowsize = 4096
-    root.visual.rgba.haze = (0.95, 0.96, 0.98, 1)
-    root.asset.add(
-        "texture", name="sky", type="skybox", builtin="gradient",
-        rgb1=(0.95, 0.96, 0.98), rgb2=(0.55, 0.72, 0.88), width=256, height=256,
-    )  # fmt: skip
-    root.worldbody.add(
-        "light", name="sun", directional="true", castshadow="true",
-        pos=(6, 0, 10), dir=(0.2, 0.4, -1), diffuse=(0.5, 0.5, 0.5), specular=(0.1, 0.1, 0.1),
-    )  # fmt: skip
 
 
 def generate_terrain(terrain: Terrain, *standing: composer.Entity, scenery: bool = False) -> Ground:
@@ -159,4 +124,6 @@ def generate_terrain(terrain: Terrain, *standing: composer.Entity, scenery: bool
     for entity in standing:
         ground.attach(entity).add("freejoint", name="free")
     add_obstacles(ground.mjcf_model, terrain, layout)
+    if scenery:
+        dress(ground.mjcf_model, terrain)
     return ground

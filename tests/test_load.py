@@ -1,0 +1,161 @@
+"""A load is on the scales and on the rope: it slows the robot down, never helps it, and is no part of its body."""
+
+import mujoco
+import numpy as np
+import pytest
+
+import walkerlab as wl
+from tests.test_judge import WALKER
+from walkerlab.entities.walker import LIMB, TRUNK
+from walkerlab.fitness import distance, velocity
+from walkerlab.randomness import stream
+from walkerlab.scene import compile_scene
+
+LOADS = [{"carry_weight": 3}, {"drag_weight": 2}, {"carry_weight": 3, "drag_weight": 2}]
+OTHERS = [wl.Genome.random(wl.Robot(), rng=stream(4, "check", i)) for i in range(8)]
+
+
+def scene_with(load, **changes):
+    return compile_scene(WALKER, wl.Settings().with_(**load, **changes))
+
+
+def stepped(scene, seconds, *, rest=3):
+    """Let it come to rest [s] and walk, one step of Python at a time, with nothing asleep; hand out each moment."""
+    model, timestep = scene.model, scene.settings.simulation.timestep
+    model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
+    data = mujoco.MjData(model)
+    scene.place(data)
+    hold = np.tile(scene.rest, (round(rest / timestep), 1))
+    for control in [*hold, *scene.controls(1 + round(seconds / timestep))]:
+        data.ctrl[:] = control
+        mujoco.mj_step(model, data)
+        yield data
+
+
+# ------------------------------------------------------------------------------------------------ what it costs
+
+
+@pytest.mark.parametrize(("lighter", "heavier"), [
+    ({}, {"carry_weight": 3}), ({"carry_weight": 3}, {"carry_weight": 8}),
+    ({}, {"drag_weight": 1}), ({"drag_weight": 1}, {"drag_weight": 2}), ({"drag_weight": 2}, {"drag_weight": 6}),
+    ({"drag_weight": 2}, {"drag_weight": 2, "carry_weight": 3}),
+], ids=str)  # fmt: skip
+def test_the_heavier_the_load_the_slower_the_walk(lighter, heavier):
+    quick, slow = (wl.simulate(WALKER, wl.Settings().with_(**load), poses=False) for load in (lighter, heavier))
+    assert quick.counts
+    assert slow.counts, slow.reason
+    assert 0 < velocity(slow) < 0.95 * velocity(quick)
+    assert distance(slow) < distance(quick)
+
+
+@pytest.mark.parametrize("terrain", [
+    wl.Terrain(), wl.Terrain(structure="incline", incline=-15), wl.Terrain(structure="rough"),
+    wl.Terrain(structure="gaps", gap_width=0.3), wl.Terrain(texture="ice"),
+], ids=lambda terrain: f"{terrain.structure.name} {terrain.texture.name}")  # fmt: skip
+def test_a_sledge_never_leads_in_a_walk_that_counts(terrain):
+    settings = wl.Settings(terrain=terrain).with_(drag_weight=1, duration=4)
+    rollouts = [wl.simulate(genome, settings, poses=False) for genome in [WALKER, *OTHERS]]
+    counted = [rollout for rollout in rollouts if rollout.counts]
+    assert counted
+    assert all((rollout.load[:, 0] <= rollout.com[:, 0]).all() for rollout in counted)
+    assert max(rollout.rope.max() for rollout in counted) < 1.05
+
+
+# ------------------------------------------------------------------------------------------------ rope and scales
+
+
+@pytest.mark.parametrize("weight", [1, 6])
+def test_a_rope_pulls_when_it_is_taut_and_does_nothing_when_it_is_slack(weight):
+    scene = scene_with({"drag_weight": weight})
+    lengths, pulls = [], []
+    for data in stepped(scene, 4):
+        of_rope = data.efc_type == mujoco.mjtConstraint.mjCNSTR_LIMIT_TENDON
+        lengths.append(data.ten_length[0] / scene.rope)
+        pulls.append(data.efc_force[of_rope].sum())
+    length, pull = np.array(lengths), np.array(pulls)
+    assert pull.min() >= 0
+    assert not pull[length < 1].any()
+    assert (length < 1).any()
+    assert (pull > 0).mean() > 0.2
+    assert length.max() < 1.05
+
+
+@pytest.mark.parametrize("planet", ["earth", "moon"])
+@pytest.mark.parametrize("load", [{}, *LOADS], ids=str)
+def test_what_is_carried_is_on_the_scales_and_what_is_dragged_stands_for_itself(planet, load):
+    """The ground holds up the robot with its pack, and the sledge apart from it: at rest, over the last half second."""
+    scene = scene_with(load, gravity=planet)
+    model, force = scene.model, np.empty(6)
+    held = {root: [] for root in scene.roots}
+    for data in stepped(scene, 0, rest=6):
+        if data.time < 5.5:
+            continue
+        share = dict.fromkeys(held, 0.0)
+        for number, contact in enumerate(data.contact):
+            first, second = model.body_rootid[model.geom_bodyid[contact.geom]]
+            assert 0 in (first, second), "the sledge stands clear of its robot"
+            mujoco.mj_contactForce(model, data, number, force)
+            upward = contact.frame.reshape(3, 3)[:, 2] @ force[:3]
+            share[first or second] += upward if first == 0 else -upward
+        for root, shares in held.items():
+            shares.append(share[root])
+    robot, g = scene.settings.robot, -model.opt.gravity[2]
+    weights = [scene.phenotype.weight + robot.carry_weight, robot.drag_weight]
+    for shares, weight in zip(held.values(), weights, strict=False):
+        assert np.mean(shares) == pytest.approx(weight * g, rel=0.02)
+
+
+# ------------------------------------------------------------------------------------------------ no part of the body
+
+
+@pytest.mark.parametrize("load", LOADS, ids=str)
+def test_a_load_is_part_of_no_limit(load):
+    scene, free = scene_with(load), scene_with({})
+    assert scene.genome == free.genome
+    assert scene.phenotype == free.phenotype
+    limits = scene.settings.robot
+    assert wl.gene_table(limits).equals(wl.gene_table(wl.Robot()))
+    assert scene.model.body_mass.sum() == pytest.approx(
+        free.phenotype.weight + limits.carry_weight + limits.drag_weight, rel=1e-9
+    )
+
+
+def test_a_pack_is_fixed_on_the_back():
+    rollout, scene = wl.simulate(WALKER, wl.Settings().with_(carry_weight=3)), scene_with({"carry_weight": 3})
+    model, data = scene.model, mujoco.MjData(scene.model)
+    pack = model.body("walker/pack/").id
+    bearer = model.body_parentid[pack]
+    seen = []
+    for pose in rollout.poses:
+        data.qpos[:] = pose
+        mujoco.mj_kinematics(model, data)
+        turn = data.xmat[bearer].reshape(3, 3)
+        away = turn.T @ (data.xpos[pack] - data.xpos[bearer])
+        seen.append(np.concatenate([away, (turn.T @ data.xmat[pack].reshape(3, 3)).ravel()]))
+    assert np.ptp(rollout.poses[:, :3], axis=0).max() > 1, "it walked"
+    np.testing.assert_allclose(seen, np.broadcast_to(seen[0], (len(seen), 12)), atol=1e-9)
+    assert seen[0][2] > 0, "above the middle of its bearer"
+
+
+def test_a_load_is_seen_and_is_not_of_the_robots_colour():
+    model = scene_with({"carry_weight": 3, "drag_weight": 2}).model
+    robot = np.array([TRUNK, *LIMB.values()])
+    for name in ("walker/pack/", "sledge/"):
+        geoms = model.geom_bodyid == model.body(name).id
+        assert geoms.any()
+        assert (model.geom_rgba[geoms, 3] == 1).all()
+        assert (model.geom_group[geoms] <= 2).all(), "groups that MuJoCo draws"
+        assert np.abs(model.geom_rgba[geoms][:, np.newaxis] - robot).max(axis=-1).min() > 0.1
+    assert model.tendon_rgba[0, 3] == 1
+
+
+@pytest.mark.parametrize("weight", [0.1, 2, 100])
+def test_no_robot_starts_inside_its_load_nor_on_a_taut_rope(weight):
+    for genome in OTHERS:
+        scene = compile_scene(genome, wl.Settings().with_(carry_weight=weight, drag_weight=weight))
+        data = mujoco.MjData(scene.model)
+        scene.place(data)
+        mujoco.mj_forward(scene.model, data)
+        roots = scene.model.body_rootid[scene.model.geom_bodyid[data.contact.geom]]
+        assert not (data.contact.dist[roots[:, 0] != roots[:, 1]] < 0).any()
+        assert 0.95 < data.ten_length[0] / scene.rope < 1
