@@ -1,9 +1,10 @@
 """Does it evolve walkers, or find them by luck? Champions of several seeds, on several grounds.
 
-    python benchmarks/walkers.py [--seeds 5] [--population-size 60] [--generations 84] [--ground NAME] [--csv FILE]
+    python benchmarks/walkers.py [--seeds 5] [--generations 84] [--starts 1] [--ground NAME] [--csv FILE]
 
-For each ground and seed: how far the champion of one evolution walks, how much of that is left at a quarter of the
-timestep, and, on the flat, how far the best of equally many random robots walks.
+For each ground and seed: how far the champion of one evolution walks, how much of its fitness is left at a quarter of
+the timestep and from other starts, how many walks did not count, and, on the flat, how far the best of equally many
+random robots walks.
 """
 
 import argparse
@@ -26,7 +27,7 @@ GROUNDS = {
 def try_out(ground, seed, given):
     """Evolve once, and measure the champion."""
     settings = wl.Settings(terrain=GROUNDS[ground]).with_(
-        population_size=given.population_size, generations=given.generations, seed=seed
+        population_size=given.population_size, generations=given.generations, n_starts=given.starts, seed=seed
     )
     run = wl.evolve(settings, progress=False)
     n_evaluations = run.records.drop_duplicates("individual").shape[0]
@@ -43,7 +44,7 @@ def try_out(ground, seed, given):
         "body lengths/s": wl.fitness.velocity(champion) / champion.phenotype.body_length,
         "kept at dt/4": kept.kept_finer,
         "kept from other starts": kept.kept_nudged,
-        "poorest start": max(0.0, kept.nudged[0] / distance),
+        "poorest start": max(0.0, kept.nudged[0] / kept.fitness),
         "void again": ", ".join(verdict for verdict in kept.verdicts if verdict != "ok"),
         "along slope [m]": distance / math.cos(math.radians(terrain.incline)) if "incline" in ground else None,
         "stairs climbed": max(0, math.floor((champion.com[-1, 0] - LANDING) / terrain.step_depth) + 1)
@@ -61,6 +62,7 @@ def main():
     options.add_argument("--seeds", type=int, default=5)
     options.add_argument("--population-size", type=int, default=60)
     options.add_argument("--generations", type=int, default=84)
+    options.add_argument("--starts", type=int, default=1, help="from how many starts every robot walks")
     options.add_argument("--ground", action="append", choices=list(GROUNDS), help="only this one; may be repeated")
     options.add_argument("--csv")
     given = options.parse_args()

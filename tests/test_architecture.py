@@ -16,6 +16,7 @@ HOUSE = Path(walkerlab.__file__).parent
 
 FLOORS = (
     ("quantity", "randomness", "genes", "interrupts"),
+    ("choices",),
     ("settings", "ga"),
     ("limits", "layout", "textures"),
     ("genome", "entities"),
@@ -37,7 +38,7 @@ FLOORS = (
 
 FLOOR = {room: height for height, rooms in enumerate(FLOORS) for room in rooms}
 
-ONLY_FROM = {"ga": {"genes", "randomness"}, "entities": {"settings", "genes", "layout", "textures"}}
+ONLY_FROM = {"ga": {"genes", "randomness"}, "entities": {"choices", "settings", "genes", "layout", "textures"}}
 """Rooms that know less than their floor allows: ga meets no robot, entities spend no chance."""
 
 ONLY_IN = {
@@ -61,7 +62,7 @@ ONLY_IN = {
 LIGHT = {"walkerlab": {"numpy", "pandas", "pydantic", "mujoco", "dm_control", "matplotlib", "ipywidgets", "tqdm"}}
 LIGHT |= {
     f"walkerlab.{room}": {"pandas", "mujoco", "dm_control", "matplotlib", "ipywidgets"}
-    for room in ("quantity", "settings", "randomness", "genes", "ga")
+    for room in ("quantity", "choices", "settings", "randomness", "genes", "ga")
 }
 LIGHT |= {
     f"walkerlab.{room}": {"mujoco", "dm_control", "matplotlib", "ipywidgets"}

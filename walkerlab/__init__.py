@@ -18,6 +18,18 @@ _ROOMS = {
         "mutate_population",
         "select_from_population",
     ),
+    "choices": (
+        "Camera",
+        "Crossover",
+        "Feature",
+        "Fitness",
+        "Guard",
+        "Mutation",
+        "Obstacle",
+        "Selection",
+        "Structure",
+        "Texture",
+    ),
     "confirmation": ("Confirmation", "confirm"),
     "entities": ("generate_robot", "generate_terrain"),
     "evaluation": ("Evaluation", "evaluate", "evaluate_population"),
@@ -32,23 +44,7 @@ _ROOMS = {
     "quantity": ("SettingsError",),
     "rollout": ("Rollout", "simulate"),
     "scene": ("Scene", "compile_scene"),
-    "settings": (
-        "Algorithm",
-        "Camera",
-        "Crossover",
-        "Feature",
-        "Fitness",
-        "Guard",
-        "Mutation",
-        "Obstacle",
-        "Robot",
-        "Selection",
-        "Settings",
-        "Simulation",
-        "Structure",
-        "Terrain",
-        "Texture",
-    ),
+    "settings": ("Algorithm", "Robot", "Settings", "Simulation", "Terrain"),
     "store": ("RunFileError",),
 }
 """Where each public name lives."""
@@ -65,6 +61,16 @@ if TYPE_CHECKING:
     from walkerlab.algorithm import generate_robot_population as generate_robot_population
     from walkerlab.algorithm import mutate_population as mutate_population
     from walkerlab.algorithm import select_from_population as select_from_population
+    from walkerlab.choices import Camera as Camera
+    from walkerlab.choices import Crossover as Crossover
+    from walkerlab.choices import Feature as Feature
+    from walkerlab.choices import Fitness as Fitness
+    from walkerlab.choices import Guard as Guard
+    from walkerlab.choices import Mutation as Mutation
+    from walkerlab.choices import Obstacle as Obstacle
+    from walkerlab.choices import Selection as Selection
+    from walkerlab.choices import Structure as Structure
+    from walkerlab.choices import Texture as Texture
     from walkerlab.confirmation import Confirmation as Confirmation
     from walkerlab.confirmation import confirm as confirm
     from walkerlab.entities import generate_robot as generate_robot
@@ -92,20 +98,10 @@ if TYPE_CHECKING:
     from walkerlab.scene import Scene as Scene
     from walkerlab.scene import compile_scene as compile_scene
     from walkerlab.settings import Algorithm as Algorithm
-    from walkerlab.settings import Camera as Camera
-    from walkerlab.settings import Crossover as Crossover
-    from walkerlab.settings import Feature as Feature
-    from walkerlab.settings import Fitness as Fitness
-    from walkerlab.settings import Guard as Guard
-    from walkerlab.settings import Mutation as Mutation
-    from walkerlab.settings import Obstacle as Obstacle
     from walkerlab.settings import Robot as Robot
-    from walkerlab.settings import Selection as Selection
     from walkerlab.settings import Settings as Settings
     from walkerlab.settings import Simulation as Simulation
-    from walkerlab.settings import Structure as Structure
     from walkerlab.settings import Terrain as Terrain
-    from walkerlab.settings import Texture as Texture
     from walkerlab.store import RunFileError as RunFileError
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 
+from walkerlab.choices import Crossover, Mutation, Selection
 from walkerlab.ga import check, crossover, mutation, selection
 from walkerlab.ga.crossover import Children
 from walkerlab.ga.loop import NOT_COUNTED, Operators, cross_in_turn, mutate_in_turn, select_in_turn
@@ -22,7 +23,7 @@ from walkerlab.genome import Genome, read_genomes
 from walkerlab.limits import genes_of, repair
 from walkerlab.quantity import Choice, function_name
 from walkerlab.randomness import stream
-from walkerlab.settings import Algorithm, Crossover, Mutation, Robot, Selection
+from walkerlab.settings import Algorithm, Robot
 
 Operator = Callable[..., Any]
 

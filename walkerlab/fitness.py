@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from walkerlab.choices import Fitness
 from walkerlab.ga.loop import NOT_COUNTED
 from walkerlab.ga.slots import OperatorError
 from walkerlab.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.quantity import function_name
 from walkerlab.rollout import Rollout
-from walkerlab.settings import Fitness
 
 UNITS = {Fitness.distance: "m", Fitness.velocity: "m/s", Fitness.efficiency: "m/J", Fitness.straightness: "m"}
 IDLE = 1.0  # J counted on top, so that a robot that does nothing, and is moved by a breath, is not the most efficient

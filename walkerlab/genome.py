@@ -15,9 +15,10 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 
+from walkerlab.choices import Feature
 from walkerlab.genes import Floats
 from walkerlab.limits import MAX_SEGMENTS, PART, WHOLE, genes_of, repair
-from walkerlab.settings import Feature, Robot
+from walkerlab.settings import Robot
 
 
 class GenomeError(ValueError):

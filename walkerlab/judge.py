@@ -10,11 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from walkerlab.choices import Guard
 from walkerlab.genes import Floats
 from walkerlab.layout import bounds, height
 from walkerlab.limits import FREQUENCY
 from walkerlab.phenotype import Phenotype
-from walkerlab.settings import Guard, Settings
+from walkerlab.settings import Settings
 
 OVERLAP = 0.001  # m that a body may be inside another at the start
 CREEP = 0.05  # m/s at which a body may still move when it has had its time to come to rest: 0.4 m of a walk of 8 s

@@ -17,9 +17,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.random import Generator
 
+from walkerlab.choices import Obstacle, Structure
 from walkerlab.genes import Floats
 from walkerlab.randomness import stream
-from walkerlab.settings import FIELD, MAX_PIECES, REACH, SPREAD, Obstacle, Structure, Terrain
+from walkerlab.settings import FIELD, MAX_PIECES, REACH, SPREAD, Terrain
 
 ARENA_LENGTH = 30.0  # m of stairs, hills or gaps ahead of the landing
 ARENA_WIDTH = 10.0  # m

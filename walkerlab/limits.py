@@ -6,8 +6,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
+from walkerlab.choices import Feature
 from walkerlab.genes import Floats, Genes, Kind
-from walkerlab.settings import Feature, Robot
+from walkerlab.settings import Robot
 
 GRID = 3
 """Decimals that repair keeps: a gene is whole in millimetres, grams, milliradians, so that it can be copied by hand."""

@@ -3,9 +3,9 @@
 import math
 from dataclasses import dataclass
 
+from walkerlab.choices import Feature
 from walkerlab.genome import Genome
 from walkerlab.limits import PART, WHOLE
-from walkerlab.settings import Feature
 
 
 @dataclass(frozen=True)

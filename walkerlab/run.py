@@ -9,10 +9,11 @@ import pandas as pd
 
 from walkerlab import fitness, records, store
 from walkerlab.algorithm import ROOMS, in_turn
+from walkerlab.choices import Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
 from walkerlab.quantity import Choice, function_name
 from walkerlab.records import Individual
-from walkerlab.settings import Fitness, Settings
+from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
 
 _OURS = {"fitness": fitness} | {kind.__name__.lower(): room for kind, room in ROOMS.items()}

@@ -13,7 +13,7 @@ the dent that it makes.
 
 from dataclasses import dataclass
 
-from walkerlab.settings import Texture
+from walkerlab.choices import Texture
 
 RGB = tuple[float, float, float]
 

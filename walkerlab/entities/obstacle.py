@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from walkerlab.choices import Obstacle
 from walkerlab.genes import Floats
 from walkerlab.layout import Layout
-from walkerlab.settings import Obstacle, Terrain
+from walkerlab.settings import Terrain
 from walkerlab.textures import MATERIALS, RGB
 
 DENSITY = {Obstacle.box: 300, Obstacle.ball: 80, Obstacle.cylinder: 500, Obstacle.rock: 2000, Obstacle.log: 500}

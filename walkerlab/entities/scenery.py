@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
+from walkerlab.choices import Obstacle, Structure, Texture
 from walkerlab.layout import ARENA_LENGTH, ARENA_WIDTH, LANDING, TRENCH, height
-from walkerlab.settings import FIELD, Obstacle, Structure, Terrain, Texture
+from walkerlab.settings import FIELD, Terrain
 from walkerlab.textures import MATERIALS, RGB
 
 

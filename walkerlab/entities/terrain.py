@@ -8,10 +8,11 @@ from typing import Any
 
 from dm_control import composer
 
+from walkerlab.choices import Structure
 from walkerlab.entities.obstacle import add_obstacles
 from walkerlab.entities.scenery import dress, mix_paints
 from walkerlab.layout import ARENA_LENGTH, ARENA_WIDTH, LANDING, PLATEAU, TRENCH, Layout, lay_out, slope
-from walkerlab.settings import Structure, Terrain
+from walkerlab.settings import Terrain
 from walkerlab.textures import MATERIALS, RGB, Material
 
 BEHIND = 20.0  # m of level ground behind the start, where the plane is not it
