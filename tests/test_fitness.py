@@ -36,6 +36,20 @@ def test_velocity_forgets_the_first_third():
     assert fitness.velocity(walked(early_sprint)) == pytest.approx(0, abs=1e-9)
 
 
+def test_efficiency_is_travel_for_work():
+    thrifty, spendthrift = (replace(walked(2 * TIME), work=work * TIME) for work in (10.0, 40.0))
+    assert fitness.efficiency(thrifty) == pytest.approx(18 / 91)
+    assert fitness.efficiency(thrifty) > 3.9 * fitness.efficiency(spendthrift)
+    assert abs(fitness.efficiency(replace(walked(1e-3 * TIME), work=0 * TIME))) < 0.01, "lying still is not efficient"
+
+
+def test_straightness_takes_off_what_went_to_either_side():
+    for side in (1, -1):
+        com = np.stack([2 * TIME, side * TIME, np.full_like(TIME, 0.2)], axis=1)
+        assert fitness.straightness(replace(ROLLOUT, time=TIME, com=com, verdict="ok")) == pytest.approx(18 - 9)
+    assert fitness.straightness(walked(2 * TIME)) == pytest.approx(18)
+
+
 def test_every_choice_has_its_function_and_unit():
     assert set(fitness.FUNCTIONS) == set(Fitness)
     assert set(fitness.UNITS) == set(Fitness)
