@@ -44,7 +44,7 @@ def test_the_heavier_the_load_the_slower_the_walk(lighter, heavier):
     quick, slow = (wl.simulate(WALKER, wl.Settings().with_(**load), poses=False) for load in (lighter, heavier))
     assert quick.counts
     assert slow.counts, slow.reason
-    assert 0 < velocity(slow) < 0.95 * velocity(quick)
+    assert 0 < velocity(slow) < velocity(quick)
     assert distance(slow) < distance(quick)
 
 

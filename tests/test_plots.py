@@ -7,9 +7,9 @@ import pytest
 from matplotlib.figure import Figure
 
 import walkerlab as wl
+from walkerlab.choices import Obstacle, Structure
 from walkerlab.layout import height
 from walkerlab.records import COLUMNS, join, tidy
-from walkerlab.settings import Structure
 
 
 def made_up(n=8, seed=0):
@@ -78,14 +78,30 @@ class TestStride:
         assert min(patch.get_path().vertices[:, 1].min() for patch in ax.patches) > -0.02
         assert ax.get_aspect() == 1
 
-    def test_an_outline_is_what_mujoco_knows_of_the_body(self):
-        scene, rollout = wl.compile_scene(self.genome, self.settings), wl.simulate(self.genome, self.settings)
-        ends, radii, colours = scene.outline(rollout.poses[-1])
-        mass = scene.model.body_mass[scene.model.geom_bodyid[scene.model.geom_bodyid > 0]]
-        assert len(ends) == len(radii) == len(colours) == len(mass)
-        lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) + 2 * radii
-        assert sorted(lengths)[-1] <= max(segment.length for segment in wl.express(self.genome).segments) + 0.2
-        assert np.linalg.norm(rollout.com[-1] - ends.mean(axis=(0, 1))) < 0.5
+    @pytest.mark.parametrize("obstacle", [kind for kind in Obstacle if kind])
+    def test_a_skin_lies_where_a_ray_from_outside_meets_the_thing_or_within(self, obstacle):
+        settings = self.settings.with_(obstacle=obstacle, carry_weight=2, drag_weight=2)
+        scene, rollout = wl.compile_scene(self.genome, settings), wl.simulate(self.genome, settings)
+        model, data = scene.model, mujoco.MjData(scene.model)
+        data.qpos[:] = rollout.poses[-1]
+        mujoco.mj_kinematics(model, data)
+        moving = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom]]
+        *skins, rope = scene.skins(rollout.poses[-1])
+        skins += scene.skins(rollout.poses[-1], loose=True)
+        assert len(rope[0]) == 2
+        for geom, (skin, _) in zip(moving, skins, strict=True):
+            within = []
+            middle, turn = data.geom_xpos[geom], data.geom_xmat[geom]
+            for point in skin[::5]:
+                outward = (point - middle) / np.linalg.norm(point - middle)
+                far, kind = middle + 3 * outward, model.geom_type[geom]
+                if kind == mujoco.mjtGeom.mjGEOM_MESH:
+                    depth = mujoco.mj_rayMesh(model, data, geom, far, -outward, np.zeros(3))
+                else:
+                    depth = mujoco.mju_rayGeom(middle, turn, model.geom_size[geom], far, -outward, kind, np.zeros(3))
+                within.append(3 - depth - np.linalg.norm(point - middle))
+            assert min(within) > -1e-6
+            assert np.median(within) < 1e-6
 
     @pytest.mark.parametrize("structure", [kind for kind in Structure if kind != Structure.rough])
     def test_the_ground_is_drawn_where_mujoco_has_it(self, structure):

@@ -16,7 +16,7 @@ import numpy as np
 
 from walkerlab.entities import Pack, Sledge, generate_robot, generate_terrain, tie
 from walkerlab.entities.walker import SIDES, BodyPlan
-from walkerlab.layout import PIECE_HEIGHT, lay_out
+from walkerlab.layout import dome, lay_out
 from walkerlab.phenotype import Legs, Phenotype, Segment
 from walkerlab.settings import Robot, Settings, Terrain
 from walkerlab.textures import MATERIALS
@@ -30,6 +30,8 @@ SERVO_BAND = 0.3  # rad of error at which a servo gives its full torque
 SPINE_STIFFNESS = 30.0  # N·m/rad for each kg·m of mass times length behind the joint
 ROTOR = 0.001  # kg·m² of rotor inertia for each N·m of torque: with the band, a servo of 9 Hz whatever it turns
 ROPE_LENGTH = 0.6  # m of rope besides the length of a leg, as high as which it may be tied
+
+KEPT = 64  # plans that a worker remembers; with thousands of pieces each takes some megabytes
 
 COM, GROUND, DEPTH, ANYTHING, ITSELF, LOAD, ROPE = slice(0, 3), 3, 4, 5, 6, slice(7, 10), 10
 """Where each sensor's numbers are, in the order of ``_world_xml``; the last two are there with a sledge only."""
@@ -61,7 +63,7 @@ def _plan(phenotype: Phenotype, robot: Robot) -> tuple[BodyPlan, float, float]:
 # ------------------------------------------------------------------------------------------------ body plans
 
 
-@lru_cache(maxsize=512)
+@lru_cache(maxsize=KEPT)
 def _world_xml(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain, scenery: bool) -> str:
     """Have composer build one body plan with its loads on one ground, in nominal measures."""
     walker, sledge = generate_robot(plan), Sledge(drag_weight) if drag_weight else None
@@ -80,10 +82,10 @@ def _world_xml(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain:
         tie(root, walker.hitch, sledge.ring)
         sense("framepos", name="load", objtype="xbody", objname=sledge.root_body)
         sense("tendonpos", name="rope", tendon="rope")
-    return root.to_xml_string()
+    return root.to_xml_string(zero_threshold=1e-15)  # of numbers that are next to nothing, MuJoCo's reader makes errors
 
 
-@lru_cache(maxsize=512)
+@lru_cache(maxsize=KEPT)
 def _world_spec(
     plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain, scenery: bool, thread: int
 ) -> mujoco.MjSpec:
@@ -103,10 +105,9 @@ def _nominal_spec(
 def _strew_pieces(spec: mujoco.MjSpec, terrain: Terrain) -> None:
     """Set the pieces of a texture into the ground: domes, each the tip of a ball whose rest is below."""
     layout, material = lay_out(terrain), MATERIALS[terrain.texture]
-    half, rise = terrain.texture_size / 2, PIECE_HEIGHT * terrain.texture_size
-    radius = (half**2 + rise**2) / (2 * rise)
+    radius, depth = dome(terrain)
     shades = np.outer(1 + 0.15 * np.sin(2.4 * np.arange(len(layout.pieces))), material.piece).clip(0, 1)
-    for middle, shade in zip(layout.pieces - (radius - rise) * layout.normals, shades, strict=True):
+    for middle, shade in zip(layout.pieces - depth * layout.normals, shades, strict=True):
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[radius, 0, 0], pos=middle, rgba=[*shade, 1],
             friction=material.friction(), priority=1, condim=4,
@@ -178,7 +179,7 @@ def _write_legs(spec: mujoco.MjSpec, number: int, segment: Segment, legs: Legs) 
 # ------------------------------------------------------------------------------------------------------ transplanting
 
 
-@lru_cache(maxsize=512)
+@lru_cache(maxsize=KEPT)
 def _world_model(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain) -> mujoco.MjModel:
     """Compile one world in nominal measures, into copies of which those of individuals are written."""
     return _nominal_spec(plan, carry_weight, drag_weight, terrain, False).compile()

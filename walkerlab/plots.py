@@ -7,8 +7,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
 from matplotlib.ticker import MaxNLocator
+from scipy.spatial import ConvexHull
 
-from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.layout import height
 from walkerlab.rollout import simulate
@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 
 RUNS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Colours of runs, in turn: those of Okabe and Ito that are dark enough for a line on white."""
+
+NEAR = 1.0  # m to either side of a robot, from which on what lies about is not drawn with it
+ROPE = 2  # points of what is drawn as a line
 
 QUARTILES = np.array([0.25, 0.5, 0.75])
 
@@ -78,14 +81,21 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     count = int(np.clip(bodies[-1], 0, 3)) + 1  # as many as do not stand in each other's way
     last = int(np.argmax(bodies >= min(bodies[-1], count - 1)))
     moments = np.searchsorted(rollout.time, np.linspace(0, rollout.time[last], count))
-    for shade, moment in zip(np.linspace(0.25, 1.0, len(moments)) if count > 1 else [1.0], moments, strict=True):
-        ends, radii, colours = scene.outline(rollout.poses[moment])
-        for i in np.argsort(-ends[:, :, 1].mean(axis=1)):  # the far side first
-            axes.add_patch(
-                Polygon(_capsule(ends[i][:, [0, 2]], float(radii[i])), fc=colours[i], alpha=shade, ec="k", lw=0.3)
-            )
     near = rollout.com[moments, 0]
     x = np.linspace(near.min() - 0.8, near.max() + 0.8, 400)
+    for shade, moment in zip(np.linspace(0.25, 1.0, len(moments)) if count > 1 else [1.0], moments, strict=True):
+        parts = scene.skins(rollout.poses[moment])
+        if moment == moments[-1]:
+            there = rollout.com[moment, 1]
+            loose = scene.skins(rollout.poses[moment], loose=True)
+            parts += [one for one in loose if abs(one[0][:, 1].mean() - there) < NEAR and x[0] < one[0][0, 0] < x[-1]]
+        for skin, colour in sorted(parts, key=lambda part: -part[0][:, 1].mean()):  # the far side first
+            side = skin[:, [0, 2]]
+            if len(side) == ROPE:
+                axes.plot(*side.T, color=colour, alpha=shade, lw=1)
+            else:
+                hull = side[ConvexHull(side).vertices]
+                axes.add_patch(Polygon(hull, fc=colour, alpha=shade, ec="k", lw=0.3))
     ground = height(settings.terrain, x)
     axes.fill_between(x, ground, ground.min() - 0.08, color="0.8", lw=0)
     axes.set_xlim(x[0], x[-1])
@@ -94,14 +104,6 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     axes.set_ylabel("height [m]")
     axes.spines[["top", "right"]].set_visible(False)
     return axes
-
-
-def _capsule(ends: Floats, radius: float) -> Floats:
-    """Return the outline of a capsule seen from the side, from the (2, 2) ends of its axis."""
-    along = ends[1] - ends[0]
-    turned = np.arctan2(along[1], along[0]) + np.linspace(np.pi / 2, 3 * np.pi / 2, 13)
-    half = radius * np.stack([np.cos(turned), np.sin(turned)], axis=1)
-    return np.concatenate([ends[0] + half, ends[1] - half])
 
 
 def save(axes: Axes, *paths: str) -> None:

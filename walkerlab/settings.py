@@ -30,6 +30,7 @@ from walkerlab.quantity import (
     vector,
 )
 
+LIGHTEST = 0.01  # kg that a load weighs, if there is one
 _TINY = 1e-12  # m; room for the rounding of floats, as 3 × 0.1 is more than 0.3
 
 
@@ -43,6 +44,7 @@ PLANETS = {
 
 FIELD = (18.0, 6.0)  # m along and across the way, on which pieces and obstacles are strewn
 MAX_PIECES = 6000  # of texture, among which a walk takes some three times as long to compute as on bare ground
+WHOLE_PIECE = 1.25  # widths of a piece that a tread must be deep
 CROWDED = 0.3  # part of the ground within the reach of an obstacle, over which there is no way through
 REACH = {
     Obstacle.none: 0.0,
@@ -121,8 +123,13 @@ class Terrain(Domain, frozen=True):
                 f"ask for some {self.n_pieces} pieces; {MAX_PIECES} at most are laid, or walks would take "
                 f"too long to compute. At this density, {mend}."
             )
-        reach = (1 + SPREAD) * REACH[self.obstacle] * self.obstacle_size
         level = {Structure.stairs: "step_depth", Structure.gaps: "gap_distance"}.get(self.structure)
+        if level and self.texture_density and WHOLE_PIECE * self.texture_size > getattr(self, level):
+            faults.append(
+                f"Terrain.texture_size is {self.texture_size:g} m; its pieces do not fit on ground of Terrain.{level} "
+                f"{getattr(self, level):g} m, of which they may take up {1 / WHOLE_PIECE:.0%}."
+            )
+        reach = (1 + SPREAD) * REACH[self.obstacle] * self.obstacle_size
         if level and 2 * reach > getattr(self, level):
             faults.append(
                 f"Terrain.obstacle_size is {self.obstacle_size:g} m; such a {self.obstacle.name} can be "
@@ -180,6 +187,11 @@ class Robot(Domain, frozen=True):
         """Refuse limits that no robot can obey, naming the fields that clash."""
         (fewest, most), (shortest, longest), (short, long) = self.segments, self.segment_length, self.body_length
         faults: list[str] = []
+        faults += [
+            f"Robot.{load} is {weight:g} kg; it must be 0, for none, or {LIGHTEST:g} to 100 kg."
+            for load, weight in (("carry_weight", self.carry_weight), ("drag_weight", self.drag_weight))
+            if 0 < weight < LIGHTEST
+        ]
         if self.leg_pairs[0] > self.leg_pairs[1]:
             faults.append(f"Robot.legs is {self.legs}; legs come in pairs, so it must hold an even number between.")
         if self.leg_pairs[0] > most:

@@ -17,7 +17,7 @@ from walkerlab.textures import MATERIALS, RGB, Material
 
 BEHIND = 20.0  # m of level ground behind the start, where the plane is not it
 BASE = 0.5  # m from the level ground down to the plane, where the plane is not it
-DROWSY = 0.01  # m/s (and rad/s, of bodies of 1 m) under which what lies about falls asleep
+DROWSY = 0.002  # m/s (and rad/s, of bodies of 1 m) under which what lies about falls asleep
 AIR = (1.2, 1.8e-5)  # density [kg/m³] and viscosity [Pa·s] of what moves as wind
 
 
