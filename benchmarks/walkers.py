@@ -14,7 +14,7 @@ import pandas as pd
 
 import walkerlab as wl
 from walkerlab.algorithm import generate_robot_population
-from walkerlab.layout import LANDING
+from walkerlab.ground import LANDING
 
 GROUNDS = {
     "flat": wl.Terrain(),

@@ -18,7 +18,8 @@ FLOORS = (
     ("quantity", "randomness", "genes", "interrupts"),
     ("choices",),
     ("settings", "ga"),
-    ("limits", "layout", "textures"),
+    ("limits", "ground", "textures"),
+    ("layout",),
     ("genome", "entities"),
     ("phenotype", "algorithm"),
     ("assembly", "judge"),
@@ -38,7 +39,10 @@ FLOORS = (
 
 FLOOR = {room: height for height, rooms in enumerate(FLOORS) for room in rooms}
 
-ONLY_FROM = {"ga": {"genes", "randomness"}, "entities": {"choices", "settings", "genes", "layout", "textures"}}
+ONLY_FROM = {
+    "ga": {"genes", "randomness"},
+    "entities": {"choices", "settings", "genes", "ground", "layout", "textures"},
+}
 """Rooms that know less than their floor allows: ga meets no robot, entities spend no chance."""
 
 ONLY_IN = {
@@ -66,7 +70,7 @@ LIGHT |= {
 }
 LIGHT |= {
     f"walkerlab.{room}": {"mujoco", "dm_control", "matplotlib", "ipywidgets"}
-    for room in ("limits", "layout", "textures", "genome", "algorithm", "judge")
+    for room in ("limits", "ground", "layout", "textures", "genome", "algorithm", "judge")
 }
 """What must not be loaded by importing them."""
 

@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 
 import walkerlab as wl
 from tests.strategies import domains, robots
-from walkerlab import layout
+from walkerlab import ground, layout
 from walkerlab.assembly import _strew_pieces
 from walkerlab.entities import generate_terrain
+from walkerlab.ground import FIELD_START, LANDING, height, hills, levels, slope
 from walkerlab.judge import OVERLAP
-from walkerlab.layout import FIELD_START, LANDING, height, lay_out, levels, slope
+from walkerlab.layout import lay_out
 from walkerlab.quantity import SettingsError
 from walkerlab.randomness import stream
 from walkerlab.rollout import _overlap
@@ -80,7 +81,7 @@ def strewn_terrains(draw):
 ], ids=str)  # fmt: skip
 def test_a_ray_from_above_meets_the_ground_at_its_height(terrain):
     rng = np.random.default_rng(1)
-    x, y = rng.uniform(-3, LANDING + layout.ARENA_LENGTH - 0.1, 1000), rng.uniform(-4.9, 4.9, 1000)
+    x, y = rng.uniform(-3, LANDING + ground.ARENA_LENGTH - 0.1, 1000), rng.uniform(-4.9, 4.9, 1000)
     found = hits(*started(described(terrain)), np.stack([x, y, np.full_like(x, 200.0)], axis=1), DOWN)
     np.testing.assert_allclose(200 - np.array([distance for _, distance in found]), height(terrain, x, y), atol=1e-4)
 
@@ -89,7 +90,7 @@ def test_a_ray_from_above_meets_the_ground_at_its_height(terrain):
 def test_the_same_seed_lays_the_same_ground_and_another_seed_another(structure):
     def laid(seed):
         layout.lay_out.cache_clear()
-        layout._hills.cache_clear()
+        hills.cache_clear()
         return vars(lay_out(wl.Terrain(structure=structure, texture_density=0.1, obstacle="rock", seed=seed)))
 
     first, again, other = laid(1), laid(1), laid(2)

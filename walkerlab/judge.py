@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from walkerlab.choices import Guard
 from walkerlab.genes import Floats
-from walkerlab.layout import bounds, height
+from walkerlab.ground import bounds, height
 from walkerlab.limits import FREQUENCY
 from walkerlab.phenotype import Phenotype
 from walkerlab.settings import Settings

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 from scipy.spatial import ConvexHull
 
 from walkerlab.genome import Genome
-from walkerlab.layout import height
+from walkerlab.ground import height
 from walkerlab.rollout import simulate
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from walkerlab.assembly import assemble, describe
 from walkerlab.genes import Floats, Indices
 from walkerlab.genome import Genome
-from walkerlab.layout import PIECE_HEIGHT, slope
+from walkerlab.ground import slope
+from walkerlab.layout import PIECE_HEIGHT
 from walkerlab.phenotype import Phenotype, express
 from walkerlab.settings import Settings
 

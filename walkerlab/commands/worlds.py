@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
-from walkerlab.layout import height, slope
+from walkerlab.ground import height, slope
 from walkerlab.scene import Scene, compile_scene
 from walkerlab.settings import Settings
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from walkerlab.choices import Obstacle, Structure, Texture
-from walkerlab.layout import ARENA_LENGTH, ARENA_WIDTH, LANDING, TRENCH, height
+from walkerlab.ground import ARENA_LENGTH, ARENA_WIDTH, LANDING, TRENCH, height
 from walkerlab.settings import FIELD, Terrain
 from walkerlab.textures import MATERIALS, RGB
 

@@ -11,7 +11,8 @@ from dm_control import composer
 from walkerlab.choices import Structure
 from walkerlab.entities.obstacle import add_obstacles
 from walkerlab.entities.scenery import dress, mix_paints
-from walkerlab.layout import ARENA_LENGTH, ARENA_WIDTH, LANDING, PLATEAU, TRENCH, Layout, lay_out, slope
+from walkerlab.ground import ARENA_LENGTH, ARENA_WIDTH, LANDING, PLATEAU, TRENCH, slope
+from walkerlab.layout import Layout, lay_out
 from walkerlab.settings import Terrain
 from walkerlab.textures import MATERIALS, RGB, Material
 
