@@ -214,6 +214,13 @@ def test_a_run_of_a_newer_walkerlab_is_refused_with_the_mend(path):
     assert path.read_bytes() == before
 
 
+def test_a_run_from_before_the_first_release_says_so(path):
+    broken(path, "PRAGMA user_version = 1")
+    before = path.read_bytes()
+    assert all("before walkerlab's first release" in refusal for refusal in refusals(path))
+    assert path.read_bytes() == before
+
+
 @pytest.mark.parametrize(
     "damage",
     [

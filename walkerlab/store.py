@@ -131,6 +131,11 @@ def _open(path: Path, *, new: bool = False) -> Generator[sqlite3.Connection, Non
                 f"{path} has layout {found}, and this walkerlab knows layouts up to {SCHEMA}: a newer one wrote it. "
                 "Update with: pip install --upgrade walkerlab"
             )
+        if not new and found < SCHEMA:
+            raise RunFileError(
+                f"{path} has layout {found}, from before walkerlab's first release, and cannot be read any more. "
+                "Evolve it anew."
+            )
         with db:
             db.execute("BEGIN")
             yield db
