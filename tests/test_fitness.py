@@ -38,8 +38,8 @@ def test_velocity_forgets_the_first_third():
 
 def test_efficiency_is_travel_for_work():
     thrifty, spendthrift = (replace(walked(2 * TIME), work=work * TIME) for work in (10.0, 40.0))
-    assert fitness.efficiency(thrifty) == pytest.approx(18 / 91)
-    assert fitness.efficiency(thrifty) > 3.9 * fitness.efficiency(spendthrift)
+    assert fitness.efficiency(thrifty) == pytest.approx(18 / 100)
+    assert fitness.efficiency(thrifty) > 3.5 * fitness.efficiency(spendthrift)
     assert abs(fitness.efficiency(replace(walked(1e-3 * TIME), work=0 * TIME))) < 0.01, "lying still is not efficient"
 
 

@@ -96,7 +96,7 @@ def planted(verdict, reason):
     return plant
 
 
-@planted("fell", "% of its height at rest; 40% is allowed")
+@planted("fell", "its centre of mass was under 40% of its height at rest for")
 def a_tall_faller():
     stilts = grown(*[(0.3, 4.0, 0.8, 40.0, 0.0, 0.0)] * 2)
     return walk(driven(stilts, lambda time, target, rest: rest - np.minimum(time, 0.5) * np.tile([2.0, 0.0], 4)))
@@ -396,6 +396,13 @@ def figure(name, value, axis=None, when=2.0):
     return {name: record}
 
 
+def low(height, seconds):
+    """The centre of mass sinks to just above where it would be down, is at a height from 2 s on, and then as before."""
+    sinking = np.maximum(0.25 - 0.15 * np.maximum(0.0, TIME - 1), 0.25 * judging.DROP + 1e-9)
+    down = (TIME >= 2) & (seconds + 2 > TIME)
+    return {"com": np.stack([TIME / 2, 0 * TIME, np.where(down, height, sinking)], axis=1)}
+
+
 FIGURES = {
     "bad start": (Guard.bad_start, lambda value: {"overlap": value}, judging.OVERLAP),
     "restless": (Guard.restless, lambda value: {"creep": value}, judging.CREEP),
@@ -404,7 +411,7 @@ FIGURES = {
     "too high": (Guard.too_high, lambda value: figure("com", 0.25 + 0.5 * value, 2), judging.RISE),
     "sunk": (Guard.sunk, lambda value: figure("sink", value), judging.SINK),
     "airborne": (Guard.airborne, lambda value: {"on_ground": (TIME < 2) | (value + 2 <= TIME)}, 0.5),
-    "fell": (Guard.fell, lambda value: figure("com", -0.25 * value, 2, when=6.0), -judging.DROP),
+    "fell": (Guard.fell, lambda value: low(0.25 * judging.DROP - 1e-9, value), judging.DOWN),
     "out of arena to the left": (Guard.out_of_arena, lambda value: figure("com", value, 1), 3.0),
     "out of arena to the right": (Guard.out_of_arena, lambda value: figure("com", -value, 1), 3.0),
     "load lost by the rope": (Guard.load_lost, lambda value: figure("rope", value), judging.STRETCH),
@@ -430,17 +437,37 @@ def test_a_plain_record_counts():
 @pytest.mark.parametrize("case", FIGURES)
 def test_a_verdict_turns_at_what_is_allowed_and_not_before(case):
     guard, changes, allowed = FIGURES[case]
-    beyond = judge(replace(PLAIN, **changes(allowed + (SLIGHTLY if guard == Guard.airborne else 1e-9))), SETTINGS)
+    beyond = judge(
+        replace(PLAIN, **changes(allowed + (SLIGHTLY if guard in (Guard.airborne, Guard.fell) else 1e-9))), SETTINGS
+    )
     assert judge(replace(PLAIN, **changes(allowed)), SETTINGS) == ("ok", "")
     assert beyond[0] == guard.name.replace("_", " ")
+
+
+def test_to_be_low_is_not_to_fall_unless_it_is_too_low_for_too_long():
+    assert judge(replace(PLAIN, **low(0.25 * judging.DROP + 1e-9, 9.0)), SETTINGS) == ("ok", "")
+    assert judge(replace(PLAIN, **low(0.05, judging.DOWN)), SETTINGS) == ("ok", ""), "it got up again"
+    assert judge(replace(PLAIN, **low(0.05, 9.0)), SETTINGS)[0] == "fell", "and never got up"
+
+
+@pytest.mark.parametrize("width", [0.02, 0.2, 1.0])
+def test_a_trench_hides_no_fall(width):
+    gaps = wl.Settings(terrain=wl.Terrain(structure="gaps", gap_width=width, gap_distance=0.2))
+    assert judge(replace(PLAIN, **low(0.05, 9.0)), gaps)[0] == "fell"
+    assert judge(replace(PLAIN, **low(-0.3, 9.0)), gaps.with_(forgive="too_fast"))[0] == "fell", "down in the trench"
 
 
 @pytest.mark.parametrize("case", FIGURES)
 def test_a_reason_names_the_moment_the_figure_and_what_is_allowed(case):
     guard, changes, allowed = FIGURES[case]
     _, reason = judge(replace(PLAIN, **changes(allowed + SLIGHTLY)), SETTINGS)
-    moment = {Guard.bad_start: "it started ", Guard.restless: "after 3 s ", Guard.jittering: "a joint was driven at ",
-              Guard.airborne: "from 2.00 s on "}.get(guard, r"at \d\.\d\d s ")  # fmt: skip
+    moment = {
+        Guard.bad_start: "it started ",
+        Guard.restless: "after 3 s ",
+        Guard.jittering: "a joint was driven at ",
+        Guard.airborne: "from 2.00 s on ",
+        Guard.fell: "from 2.00 s on ",
+    }.get(guard, r"at \d\.\d\d s ")
     assert re.fullmatch(rf"{moment}.*\d.*; \d+(\.\d+)?%? is allowed", reason), reason
 
 

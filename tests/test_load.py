@@ -9,6 +9,7 @@ from tests.test_judge import WALKER
 from walkerlab.entities.walker import LIMB, TRUNK
 from walkerlab.fitness import distance, velocity
 from walkerlab.randomness import stream
+from walkerlab.rollout import nudge, walk
 from walkerlab.scene import compile_scene
 
 LOADS = [{"carry_weight": 3}, {"drag_weight": 2}, {"carry_weight": 3, "drag_weight": 2}]
@@ -159,3 +160,11 @@ def test_no_robot_starts_inside_its_load_nor_on_a_taut_rope(weight):
         roots = scene.model.body_rootid[scene.model.geom_bodyid[data.contact.geom]]
         assert not (data.contact.dist[roots[:, 0] != roots[:, 1]] < 0).any()
         assert 0.95 < data.ten_length[0] / scene.rope < 1
+
+
+def test_a_tail_held_too_high_for_the_rope_still_starts():
+    robot = wl.Robot(body_length=(7.9, 8.0), segments=(4, 8), segment_length=(0.5, 2.0), weight=(20, 80), drag_weight=1)
+    settings = wl.Settings(robot=robot).with_(duration=1.0)
+    scene = wl.compile_scene(wl.Genome.random(robot, rng=np.random.default_rng(2)), settings)
+    for start in range(20):
+        assert np.isfinite(walk(scene, nudge=nudge(scene, start), poses=False).com).all()

@@ -109,7 +109,7 @@ class Guard(Choice):
     too_high = 5, "its centre of mass rose far above where it stood: vaulting, not walking"
     sunk = 6, "a part of it was pushed deep into the ground, which no real ground allows"
     airborne = 7, "it was off the ground for longer than Simulation.max_airborne: flying, not walking"
-    fell = 8, "it stood, and then went down: falling forward is not walking"
+    fell = 8, "it stood, went down and did not get up: falling forward is not walking"
     out_of_arena = 9, "it left the ground that was built"
     load_lost = 10, "its sledge broke the rope, overtook it, or sank into the ground"
 

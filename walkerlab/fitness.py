@@ -15,7 +15,7 @@ from walkerlab.quantity import function_name
 from walkerlab.rollout import Rollout
 
 UNITS = {Fitness.distance: "m", Fitness.velocity: "m/s", Fitness.efficiency: "m/J", Fitness.straightness: "m"}
-IDLE = 1.0  # J counted on top, so that a robot that does nothing, and is moved by a breath, is not the most efficient
+IDLE = 10.0  # J counted on top, about what trembling contacts do to a robot that stands: doing nothing is not efficient
 
 
 def distance(rollout: Rollout) -> float:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from walkerlab.choices import Guard
+from walkerlab.choices import Guard, Structure
 from walkerlab.genes import Floats
 from walkerlab.ground import bounds, height
 from walkerlab.limits import FREQUENCY
@@ -22,6 +22,7 @@ CREEP = 0.05  # m/s at which a body may still move when it has had its time to c
 BAND = 1.1 * FREQUENCY[1]  # Hz, up to which legs may be driven: a little over the fastest gene
 RISE = 0.5  # body lengths by which the centre of mass may rise above where it was at rest; gallops reach 0.15
 DROP = 0.4  # of its height at rest, under which the centre of mass may not sink; gaits keep 0.6 and more
+DOWN = 0.5  # s that it may be so low: whoever gets up again has not fallen
 SINK = 0.05  # m that a part may be pushed into the ground; a foot's radius is some 0.02, and lands 0.02 deep at worst
 SLEDGE_SINK = 0.1  # m that its middle may be in the ground: over a crest its runners straddle, its box is 0.06 m up
 STRETCH = 1.1  # of its length, to which a rope may be drawn
@@ -126,7 +127,7 @@ def _sunk(trace: Trace, _: Settings) -> str:
 
 def _airborne(trace: Trace, settings: Settings) -> str:
     allowed = settings.simulation.max_airborne
-    left, lasted = _longest_flight(trace.time, trace.on_ground)
+    left, lasted = _longest(trace.time, ~trace.on_ground)
     said = f"from {left:.2f} s on it was off the ground for {lasted:.2f} s; {allowed:g} is allowed"
     return said if lasted > allowed else ""
 
@@ -134,9 +135,9 @@ def _airborne(trace: Trace, settings: Settings) -> str:
 def _fell(trace: Trace, settings: Settings) -> str:
     lowest, _ = _ground_near(trace, settings)
     above = trace.com[:, 2] - lowest
-    part = above / above[0] if above[0] > 0 else np.ones_like(above)
-    said = "its centre of mass sank to {:.0%} of its height at rest; {:.0%} is allowed"
-    return _exceeds(trace.time, -part, -DROP, said, sign=-1)
+    since, lasted = _longest(trace.time, (above < DROP * above[0]) & (above[0] > 0))
+    said = f"from {since:.2f} s on its centre of mass was under {DROP:.0%} of its height at rest for {lasted:.2f} s"
+    return f"{said}; {DOWN:g} is allowed" if lasted > DOWN else ""
 
 
 def _out_of_arena(trace: Trace, settings: Settings) -> str:
@@ -172,27 +173,29 @@ GUARDS: dict[Guard, Callable[[Trace, Settings], str]] = {
 """Every guard, in the order in which they are asked."""
 
 
-def _exceeds(time: Floats, value: Floats, allowed: float, said: str, *, sign: int = 1) -> str:
+def _exceeds(time: Floats, value: Floats, allowed: float, said: str) -> str:
     """Say when a value was largest, how large, and what is allowed; nothing if it was never more than that."""
     worst = int(np.argmax(value))
     if value[worst] <= allowed:
         return ""
-    return f"at {time[worst]:.2f} s " + said.format(sign * float(value[worst]), sign * allowed)
+    return f"at {time[worst]:.2f} s " + said.format(float(value[worst]), allowed)
 
 
 def _ground_near(trace: Trace, settings: Settings) -> tuple[Floats, Floats]:
     """Return the least and the greatest height of the ground under the robot, (n,) each [m]."""
     reach = trace.phenotype.body_length / 2 * np.linspace(-1, 1, 5)[:, np.newaxis]
     heights = height(settings.terrain, trace.com[:, 0] + reach, trace.com[:, 1] + 0 * reach)
+    if settings.terrain.structure == Structure.gaps:
+        heights = np.zeros_like(heights)  # that of what there is to stand on: whoever is down in a trench has fallen
     return heights.min(axis=0), heights.max(axis=0)
 
 
-def _longest_flight(time: Floats, on_ground: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return when the longest flight began and how long it lasted [s], until the landing or the end of the record."""
-    edges = np.flatnonzero(np.diff(~on_ground, prepend=False, append=False))
-    left, touched = edges[::2], np.minimum(edges[1::2], len(time) - 1)
-    if not len(left):
+def _longest(time: Floats, holds: NDArray[np.bool_]) -> tuple[float, float]:
+    """Return when the longest time for which something holds began, and how long it lasted [s], to the end at most."""
+    edges = np.flatnonzero(np.diff(holds, prepend=False, append=False))
+    began, ended = edges[::2], np.minimum(edges[1::2], len(time) - 1)
+    if not len(began):
         return math.nan, 0.0
-    lasted = time[touched] - time[left]
+    lasted = time[ended] - time[began]
     longest = int(np.argmax(lasted))
-    return float(time[left[longest]]), float(lasted[longest])
+    return float(time[began[longest]]), float(lasted[longest])

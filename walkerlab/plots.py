@@ -11,6 +11,7 @@ from scipy.spatial import ConvexHull
 
 from walkerlab.genome import Genome
 from walkerlab.ground import height
+from walkerlab.judge import UNSTABLE
 from walkerlab.rollout import simulate
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
@@ -77,17 +78,21 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     """
     axes = ax or _new_axes()
     scene, rollout = compile_scene(genome, settings), simulate(genome, settings)
-    bodies = np.abs(rollout.com[:, 0] - rollout.com[0, 0]) / (1.25 * rollout.phenotype.body_length)
+    time, com, poses = rollout.time, rollout.com, rollout.poses
+    if rollout.verdict == UNSTABLE:  # of which the start alone is worth looking at
+        time, poses = time[:1], scene.start[np.newaxis]
+        com = poses[:, :3]
+    bodies = np.abs(com[:, 0] - com[0, 0]) / (1.25 * rollout.phenotype.body_length)
     count = int(np.clip(bodies[-1], 0, 3)) + 1  # as many as do not stand in each other's way
     last = int(np.argmax(bodies >= min(bodies[-1], count - 1)))
-    moments = np.searchsorted(rollout.time, np.linspace(0, rollout.time[last], count))
-    near = rollout.com[moments, 0]
+    moments = np.searchsorted(time, np.linspace(0, time[last], count))
+    near = com[moments, 0]
     x = np.linspace(near.min() - 0.8, near.max() + 0.8, 400)
     for shade, moment in zip(np.linspace(0.25, 1.0, len(moments)) if count > 1 else [1.0], moments, strict=True):
-        parts = scene.skins(rollout.poses[moment])
+        parts = scene.skins(poses[moment])
         if moment == moments[-1]:
-            there = rollout.com[moment, 1]
-            loose = scene.skins(rollout.poses[moment], loose=True)
+            there = com[moment, 1]
+            loose = scene.skins(poses[moment], loose=True)
             parts += [one for one in loose if abs(one[0][:, 1].mean() - there) < NEAR and x[0] < one[0][0, 0] < x[-1]]
         for skin, colour in sorted(parts, key=lambda part: -part[0][:, 1].mean()):  # the far side first
             side = skin[:, [0, 2]]

@@ -94,7 +94,7 @@ class Scene:
             sledge, (hitch, ring) = model.body("sledge/").jntadr[0], (model.site(name) for name in _ROPE_ENDS)
             tail = data.site_xpos[hitch.id]
             drop = tail @ up - stones - CLEARANCE - ring.pos[2]
-            back = math.sqrt(self.rope**2 - drop**2) - SLACK
+            back = math.sqrt(max(0.0, self.rope**2 - drop**2)) - SLACK  # a bent body of 8 m may hold its tail too high
             place = (tail @ forward - back - ring.pos[0]) * forward + (stones + CLEARANCE) * up
             place[1] = tail[1]
             start = model.jnt_qposadr[sledge]
@@ -132,6 +132,13 @@ class Scene:
         half = data.geom_xmat[limbs].reshape(-1, 3, 3)[:, :, 2] * model.geom_size[limbs, 1, np.newaxis]
         ends = np.stack([data.geom_xpos[limbs] - half, data.geom_xpos[limbs] + half], axis=1)
         return ends, model.geom_size[limbs, 0].copy()
+
+    @property
+    def start(self) -> Floats:
+        """(nq,) pose in which it starts to settle."""
+        data = mujoco.MjData(self.model)
+        self.place(data)
+        return data.qpos.copy()
 
     @property
     def rest(self) -> Floats:

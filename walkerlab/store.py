@@ -126,12 +126,13 @@ def _open(path: Path, *, new: bool = False) -> Generator[sqlite3.Connection, Non
         db.execute("PRAGMA trusted_schema = OFF")
         if not new and db.execute("PRAGMA application_id").fetchone() != (APPLICATION,):
             raise RunFileError(f"{path} is a SQLite file, but not a run of walkerlab's")
-        if not new and (found := db.execute("PRAGMA user_version").fetchone()[0]) > SCHEMA:
+        found = SCHEMA if new else db.execute("PRAGMA user_version").fetchone()[0]
+        if found > SCHEMA:
             raise RunFileError(
                 f"{path} has layout {found}, and this walkerlab knows layouts up to {SCHEMA}: a newer one wrote it. "
                 "Update with: pip install --upgrade walkerlab"
             )
-        if not new and found < SCHEMA:
+        if found < SCHEMA:
             raise RunFileError(
                 f"{path} has layout {found}, from before walkerlab's first release, and cannot be read any more. "
                 "Evolve it anew."
