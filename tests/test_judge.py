@@ -397,9 +397,9 @@ def figure(name, value, axis=None, when=2.0):
 
 
 def low(height, seconds):
-    """The centre of mass sinks to just above where it would be down, is at a height from 2 s on, and then as before."""
-    sinking = np.maximum(0.25 - 0.15 * np.maximum(0.0, TIME - 1), 0.25 * judging.DROP + 1e-9)
-    down = (TIME >= 2) & (seconds + 2 > TIME)
+    """The centre of mass sinks to just above where it would be down, is at a height from 5 s on, and then as before."""
+    sinking = np.maximum(0.25 - 0.15 * np.maximum(0.0, TIME - 4), 0.25 * judging.DROP + 1e-9)
+    down = (TIME >= 5) & (seconds + 5 > TIME)
     return {"com": np.stack([TIME / 2, 0 * TIME, np.where(down, height, sinking)], axis=1)}
 
 
@@ -466,7 +466,7 @@ def test_a_reason_names_the_moment_the_figure_and_what_is_allowed(case):
         Guard.restless: "after 3 s ",
         Guard.jittering: "a joint was driven at ",
         Guard.airborne: "from 2.00 s on ",
-        Guard.fell: "from 2.00 s on ",
+        Guard.fell: "from 5.00 s on ",
     }.get(guard, r"at \d\.\d\d s ")
     assert re.fullmatch(rf"{moment}.*\d.*; \d+(\.\d+)?%? is allowed", reason), reason
 
