@@ -1,12 +1,15 @@
-"""The shape of the ground, as pure functions of the settings.
+"""The shape of the ground, as pure functions of the settings; what lies on it is for ``layout``.
 
-along the way, from above                     x = 0: the robot's foremost point at its start
+x is 0 at the robot's foremost point at its start. Seen from above, along the way:
 
--2 m       0    1 m                                  16 m                31 m
-+--------+-----+-------------------------------------+                     y = 3 m
-| pieces | pieces, obstacles                         |
-+--------+-----+-------------------------------------+                     y = -3 m
-| stairs, hills, gaps: 5 m to either side ...           |   and then a plateau
+      -2 m       0    1 m                                  16 m          31 m
+                       +---------------------------------------------------+ ...    y = 5 m
+        +--------+-----+-------------------------------------+             |        y = 3 m
+        | pieces       | stairs, hills, gaps; obstacles      |             | plateau
+        +--------+-----+-------------------------------------+             |        y = -3 m
+                       +---------------------------------------------------+ ...    y = -5 m
+
+Pieces lie as far as obstacles do; on a plane without either, there is no edge.
 """
 
 import math
@@ -39,7 +42,7 @@ def height(terrain: Terrain, x: Floats, y: Floats | float = 0.0) -> Floats:
         case Structure.stairs:
             return terrain.step_height * np.maximum(0.0, np.floor((x - LANDING) / terrain.step_depth) + 1)
         case Structure.gaps:
-            start, end = _gaps(terrain).T
+            start, end = gaps(terrain).T
             number = np.clip(np.searchsorted(start, x, side="right") - 1, 0, len(start) - 1)
             return np.where((start[number] < x) & (x < end[number]), -TRENCH, 0.0)
         case Structure.rough:
@@ -69,14 +72,14 @@ def levels(terrain: Terrain) -> Floats:
             edges = np.arange(LANDING, end + terrain.step_depth, terrain.step_depth)
             stretches = np.stack([np.concatenate([[start], edges[:-1]]), edges], axis=1)
         case Structure.gaps:
-            gaps = _gaps(terrain)
-            stretches = np.stack([np.concatenate([[start], gaps[:-1, 1]]), gaps[:, 0]], axis=1)
+            begin, until = gaps(terrain).T
+            stretches = np.stack([np.concatenate([[start], until[:-1]]), begin], axis=1)
         case _:
             stretches = np.array([[start, end]])
     return np.minimum(stretches[stretches[:, 0] < end], end)
 
 
-def _gaps(terrain: Terrain) -> Floats:
+def gaps(terrain: Terrain) -> Floats:
     """Return the (n, 2) start and end of each trench along the way [m]."""
     period = terrain.gap_width + terrain.gap_distance
     return LANDING + np.array([(i * period, i * period + terrain.gap_width) for i in range(int(ARENA_LENGTH / period))])
@@ -84,7 +87,11 @@ def _gaps(terrain: Terrain) -> Floats:
 
 @lru_cache(maxsize=16)
 def hills(terrain: Terrain) -> Floats:
-    """Draw the hills of a rough ground by its seed: waves of about its ``hill_length`` in random directions, summed."""
+    """Draw the hills of a rough ground by its seed: waves of about its ``hill_length`` in random directions, summed.
+
+    Returns:
+        (n_y, n_x) heights [m], from the landing on, the arena's length and width; empty for any other ground.
+    """
     if terrain.structure != Structure.rough:
         return np.empty((0, 0))
     rng, cell = stream(terrain.seed, "terrain", 0), terrain.hill_length / CELLS_OF_A_HILL

@@ -183,10 +183,10 @@ def _exceeds(time: Floats, value: Floats, allowed: float, said: str) -> str:
 
 def _ground_near(trace: Trace, settings: Settings) -> tuple[Floats, Floats]:
     """Return the least and the greatest height of the ground under the robot, (n,) each [m]."""
+    if settings.terrain.structure == Structure.gaps:  # of what there is to stand on: down in a trench is fallen
+        return np.zeros(len(trace.time)), np.zeros(len(trace.time))
     reach = trace.phenotype.body_length / 2 * np.linspace(-1, 1, 5)[:, np.newaxis]
     heights = height(settings.terrain, trace.com[:, 0] + reach, trace.com[:, 1] + 0 * reach)
-    if settings.terrain.structure == Structure.gaps:
-        heights = np.zeros_like(heights)  # that of what there is to stand on: whoever is down in a trench has fallen
     return heights.min(axis=0), heights.max(axis=0)
 
 

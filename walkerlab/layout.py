@@ -9,7 +9,7 @@ from numpy.random import Generator
 
 from walkerlab.choices import Obstacle, Structure
 from walkerlab.genes import Floats
-from walkerlab.ground import FIELD_START, LANDING, height, hills, levels, onto
+from walkerlab.ground import FIELD_START, LANDING, height, levels, onto
 from walkerlab.randomness import stream
 from walkerlab.settings import FIELD, MAX_PIECES, REACH, SPREAD, Terrain
 
@@ -26,7 +26,6 @@ class Layout:
     """Where everything on a ground is, in m.
 
     Attributes:
-        hills: (n_y, n_x) heights of a rough ground, from the landing on, the arena's length and width; empty elsewhere.
         pieces: (n, 3) where each piece of texture sits on the ground: the middle of its base.
         normals: (n, 3) which way the ground faces there.
         obstacles: (n, 3) where each obstacle stands on the ground.
@@ -35,7 +34,6 @@ class Layout:
         sizes: (n,) how wide each is.
     """
 
-    hills: Floats
     pieces: Floats
     normals: Floats
     obstacles: Floats
@@ -54,7 +52,7 @@ def lay_out(terrain: Terrain) -> Layout:
     radius, sunk = dome(terrain)
     for spot, up, reach in zip(obstacles, upright, reaches, strict=True):
         spot += _lift(terrain, spot, up, reach, pieces - sunk * normals, radius) * up
-    return Layout(hills(terrain), pieces, normals, obstacles, upright, turns, sizes)
+    return Layout(pieces, normals, obstacles, upright, turns, sizes)
 
 
 def dome(terrain: Terrain) -> tuple[float, float]:

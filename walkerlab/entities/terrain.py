@@ -11,8 +11,8 @@ from dm_control import composer
 from walkerlab.choices import Structure
 from walkerlab.entities.obstacle import add_obstacles
 from walkerlab.entities.scenery import dress, mix_paints
-from walkerlab.ground import ARENA_LENGTH, ARENA_WIDTH, LANDING, PLATEAU, TRENCH, slope
-from walkerlab.layout import Layout, lay_out
+from walkerlab.ground import ARENA_LENGTH, ARENA_WIDTH, LANDING, PLATEAU, TRENCH, gaps, hills, slope
+from walkerlab.layout import lay_out
 from walkerlab.settings import Terrain
 from walkerlab.textures import MATERIALS, RGB, Material
 
@@ -31,7 +31,7 @@ class Ground(composer.Arena):
         rough  ___/‾\_/‾‾\__    gaps    _____  ___  ___
     """
 
-    def _build(self, terrain: Terrain, layout: Layout, *, scenery: bool = False, name: str = "ground") -> None:
+    def _build(self, terrain: Terrain, *, scenery: bool = False, name: str = "ground") -> None:
         super()._build(name=name)
         root, material = self._mjcf_root, MATERIALS[terrain.texture]
         root.option.gravity = terrain.gravity
@@ -46,37 +46,33 @@ class Ground(composer.Arena):
         default.friction, default.priority, default.condim = material.friction(), 1, 4  # turning feet meet friction too
         self._paints = mix_paints(root, terrain) if scenery else {}
         raised = terrain.structure in (Structure.rough, Structure.gaps)
-        self._lay("plane", (0, 0, -BASE * raised), (0, 0, 1), material.light, "chequer", type="plane")
-        root.find("geom", "plane").euler = (0, -slope(terrain), 0)
+        self._lay(
+            "plane", material.light, "chequer", type="plane", pos=(0, 0, -BASE * raised), size=(0, 0, 1),
+            euler=(0, -slope(terrain), 0),
+        )  # fmt: skip
         match terrain.structure:
             case Structure.stairs:
                 self._lay_stairs(terrain, material)
             case Structure.gaps:
                 self._lay_gaps(terrain, material)
             case Structure.rough:
-                self._lay_hills(layout, material)
+                self._lay_hills(terrain, material)
             case _:
                 pass
 
-    def _lay(self, name: str, pos: Any, size: Any, colour: RGB, paint: str, **more: Any) -> None:
+    def _lay(self, name: str, colour: RGB, paint: str, **geom: Any) -> None:
         """Lay one geom of the ground: painted where it is for looking at, of one colour elsewhere."""
-        geom = self._mjcf_root.worldbody.add("geom", name=name, pos=pos, size=size, **more)
+        laid = self._mjcf_root.worldbody.add("geom", name=name, **geom)
         if self._paints:
-            geom.material = self._paints[paint]
+            laid.material = self._paints[paint]
         else:
-            geom.rgba = (*colour, 1)
+            laid.rgba = (*colour, 1)
 
-    def _lay_slab(self, name: str, ends: tuple[float, float], top: float, thick: float, material: Material) -> None:
-        """Lay a box across the arena, from one end to the other along the way; neighbours differ in shade."""
-        is_dark = name[-1] in "13579"
-        self._lay(
-            name,
-            (sum(ends) / 2, 0, top - thick / 2),
-            ((ends[1] - ends[0]) / 2, ARENA_WIDTH / 2, thick / 2),
-            material.dark if is_dark else material.light,
-            "dark" if is_dark else "light",
-            type="box",
-        )
+    def _lay_slab(self, number: int, start: float, end: float, top: float, thick: float, material: Material) -> None:
+        """Lay a box across the arena, from one place along the way to another; neighbours differ in shade."""
+        paint = "dark" if number % 2 else "light"
+        pos, size = ((start + end) / 2, 0, top - thick / 2), ((end - start) / 2, ARENA_WIDTH / 2, thick / 2)
+        self._lay(f"slab{number}", getattr(material, paint), paint, type="box", pos=pos, size=size)
 
     def _lay_stairs(self, terrain: Terrain, material: Material) -> None:
         """Lay slabs, each a tread deep and thick enough to reach into the one below."""
@@ -84,33 +80,26 @@ class Ground(composer.Arena):
         count = math.ceil(ARENA_LENGTH / tread)
         for i in range(1, count + 1):
             start = LANDING + (i - 1) * tread
-            end = start + (tread if i < count else PLATEAU)
-            self._lay_slab(f"stair{i}", (start, end), i * rise, rise + 0.02, material)
+            self._lay_slab(i, start, start + (tread if i < count else PLATEAU), i * rise, rise + 0.02, material)
 
     def _lay_gaps(self, terrain: Terrain, material: Material) -> None:
-        """Lay slabs with a trench between each and the next."""
-        period = terrain.gap_width + terrain.gap_distance
-        count = int(ARENA_LENGTH / period)
-        for i in range(count + 1):
-            start = LANDING + i * period - terrain.gap_distance if i else -BEHIND
-            end = LANDING + i * period if i < count else LANDING + ARENA_LENGTH + PLATEAU
-            self._lay_slab(f"slab{i}", (start, end), 0.0, TRENCH, material)
+        """Lay slabs from before the first trench to behind the last, and from each to the next."""
+        edges = [-BEHIND, *gaps(terrain).ravel().tolist(), LANDING + ARENA_LENGTH + PLATEAU]
+        for i, (start, end) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
+            self._lay_slab(i, start, end, 0.0, TRENCH, material)
 
-    def _lay_hills(self, layout: Layout, material: Material) -> None:
+    def _lay_hills(self, terrain: Terrain, material: Material) -> None:
         """Lay a height field from the landing on, and level slabs before and after it."""
-        self._lay_slab("slab0", (-BEHIND, LANDING), 0.0, BASE, material)
-        self._lay_slab("slab2", (LANDING + ARENA_LENGTH, LANDING + ARENA_LENGTH + PLATEAU), 0.0, BASE, material)
-        highest = max(layout.hills.max(), 1e-6)  # MuJoCo knows no height field without a height
-        hills, size = layout.hills, (ARENA_LENGTH / 2, ARENA_WIDTH / 2, highest, BASE)
+        heights, end = hills(terrain), LANDING + ARENA_LENGTH
+        self._lay_slab(0, -BEHIND, LANDING, 0.0, BASE, material)
+        self._lay_slab(2, end, end + PLATEAU, 0.0, BASE, material)
+        highest = max(heights.max(), 1e-6)  # MuJoCo knows no height field without a height
         field = self._mjcf_root.asset.add(
-            "hfield", name="hills", nrow=len(hills), ncol=hills.shape[1], size=size, elevation=hills[::-1].ravel()
-        )
+            "hfield", name="hills", nrow=len(heights), ncol=heights.shape[1], elevation=heights[::-1].ravel(),
+            size=(ARENA_LENGTH / 2, ARENA_WIDTH / 2, highest, BASE),
+        )  # fmt: skip
         middle = (LANDING + ARENA_LENGTH / 2, 0, 0)
-        geom = self._mjcf_root.worldbody.add("geom", name="hills", type="hfield", hfield=field, pos=middle)
-        if self._paints:
-            geom.material = self._paints["chequer"]
-        else:
-            geom.rgba = (*material.light, 1)
+        self._lay("hills", material.light, "chequer", type="hfield", hfield=field, pos=middle)
 
 
 def generate_terrain(terrain: Terrain, *standing: composer.Entity, scenery: bool = False) -> Ground:
@@ -121,11 +110,10 @@ def generate_terrain(terrain: Terrain, *standing: composer.Entity, scenery: bool
         *standing: what stands on it, free to move, such as a robot; these bodies come before those of obstacles.
         scenery: whether to add what only eyes need.
     """
-    layout = lay_out(terrain)
-    ground = Ground(terrain, layout, scenery=scenery)
+    ground = Ground(terrain, scenery=scenery)
     for entity in standing:
         ground.attach(entity).add("freejoint", name="free")
-    add_obstacles(ground.mjcf_model, terrain, layout)
+    add_obstacles(ground.mjcf_model, terrain, lay_out(terrain))
     if scenery:
         dress(ground.mjcf_model, terrain)
     return ground
