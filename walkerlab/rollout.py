@@ -82,7 +82,7 @@ def walk(scene: Scene, *, nudge: Floats | None = None, poses: bool = True) -> Ro
         states, sensors = _step(model, data, state, controls[np.newaxis])
     first = np.union1d(ticks(n_steps, timestep)[0], n_steps - 1)
     # A sensor is read before its step and a state after it: the state that a sensor saw is the one before.
-    seen, sensed = np.concatenate([state, states[0, :-1]])[first], sensors[0, first]
+    seen, sensed = np.concatenate([state, states[0, first[1:] - 1]]), sensors[0, first]
     time = first.astype(np.float64) * timestep
     trace = Trace(
         time=time,
