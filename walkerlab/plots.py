@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull
 from walkerlab.genome import Genome
 from walkerlab.ground import height
 from walkerlab.judge import UNSTABLE
-from walkerlab.rollout import simulate
+from walkerlab.rollout import walk
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
 
@@ -77,7 +77,8 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
         The Axes drawn on.
     """
     axes = ax or _new_axes()
-    scene, rollout = compile_scene(genome, settings), simulate(genome, settings)
+    scene = compile_scene(genome, settings)
+    rollout = walk(scene)
     time, com, poses = rollout.time, rollout.com, rollout.poses
     if rollout.verdict == UNSTABLE:  # of which the start alone is worth looking at
         time, poses = time[:1], scene.start[np.newaxis]
