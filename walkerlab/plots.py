@@ -79,15 +79,15 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     axes = ax or _new_axes()
     scene = compile_scene(genome, settings)
     rollout = walk(scene)
-    time, com, poses = rollout.time, rollout.com, rollout.poses
+    time, com, load, poses = rollout.time, rollout.com, rollout.load, rollout.poses
     if rollout.verdict == UNSTABLE:  # of which the start alone is worth looking at
-        time, poses = time[:1], scene.start[np.newaxis]
+        time, load, poses = time[:1], load[:0], scene.start[np.newaxis]
         com = poses[:, :3]
     bodies = np.abs(com[:, 0] - com[0, 0]) / (1.25 * rollout.phenotype.body_length)
     count = int(np.clip(bodies[-1], 0, 3)) + 1  # as many as do not stand in each other's way
     last = int(np.argmax(bodies >= min(bodies[-1], count - 1)))
     moments = np.searchsorted(time, np.linspace(0, time[last], count))
-    near = com[moments, 0]
+    near = np.append(com[moments, 0], load[moments, 0] if load.size else [])
     x = np.linspace(near.min() - 0.8, near.max() + 0.8, 400)
     for shade, moment in zip(np.linspace(0.25, 1.0, len(moments)) if count > 1 else [1.0], moments, strict=True):
         parts = scene.skins(poses[moment])
