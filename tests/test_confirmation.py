@@ -13,6 +13,7 @@ from walkerlab import confirmation, rollout
 from walkerlab.confirmation import UNSEEN, Confirmation, confirm
 from walkerlab.rollout import BEND, SHIFT, TURN, nudge, walk
 from walkerlab.scene import compile_scene
+from walkerlab.shapes import skins
 
 SHORT = wl.Settings().with_(duration=2)
 
@@ -109,7 +110,7 @@ def test_what_lies_about_stays_where_it_is_and_the_robot_starts_as_far_back_as_e
         scene.place(moved, nudge(scene, number))
         np.testing.assert_array_equal(moved.qpos[min(balls) :], plain.qpos[min(balls) :])
         mujoco.mj_forward(model, moved)
-        own = np.concatenate([skin for skin, _ in scene.skins(moved.qpos)[: scene.own.sum()]])
+        own = np.concatenate([skin for skin, _ in skins(scene, moved.qpos)[: scene.own.sum()]])
         assert own[:, 0].max() == pytest.approx(0.0, abs=0.002)
         assert 0 < own[:, 2].min() < 0.02
 

@@ -18,6 +18,7 @@ from walkerlab.randomness import stream
 from walkerlab.rollout import walk
 from walkerlab.scene import Scene, compile_scene
 from walkerlab.settings import Guard, Obstacle, Structure, Texture
+from walkerlab.shapes import skins
 
 WALKER = (  # the champion of wl.evolve(wl.Settings().with_(generations=15, seed=1))
     "wl1 segments=4 | seg length=0.233 mass=2.368 legs length=0.277 force=13.136 "
@@ -325,7 +326,7 @@ def test_who_stretches_a_part_forward_has_not_moved():
     scene = grown((0.2, 0.2, 0.8, 5.0, -1.4, 0.0), (0.4, 6.0, 0.3, 20.0, 0.3, 0.0), (0.4, 6.0, 0.3, 20.0, 0.0, 0.0))
     arms = np.array([1, 0, 1, 0] + [0] * 8)
     rollout = walk(driven(scene, lambda time, target, rest: rest - arms * np.minimum(time, 3.4)))  # over its head
-    first, last = (max(skin[:, 0].max() for skin, _ in scene.skins(pose)) for pose in rollout.poses[[0, -1]])
+    first, last = (max(skin[:, 0].max() for skin, _ in skins(scene, pose)) for pose in rollout.poses[[0, -1]])
     assert rollout.verdict == "ok", rollout.reason
     assert last - first > 0.3
     assert abs(distance(rollout)) < 0.1

@@ -303,7 +303,7 @@ def test_show_tells_settings_versions_generations_verdicts_champion_and_descent(
 
 
 def test_walks_are_told_from_rows_because_elites_do_not_walk_again(done):
-    from walkerlab.commands.report import verdict_counts
+    from walkerlab.story import verdict_counts
 
     assert verdict_counts(wl.load(done).records).startswith(
         "Verdicts of 10 walks (12 rows in the table, for elites do not walk again):"
@@ -321,7 +321,7 @@ def test_walks_are_told_from_rows_because_elites_do_not_walk_again(done):
     ],
 )
 def test_generations_are_listed_in_round_steps_and_the_last_is_always_there(done, n_generations, shown):
-    from walkerlab.commands.report import by_generation
+    from walkerlab.story import by_generation
 
     one = wl.load(done).records.query("generation == 0")
     records = pd.concat([one.assign(generation=number) for number in range(n_generations)])
@@ -331,7 +331,7 @@ def test_generations_are_listed_in_round_steps_and_the_last_is_always_there(done
 
 
 def test_a_line_of_descent_goes_back_to_a_random_robot_by_the_fitter_parent(done):
-    from walkerlab.commands.report import descent
+    from walkerlab.story import descent
 
     run = wl.load(done / "run.walk")
     births = run.records[run.records.generation == run.records.born].set_index("individual")

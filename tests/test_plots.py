@@ -10,6 +10,7 @@ import walkerlab as wl
 from walkerlab.choices import Obstacle, Structure
 from walkerlab.ground import height
 from walkerlab.records import COLUMNS, join, tidy
+from walkerlab.shapes import skins
 
 
 def made_up(n=8, seed=0):
@@ -93,12 +94,12 @@ class TestStride:
         model, data = scene.model, mujoco.MjData(scene.model)
         data.qpos[:] = rollout.poses[-1]
         mujoco.mj_kinematics(model, data)
-        *skins, rope = scene.skins(rollout.poses[-1])
-        skins += scene.skins(rollout.poses[-1], loose=True)
+        *parts, rope = skins(scene, rollout.poses[-1])
+        parts += skins(scene, rollout.poses[-1], loose=True)
         assert len(rope[0]) == 2
         moving = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom]]
         ways = np.random.default_rng(0).normal(size=(20, 3))
-        for geom, (skin, _) in zip(moving, skins, strict=True):
+        for geom, (skin, _) in zip(moving, parts, strict=True):
             for way in ways / np.linalg.norm(ways, axis=1, keepdims=True):
                 farthest = np.max((skin - data.geom_xpos[geom]) @ way)
                 along = np.abs(data.geom_xmat[geom].reshape(3, 3).T @ way)

@@ -103,7 +103,7 @@ def _no_such_command(word: str, commands: Mapping[str, object]) -> str:
 
 def _evolve(given: argparse.Namespace) -> int:
     with interrupts_held():
-        from walkerlab.commands import report
+        from walkerlab import story
         from walkerlab.evaluation import n_cores
         from walkerlab.store import RUN_FILE
 
@@ -116,7 +116,7 @@ def _evolve(given: argparse.Namespace) -> int:
             f"Begin a new one:  walkerlab evolve --out ANOTHER-FOLDER"
         )
     if not given.quiet:
-        print(report.opening(settings, n_cores()), flush=True)
+        print(story.opening(settings, n_cores()), flush=True)
     try:
         run = wl.evolve(settings, path, progress=not given.quiet)
     except KeyboardInterrupt:
@@ -128,7 +128,8 @@ def _evolve(given: argparse.Namespace) -> int:
 
 def _resume(given: argparse.Namespace) -> int:
     with interrupts_held():
-        from walkerlab.commands import outputs, report
+        from walkerlab import story
+        from walkerlab.commands import outputs
         from walkerlab.evaluation import n_cores
         from walkerlab.run import with_functions
 
@@ -142,7 +143,7 @@ def _resume(given: argparse.Namespace) -> int:
             print(f"All {done} generations are done; to go on: walkerlab {_to_go_on(run)}")
         return 0
     if not given.quiet and done < wanted:
-        print(report.opening(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
+        print(story.opening(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
     return _finish(wl.resume(given.path, given.generations, progress=not given.quiet), quiet=given.quiet)
 
 
@@ -163,7 +164,8 @@ def _named(run: "wl.Run") -> str:
 
 def _finish(run: "wl.Run", *, quiet: bool) -> int:
     """Write what belongs into the run's folder, and say what has come of it and what to do next."""
-    from walkerlab.commands import outputs, report
+    from walkerlab import story
+    from walkerlab.commands import outputs
 
     assert run.path
     folder, wanted = run.path.parent, run.settings.algorithm.generations
@@ -173,7 +175,7 @@ def _finish(run: "wl.Run", *, quiet: bool) -> int:
         print()
         if stopped:
             print(f"Stopped after {run.n_generations} of {wanted} generations; all of these are kept.\n")
-        print(report.champion_story(run.records, run.settings.model_dump()))
+        print(story.champion_story(run.records, run.settings.model_dump()))
         if run.champion.verdict == "ok":
             print(run.confirm())
         print(f"\nIn the folder {folder} there are now")
@@ -190,21 +192,20 @@ def _finish(run: "wl.Run", *, quiet: bool) -> int:
 
 
 def _show(given: argparse.Namespace) -> int:
-    from walkerlab import store
-    from walkerlab.commands import report
+    from walkerlab import store, story
 
     run, path = wl.load(given.path), store.locate(given.path)
     facts, settings, records = store.read(path)
     print(f"{path}: {run.n_generations} of {run.settings.algorithm.generations} generations")
     print("made with", ", ".join(f"{name} {version}" for name, version in facts.items() if name != "settings"))
-    print(f"\n{report.changed_settings(settings)}")
+    print(f"\n{story.changed_settings(settings)}")
     best = run.champion
     for part in (
-        report.by_generation(records, settings),
-        report.verdict_counts(records),
-        report.champion_story(records, settings),
-        report.gene(best),
-        report.descent(records, best.individual),
+        story.by_generation(records, settings),
+        story.verdict_counts(records),
+        story.champion_story(records, settings),
+        story.gene(best),
+        story.descent(records, best.individual),
     ):
         print(f"\n{part}")
     return 0

@@ -20,7 +20,7 @@ CONTROL_RATE = 50.0  # Hz, at which servos take a new target
 RAMP = 0.5  # s, over which a gait swells from rest to its full swing
 CLEARANCE = 0.005  # m, between the ground and the lowest point of a robot at the start
 SLACK = 0.01  # m by which the rope is not quite taut at the start
-_ROPE_ENDS = ("walker/hitch", "sledge/ring")
+ROPE_ENDS = ("walker/hitch", "sledge/ring")
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ class Scene:
         data.qpos[:3] -= max(0.0, np.max(ends @ forward + radii[:, np.newaxis])) * forward
         if self.rope:
             mujoco.mj_kinematics(model, data)
-            sledge, (hitch, ring) = model.body("sledge/").jntadr[0], (model.site(name) for name in _ROPE_ENDS)
+            sledge, (hitch, ring) = model.body("sledge/").jntadr[0], (model.site(name) for name in ROPE_ENDS)
             tail = data.site_xpos[hitch.id]
             drop = tail @ up - stones - CLEARANCE - ring.pos[2]
             back = math.sqrt(max(0.0, self.rope**2 - drop**2)) - SLACK  # a bent body of 8 m may hold its tail too high
@@ -99,31 +99,6 @@ class Scene:
             place[1] = tail[1]
             start = model.jnt_qposadr[sledge]
             data.qpos[start : start + 7] = [*place, *along_slope]
-
-    def skins(self, pose: Floats, *, loose: bool = False) -> list[tuple[Floats, Floats]]:
-        """Lay out the robot and its loads in a pose, or what lies about, for a drawing that needs no GL.
-
-        Args:
-            pose: (nq,) as in ``Rollout.poses``.
-            loose: whether to lay out what lies about instead.
-
-        Returns:
-            For each part, (k, 3) points on its skin [m], of which it is the hull, and its colour, (4,) RGBA. A rope is
-            the two points between which it hangs.
-        """
-        model, data = self.model, mujoco.MjData(self.model)
-        data.qpos[:] = pose
-        mujoco.mj_kinematics(model, data)
-        root = model.body_rootid[model.geom_bodyid]
-        moving = np.flatnonzero((root > 0) & (np.isin(root, self.roots) != loose))
-        parts = [
-            (data.geom_xpos[i] + _skin(model, i) @ data.geom_xmat[i].reshape(3, 3).T, model.geom_rgba[i])
-            for i in moving.tolist()
-        ]
-        if self.rope and not loose:
-            ends = np.array([data.site(name).xpos for name in _ROPE_ENDS])
-            parts.append((ends, model.tendon_rgba[0]))
-        return parts
 
     def _capsules(self, data: mujoco.MjData) -> tuple[Floats, Floats]:
         """Return the (n, 2, 3) ends of the axis and the (n,) radius of each capsule of the robot, in m."""
@@ -144,30 +119,6 @@ class Scene:
     def rest(self) -> Floats:
         """(nu,) servo targets of the body at rest."""
         return _motion(self.phenotype)[2]
-
-
-def _skin(model: mujoco.MjModel, geom: int) -> Floats:
-    """Return points on the skin of a geom, (k, 3) in its own frame [m]."""
-    size = model.geom_size[geom]
-    match mujoco.mjtGeom(model.geom_type[geom]):
-        case mujoco.mjtGeom.mjGEOM_CAPSULE:
-            return np.concatenate([_BALL * size[0] + [0, 0, end] for end in (size[1], -size[1])])
-        case mujoco.mjtGeom.mjGEOM_CYLINDER:
-            return np.concatenate([_RING * size[0] + [0, 0, end] for end in (size[1], -size[1])])
-        case mujoco.mjtGeom.mjGEOM_BOX:
-            return _CORNERS * size
-        case mujoco.mjtGeom.mjGEOM_MESH:
-            mesh = model.geom_dataid[geom]
-            start = model.mesh_vertadr[mesh]
-            return model.mesh_vert[start : start + model.mesh_vertnum[mesh]].astype(np.float64)
-        case _:
-            return _BALL * size[0]
-
-
-_AROUND = np.linspace(0, math.tau, 24, endpoint=False)
-_RING = np.stack([np.cos(_AROUND), np.sin(_AROUND), np.zeros(24)], axis=1)
-_BALL = np.concatenate([_RING * math.sin(t) + [0, 0, math.cos(t)] for t in (np.arange(12) + 0.5) * math.pi / 12])
-_CORNERS = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
 
 
 @lru_cache(maxsize=16)

@@ -1,0 +1,72 @@
+"""Where the camera stands, moment by moment: the same in a replay and in a film."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import gaussian_filter1d
+
+from walkerlab.choices import Camera
+from walkerlab.genes import Floats
+
+FIELD_OF_VIEW = 45.0  # degrees from the lower to the upper edge of the picture
+CALM = 0.4  # s over which a camera evens out the bobbing of what it follows
+NEAREST = 1.2  # m, as if what it looks at were at least as large
+TURN = 30.0  # degrees a second, at which an orbit goes round
+
+VIEWS: dict[Camera, tuple[float, float, float]] = {
+    Camera.side: (90, -10, 1.9),
+    Camera.front: (180, -14, 1.9),
+    Camera.top: (90, -90, 2.2),
+    Camera.chase: (20, -20, 1.9),
+    Camera.orbit: (90, -18, 2.0),
+}
+"""Which way each looks: degrees to the left of forward, degrees upward; and from how far, in sizes of what it sees."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shot:
+    """What a camera does during a walk, at each of n moments.
+
+    Attributes:
+        target: (n, 3) what it looks at [m].
+        distance: (n,) from how far [m].
+        azimuth: (n,) which way it looks: degrees to the left of forward.
+        elevation: how far upward it looks, degrees.
+    """
+
+    target: Floats
+    distance: Floats
+    azimuth: Floats
+    elevation: float
+
+    @property
+    def eye(self) -> Floats:
+        """(n, 3) where it stands [m]."""
+        azimuth, elevation = np.radians(self.azimuth), math.radians(self.elevation)
+        flat, rise = math.cos(elevation) * np.ones_like(azimuth), math.sin(elevation) * np.ones_like(azimuth)
+        way = np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), rise], axis=1)
+        return self.target - self.distance[:, np.newaxis] * way
+
+    @property
+    def up(self) -> tuple[float, float, float]:
+        """Which way is up in the picture: to the left of the way, if it looks straight down."""
+        return (0.0, 1.0, 0.0) if self.elevation <= -90 else (0.0, 0.0, 1.0)
+
+
+def aim(camera: Camera, time: Floats, paths: Floats, size: float) -> Shot:
+    """Follow one walker or several, so that all are in the picture at any moment.
+
+    Args:
+        camera: which view.
+        time: (n,) s, evenly spaced.
+        paths: (k, n, 3) the centre of mass of each walker [m].
+        size: of the largest of them [m].
+    """
+    azimuth, elevation, far = VIEWS[camera]
+    width = CALM / (time[1] - time[0])
+    low, high = paths.min(axis=0), paths.max(axis=0)
+    target = gaussian_filter1d((low + high) / 2, width, axis=0, mode="nearest")
+    spread = gaussian_filter1d((high - low).max(axis=1), width, mode="nearest")
+    around = TURN * (time - time[0]) * (camera == Camera.orbit)
+    return Shot(target, far * (max(size, NEAREST) + spread), azimuth + around, float(elevation))
