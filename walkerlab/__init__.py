@@ -46,6 +46,7 @@ _ROOMS = {
     "scene": ("Scene", "compile_scene"),
     "settings": ("Algorithm", "Robot", "Settings", "Simulation", "Terrain"),
     "store": ("RunFileError",),
+    "viewer": ("Replay", "replay"),
 }
 """Where each public name lives."""
 
@@ -103,6 +104,8 @@ if TYPE_CHECKING:
     from walkerlab.settings import Simulation as Simulation
     from walkerlab.settings import Terrain as Terrain
     from walkerlab.store import RunFileError as RunFileError
+    from walkerlab.viewer import Replay as Replay
+    from walkerlab.viewer import replay as replay
 
 
 def __getattr__(name: str) -> Any:

@@ -69,4 +69,4 @@ def aim(camera: Camera, time: Floats, paths: Floats, size: float) -> Shot:
     target = gaussian_filter1d((low + high) / 2, width, axis=0, mode="nearest")
     spread = gaussian_filter1d((high - low).max(axis=1), width, mode="nearest")
     around = TURN * (time - time[0]) * (camera == Camera.orbit)
-    return Shot(target, far * (max(size, NEAREST) + spread), azimuth + around, float(elevation))
+    return Shot(target, far * max(size, NEAREST) + spread, azimuth + around, float(elevation))

@@ -1,0 +1,51 @@
+// A picture first; the page with its WebGL when it is clicked; a picture again when it is closed.
+const MOST = 4; // pages at once, of all replays of a notebook: browsers keep some 16 WebGL contexts
+const TRIANGLE = '<svg viewBox="0 0 20 20" width="14" height="14" aria-hidden="true"><path d="M4 2 L18 10 L4 18 Z" fill="white"/></svg>';
+const live = (globalThis.walkerlabLive ??= []);
+
+function render({ model, el }) {
+  const picture = Object.assign(document.createElement("img"), { src: model.get("poster"), alt: model.get("alt") });
+  const sign = document.createElement("span");
+  const say = (words) => { sign.innerHTML = `${TRIANGLE}${words}`; };
+  const cover = Object.assign(document.createElement("button"), { type: "button", title: "Play" });
+  const box = document.createElement("div");
+  box.style.cssText = "position: relative; max-width: 960px; background: white; border-radius: 6px; overflow: hidden";
+  cover.style.cssText = "display: block; width: 100%; padding: 0; border: 0; background: none; cursor: pointer";
+  picture.style.cssText = "display: block; width: 100%; max-width: 720px; margin: auto";
+  sign.style.cssText = `position: absolute; right: 12px; top: 12px; padding: 7px 14px 7px 12px; border-radius: 20px; font: 600 14px system-ui;
+    color: white; background: #0072b2; display: flex; gap: 7px; align-items: center`;
+  cover.append(picture, sign);
+  box.append(cover);
+  el.append(box);
+  let frame = null;
+
+  function close() {
+    if (!frame) return;
+    frame.contentWindow?.walkerlab?.close();
+    box.replaceChildren(cover);
+    frame = null;
+    const place = live.indexOf(close);
+    if (place >= 0) live.splice(place, 1);
+    say("Play in 3D");
+  }
+
+  function show(page) {
+    if (frame) return;
+    frame = Object.assign(document.createElement("iframe"), { srcdoc: page, title: model.get("alt") });
+    frame.style.cssText = "display: block; width: 100%; height: 460px; border: 0";
+    const stop = Object.assign(document.createElement("button"), { type: "button", textContent: "✕",
+      title: "close the replay, back to its picture", ariaLabel: "close the replay", onclick: close });
+    stop.style.cssText = `position: absolute; left: 8px; top: 8px; width: 26px; height: 26px; border: 0; border-radius: 50%;
+      background: #ffffffd0; color: #222; cursor: pointer`;
+    box.replaceChildren(frame, stop);
+    live.push(close);
+    while (live.length > MOST) live[0]();
+  }
+
+  const hear = (message, buffers) => { if (message === "page") show(new TextDecoder().decode(buffers[0])); };
+  model.on("msg:custom", hear);
+  say("Play in 3D");
+  cover.onclick = () => { say("one moment …"); model.send("open"); };
+  return () => { model.off("msg:custom", hear); close(); };
+}
+export default { render };
