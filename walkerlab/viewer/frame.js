@@ -24,10 +24,11 @@ function render({ model, el }) {
     frame.contentWindow?.walkerlab?.close();
     box.replaceChildren(cover);
     frame = null;
-    const place = live.indexOf(close);
-    if (place >= 0) live.splice(place, 1);
+    live.splice(live.findIndex((one) => one.close === close), 1);
     say("Play in 3D");
   }
+
+  function pause() { frame?.contentWindow?.walkerlab?.pause(); }
 
   function show(page) {
     if (frame) return;
@@ -38,14 +39,17 @@ function render({ model, el }) {
     stop.style.cssText = `position: absolute; left: 8px; top: 8px; width: 26px; height: 26px; border: 0; border-radius: 50%;
       background: #ffffffd0; color: #222; cursor: pointer`;
     box.replaceChildren(frame, stop);
-    live.push(close);
-    while (live.length > MOST) live[0]();
+    live.forEach((other) => other.pause()); // one at a time: a slow computer draws no more
+    live.push({ close, pause });
+    while (live.length > MOST) live[0].close();
   }
 
+  const watch = new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || pause()); // scrolled away
+  watch.observe(box);
   const hear = (message, buffers) => { if (message === "page") show(new TextDecoder().decode(buffers[0])); };
   model.on("msg:custom", hear);
   say("Play in 3D");
   cover.onclick = () => { say("one moment …"); model.send("open"); };
-  return () => { model.off("msg:custom", hear); close(); };
+  return () => { model.off("msg:custom", hear); watch.disconnect(); close(); };
 }
 export default { render };

@@ -172,7 +172,7 @@
   const free = () => { if (state.camera !== "free") { state.camera = "free"; state.last = several(firstPath, 3, state.time); tell(); } };
 
   button.onclick = () => (state.playing ? pause() : play());
-  slider.oninput = () => { pause(); seek(Number(slider.value)); };
+  slider.oninput = () => { const time = Number(slider.value); pause(); seek(time); };
   speeds.onchange = () => { state.speed = Number(speeds.value); };
   cameras.onchange = () => (cameras.value === "free" ? free() : look(cameras.value));
   loop.onchange = () => { state.loop = loop.checked; };

@@ -23,11 +23,11 @@ from typing import Any
 import anywidget
 import numpy as np
 import traitlets
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from walkerlab.choices import Camera, Structure
 from walkerlab.fitness import distance, label, score, velocity
-from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.ground import height
 from walkerlab.judge import VERDICTS
@@ -37,7 +37,7 @@ from walkerlab.rollout import simulate
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings, Terrain
 from walkerlab.shapes import skins
-from walkerlab.viewer.stage import RGB, Stage, Walk, set_up
+from walkerlab.viewer.stage import Stage, Walk, set_up
 from walkerlab.viewer.tracks import pack
 
 HERE = Path(__file__).parent
@@ -91,8 +91,11 @@ class Replay:
         style = (HERE / "player.css").read_text(encoding="utf-8")
         reel = json.dumps(self._reel()).replace("<", "\\u003c")  # so that no text can end the script that it is in
         page: str = self.stage.plot.get_snapshot(additional_js_code=f"({player.strip()})(K3DInstance, {reel});")
-        head = f'<meta name="viewport" content="width=device-width">\n<title>{html.escape(self._title)}</title>'
-        page = re.sub(r"<title>.*?</title>", lambda _: f"{head}\n<style>{style}</style>", page, count=1, flags=re.DOTALL)
+        head = (
+            f'<meta name="viewport" content="width=device-width">\n<title>{html.escape(self._title)}</title>\n'
+            f"<style>{style}</style>"
+        )
+        page = re.sub(r"<title>.*?</title>", lambda _: head, page, count=1, flags=re.DOTALL)
         excuse = (HERE / "excuse.html").read_text(encoding="utf-8")
         page = page.replace('<div id="canvasTarget"></div>', f'<div id="canvasTarget"></div>\n{excuse}', 1)
         return page.replace("<html>", '<html lang="en">', 1)
@@ -138,18 +141,18 @@ class Replay:
             ("length", f"{body.body_length:.2f} m"),
             ("weight", f"{body.weight:.1f} kg"),
         ]
-        verdict = VERDICTS[rollout.verdict] if rollout.counts else f"Does not count: {rollout.verdict}, {rollout.reason}."
-        start = float(np.nan_to_num(rollout.com[0, 0]))
-        colour = "#{:02x}{:02x}{:02x}".format(*(round(255 * share) for share in walk.colour)) if walk.colour else NATURAL
+        void = f"Does not count: {rollout.verdict}, {rollout.reason}."
         return {
-            "label": walk.label, "colour": colour, "counts": rollout.counts, "verdict": verdict,
-            "facts": [fact for fact in facts if "nan" not in fact[1]], "start": start,
-        }  # fmt: skip
+            "label": walk.label,
+            "colour": to_hex(walk.colour) if walk.colour else NATURAL,
+            "counts": rollout.counts,
+            "verdict": VERDICTS["ok"] if rollout.counts else void,
+            "facts": [fact for fact in facts if "nan" not in fact[1]],
+            "start": float(np.nan_to_num(rollout.com[0, 0])),
+        }
 
 
-def replay(
-    walkers: Any, settings: Settings | None = None, *, camera: Camera | str | int | None = None
-) -> Replay:
+def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | str | int | None = None) -> Replay:
     """Let one robot or several walk, and show it in 3D; needs no GL where Python runs, and WebGL where it is seen.
 
     Several are a race: each in a colour of its own, side by side where the ground is the same across the way, and
@@ -178,7 +181,7 @@ def replay(
     race = len(named) > 1
     lanes = _lanes(scenes, settings.terrain) if race else [0.0]
     walks = [
-        Walk(name, scene, rollout, _rgb(RUNS[i % len(RUNS)]) if race else None, lanes[i], loose=i == first)
+        Walk(name, scene, rollout, to_rgb(RUNS[i % len(RUNS)]) if race else None, lanes[i], loose=i == first)
         for i, (name, scene, rollout) in enumerate(zip(named, scenes, rollouts, strict=True))
     ]
     return Replay(tuple(walks), settings, settings.simulation.camera)
@@ -188,7 +191,7 @@ def _named(walkers: Any) -> dict[str, Genome]:
     """Give every walker a name."""
     if isinstance(walkers, Mapping):
         return {str(name): Genome.of(getattr(one, "genome", one)) for name, one in walkers.items()}
-    if isinstance(walkers, str | Genome) or hasattr(walkers, "genome") or np.ndim(walkers) == 1:
+    if isinstance(walkers, str | Genome) or hasattr(walkers, "genome") or getattr(walkers, "ndim", 0) == 1:
         walkers = [walkers]
     several = list[Any](walkers)
     names = [
@@ -212,11 +215,6 @@ def _marks(terrain: Terrain, walks: Sequence[Walk]) -> list[dict[str, Any]]:
     x, y = np.arange(MARKS + 1.0), min(walk.lane for walk in walks) - 0.55
     z = height(terrain, x, np.full_like(x, y)) + 0.02
     return [{"at": [along, y, up], "text": f"{along:g} m"} for along, up in zip(x.tolist(), z.tolist(), strict=True)]
-
-
-def _rgb(colour: str) -> RGB:
-    red, green, blue = bytes.fromhex(colour[1:])
-    return red / 255, green / 255, blue / 255
 
 
 # ---------------------------------------------------------------------------------------------- in a notebook

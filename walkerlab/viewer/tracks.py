@@ -49,9 +49,10 @@ def follow(scene: Scene, poses: Floats) -> Tracks:
 
 def before_it_broke(poses: Floats) -> Floats:
     """Return the poses up to the moment at which the numbers ran away, if they did; the first one in any case."""
-    leaps = np.abs(np.diff(poses[:, :3], axis=0)).max(axis=1, initial=0)
-    sound = np.isfinite(poses).all(axis=1) & (np.append(0, leaps) < LEAP)
-    return poses[: max(1, len(poses) if sound.all() else int(np.argmin(sound)))]
+    wild = ~np.isfinite(poses).all(axis=1)
+    whole = poses[: int(np.argmax(wild))] if wild.any() else poses
+    leaps = np.abs(np.diff(whole[:, :3], axis=0)).max(axis=1, initial=0) > LEAP
+    return poses[: max(1, int(np.argmax(leaps)) + 1 if leaps.any() else len(whole))]
 
 
 def pack(channels: Floats, finest: Floats) -> bytes:

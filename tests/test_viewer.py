@@ -1,0 +1,305 @@
+"""A replay shows what was simulated, anywhere, and gives back what it takes."""
+
+import io
+import os
+import subprocess
+import sys
+import time
+import urllib.request
+import zlib
+from html.parser import HTMLParser
+from itertools import pairwise
+from socket import socket
+
+import mujoco
+import nbformat
+import numpy as np
+import pytest
+from PIL import Image
+
+import walkerlab as wl
+from walkerlab.choices import Camera
+from walkerlab.commands.worlds import GENOME
+from walkerlab.scene import compile_scene
+from walkerlab.shapes import skins
+from walkerlab.viewer.tracks import LEAP, before_it_broke, pack
+
+SHORT = wl.Settings().with_(duration=2)
+CROWDED = wl.Settings().with_(
+    obstacle="ball", obstacle_density=20 / 90, obstacle_size=0.2, carry_weight=2, drag_weight=2
+)
+
+
+def unpack(packed, finest):
+    raw, count = zlib.decompress(packed), len(finest)
+    firsts = np.frombuffer(raw[: 8 * count], "<f8")
+    steps = np.frombuffer(raw[8 * count :], "<i2").reshape(count, -1)
+    return firsts[:, None] + np.concatenate([np.zeros((count, 1)), steps.cumsum(axis=1)], axis=1) * finest[:, None]
+
+
+def test_what_is_packed_comes_out_within_half_a_unit():
+    rng = np.random.default_rng(0)
+    channels = rng.normal(size=(40, 401)).cumsum(axis=1)
+    finest = rng.uniform(1e-3, 1e-2, 40)
+    assert np.abs(unpack(pack(channels, finest), finest) - channels).max(axis=1) == pytest.approx(finest / 2, rel=0.1)
+
+
+def test_a_walk_is_shown_until_it_breaks():
+    poses = np.cumsum(np.full((50, 9), 0.01), axis=0)
+    assert len(before_it_broke(poses)) == 50
+    for i, bad in ((20, np.nan), (30, np.inf), (40, LEAP + 5)):
+        broken = poses.copy()
+        broken[i:, 0] = bad
+        assert len(before_it_broke(broken)) == i
+    assert len(before_it_broke(np.full((5, 9), np.nan))) == 1
+
+
+class TestWhoWalks:
+    def names(self, walkers, settings=SHORT):
+        return [walk.label for walk in wl.replay(walkers, settings).walks]
+
+    def test_one_or_several_however_they_are_given(self):
+        genome = wl.Genome.parse(GENOME)
+        assert self.names(genome) == self.names(GENOME) == self.names(genome.values) == ["robot"]
+        assert self.names([genome, GENOME]) == ["robot 1", "robot 2"]
+        assert self.names({"Ada": genome, "Bob": GENOME}) == ["Ada", "Bob"]
+
+    def test_nobody_and_nonsense_are_refused_in_words(self):
+        with pytest.raises(ValueError, match="nobody to walk"):
+            wl.replay([], SHORT)
+        with pytest.raises(wl.GenomeError):
+            wl.replay("no gene", SHORT)
+        with pytest.raises(wl.SettingsError, match="camera"):
+            wl.replay(GENOME, SHORT, camera="below")
+
+    def test_racers_are_told_apart_and_do_not_touch(self):
+        race = wl.replay({"a": GENOME, "b": GENOME, "c": GENOME}, SHORT)
+        assert len({walk.colour for walk in race.walks}) == 3
+        reach = [
+            np.concatenate([skin[:, 1] + walk.lane for skin, _ in skins(walk.scene, walk.scene.start)])
+            for walk in race.walks
+        ]
+        for one, next_to_it in pairwise(reach):
+            assert one.min() > next_to_it.max()
+
+    @pytest.mark.parametrize("uneven", [{"structure": "rough"}, {"obstacle": "box"}, {"texture_density": 0.1}])
+    def test_where_the_ground_differs_across_the_way_all_walk_on_the_same(self, uneven):
+        race = wl.replay([GENOME, GENOME], SHORT.with_(**uneven))
+        assert [walk.lane for walk in race.walks] == [0, 0]
+        assert sum(walk.loose for walk in race.walks) == 1
+
+
+class Links(HTMLParser):
+    """Everything that a page would load, and what runs in it."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.loads, self.scripts = [], 0
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.scripts += tag == "script"
+        self.loads += [value for name, value in attrs if name in ("src", "href")]
+
+
+class TestThePage:
+    def test_it_needs_nothing_from_elsewhere(self):
+        assert Links(wl.replay(GENOME, SHORT).page).loads == []
+
+    def test_labels_are_text_whatever_they_say(self):
+        evil = "</script><script>alert(1)</script><img src=x onerror=alert(1)>"
+        plain, attacked = (Links(wl.replay({name: GENOME}, SHORT).page) for name in ("Ada", evil))
+        assert attacked.scripts == plain.scripts
+        assert attacked.loads == []
+
+    def test_eight_seconds_among_twenty_obstacles_are_small(self, tmp_path):
+        replay = wl.replay(GENOME, CROWDED)
+        model = replay.walks[0].scene.model
+        assert sum("obstacle" in model.body(i).name for i in range(model.nbody)) == 20
+        assert replay.to_html(tmp_path / "replay.html").stat().st_size < 3e6
+
+    def test_a_world_that_breaks_down_is_shown_as_far_as_it_goes(self):
+        torn = wl.Settings().with_(gravity=(-30, 12, -30), duration=2, timestep=0.01, texture_size=0.2)
+        torn = torn.with_(robot=wl.Robot(leg_force=(500, 500), weight=(0.1, 0.1), carry_weight=60))
+        assert wl.simulate(GENOME, torn).verdict == "unstable", "or this shows nothing"
+        assert "Does not count: unstable" in wl.replay(GENOME, torn).page
+
+    def test_in_a_notebook_it_is_a_picture_first(self):
+        bundle, *_ = wl.replay({"<b>Ada</b>": GENOME}, SHORT)._repr_mimebundle_()
+        assert "application/vnd.jupyter.widget-view+json" in bundle
+        picture = bundle["text/html"]
+        assert picture.startswith('<img src="data:image/png;base64,')
+        assert "<b>" not in picture
+        assert "Ada" in picture
+        assert len(picture) < 100_000
+
+
+# ---------------------------------------------------------------------------------------------- in a browser
+
+
+def open_file(page, path):
+    page.context.set_offline(True)
+    page.goto(path.as_uri())
+    page.wait_for_function("window.walkerlab")
+
+
+def look(page, time, camera):
+    page.evaluate(f"walkerlab.pause(); walkerlab.state.camera = '{camera}'; walkerlab.seek({time})")
+    page.wait_for_timeout(300)
+    return page.locator("#canvasTarget").screenshot()
+
+
+def pixels(picture):
+    return np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"), dtype=int)
+
+
+@pytest.fixture(scope="module")
+def crowded(tmp_path_factory):
+    return wl.replay(GENOME, CROWDED).to_html(tmp_path_factory.mktemp("replay") / "replay.html")
+
+
+def test_it_plays_from_a_file_and_scrubs_and_every_camera_shows_the_walker(page, crowded):
+    open_file(page, crowded)
+    page.wait_for_function("walkerlab.state.time > 0.05")
+    first = page.locator("#canvasTarget").screenshot()
+    now = page.evaluate("walkerlab.state.time")
+    page.wait_for_function(f"walkerlab.state.time > {now} + 0.3")
+    assert (pixels(first) != pixels(page.locator("#canvasTarget").screenshot())).any(axis=2).mean() > 0.01
+    for camera in Camera:
+        picture = look(page, 3, camera.name)
+        red, green, blue = pixels(picture).transpose(2, 0, 1)
+        trunk = (red > 1.25 * green) & (green > 2 * blue) & (red > 120)
+        limbs = (blue > 1.25 * green) & (green > 1.2 * red)
+        for part in (trunk, limbs):
+            assert part.sum() > 200, camera
+        rows, columns = np.nonzero(trunk)
+        assert 20 < rows.mean() < len(red) - 20, camera
+        assert 20 < columns.mean() < 880, camera
+        look(page, 5.5, camera.name)
+        assert look(page, 3, camera.name) == picture, camera
+
+
+PLACES = """() => {
+    const world = walkerlab.K3D.getWorld(), found = {};
+    for (const [id, mesh] of Object.entries(world.ObjectsById)) {
+        mesh.updateMatrixWorld(true);
+        const name = world.ObjectsListJson[id].name;
+        if (name) found[name] = mesh.matrixWorld.elements;
+    }
+    return found;
+}"""
+
+
+def test_bodies_are_where_they_were_within_a_millimetre_and_a_degree(page, crowded):
+    open_file(page, crowded)
+    scene, rollout = compile_scene(GENOME, CROWDED), wl.simulate(GENOME, CROWDED)
+    data = mujoco.MjData(scene.model)
+    bodies = [i for i in range(1, scene.model.nbody) if scene.model.body_geomnum[i]]
+    for moment in np.linspace(0, len(rollout.time) - 1, 10).astype(int):
+        look(page, rollout.time[moment], "side")
+        shown = page.evaluate(PLACES)
+        data.qpos[:] = rollout.poses[moment]
+        mujoco.mj_kinematics(scene.model, data)
+        for i in bodies:
+            matrix = np.array(shown[f"robot: {scene.model.body(i).name}"]).reshape(4, 4).T
+            assert np.linalg.norm(matrix[:3, 3] - data.xpos[i]) < 1e-3
+            between = matrix[:3, :3].T @ data.xmat[i].reshape(3, 3)
+            assert np.degrees(np.arccos(np.clip((np.trace(between) - 1) / 2, -1, 1))) < 1
+
+
+def test_buttons_keys_and_choices_do_what_they_say(page, crowded):
+    open_file(page, crowded)
+    playing = lambda: page.evaluate("walkerlab.state.playing")  # noqa: E731
+    assert playing()
+    page.get_by_role("button", name="pause").click()
+    assert not playing()
+    page.get_by_label("time in seconds").fill("4")
+    assert page.evaluate("walkerlab.state.time") == pytest.approx(4, abs=0.02)
+    assert "4.00 s" in page.locator(".clock").inner_text()
+    page.get_by_label("camera").select_option("top")
+    page.get_by_label("speed").select_option("0.5")
+    assert page.evaluate("[walkerlab.state.camera, walkerlab.state.speed]") == ["top", 0.5]
+    page.get_by_label("loop").uncheck()
+    page.evaluate("walkerlab.seek(7.95)")
+    page.get_by_role("button", name="play").click()
+    page.wait_for_function("!walkerlab.state.playing")
+    assert page.evaluate("walkerlab.state.time") == 8
+    page.locator("canvas").first.hover(position={"x": 300, "y": 200})
+    page.mouse.down()
+    page.mouse.move(350, 220)
+    page.mouse.up()
+    assert page.evaluate("walkerlab.state.camera") == "free"
+
+
+# ------------------------------------------------------------------------------------------- in JupyterLab
+
+N_REPLAYS = 20
+
+
+@pytest.fixture(scope="module")
+def lab(tmp_path_factory):
+    """A JupyterLab on a notebook with many replays; its address."""
+    pytest.importorskip("jupyterlab")
+    folder = tmp_path_factory.mktemp("lab")
+    setting = (
+        "import walkerlab as wl\nfrom walkerlab.commands.worlds import GENOME\ns = wl.Settings().with_(duration=2)"
+    )
+    sources = [setting, *(f"wl.replay({{'walk {i}': GENOME}}, s)" for i in range(N_REPLAYS))]
+    book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source) for source in sources])
+    book.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    nbformat.write(book, folder / "book.ipynb")
+    quiet = folder / "config/lab/user-settings/@jupyterlab/apputils-extension/notification.jupyterlab-settings"
+    quiet.parent.mkdir(parents=True)
+    quiet.write_text('{"fetchNews": "false", "checkForUpdates": false}')
+    with socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    command = [sys.executable, "-m", "jupyterlab", "--no-browser", f"--port={port}", "--ServerApp.port_retries=0"]
+    command += ["--IdentityProvider.token=", "--allow-root", f"--ServerApp.root_dir={folder}"]
+    environment = {**os.environ, "JUPYTER_CONFIG_DIR": str(folder / "config"), "JUPYTER_DATA_DIR": str(folder / "data")}
+    with (folder / "log").open("w") as log:
+        server = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment)
+    address = f"http://127.0.0.1:{port}"
+    try:
+        for _ in range(120):
+            try:
+                urllib.request.urlopen(f"{address}/api", timeout=1).close()
+                break
+            except OSError:
+                assert server.poll() is None, (folder / "log").read_text()
+                time.sleep(0.5)
+        yield address
+    finally:
+        server.terminate()
+        server.wait(20)
+
+
+def test_twenty_replays_in_one_notebook_play_one_after_the_other(page, lab):
+    abroad = []
+
+    def at_home(route):
+        if route.request.url.startswith((lab, "data:", "blob:")):
+            route.continue_()
+        else:
+            abroad.append(route.request.url)
+            route.abort()
+
+    page.route("**/*", at_home)
+    page.goto(f"{lab}/lab/tree/book.ipynb")
+    page.set_viewport_size({"width": 1280, "height": 900})
+    page.get_by_text("Python 3 (ipykernel) | Idle").wait_for(timeout=60_000)
+    page.locator('li.lm-MenuBar-item:has-text("Run")').click()
+    page.locator('li.lm-Menu-item:has-text("Run All Cells")').first.click()
+    for number in range(N_REPLAYS):
+        cell = page.locator(f'.jp-Cell[data-windowed-list-index="{number + 1}"]')
+        play = cell.locator('button[title="Play"]')
+        cell.scroll_into_view_if_needed(timeout=60_000)
+        play.wait_for(timeout=60_000)
+        play.click()
+        frame = cell.locator("iframe").element_handle(timeout=20_000).content_frame()
+        frame.wait_for_function("window.walkerlab && walkerlab.state.time > 0.1", timeout=30_000)
+        assert f"walk {number}" in frame.locator(".board").inner_text()
+        assert not frame.evaluate("walkerlab.K3D.getWorld().renderer.getContext().isContextLost()")
+        assert page.locator("iframe").count() <= 4
+    page.locator('button[title^="close the replay"]').last.click()
+    assert abroad == []
