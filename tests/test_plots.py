@@ -1,15 +1,34 @@
-"""A picture shows the numbers of the table, and says what they are."""
+"""A picture shows the numbers of the table or of the walk, and says what they are."""
 
+import math
+import re
+import struct
+from dataclasses import replace
+from itertools import combinations
+from xml.etree import ElementTree
+
+import matplotlib as mpl
 import mujoco
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib import pyplot
+from matplotlib.collections import PolyCollection, QuadMesh
 from matplotlib.figure import Figure
+from matplotlib.patches import StepPatch
 
 import walkerlab as wl
+from walkerlab.algorithm import generate_robot_population, operators
 from walkerlab.choices import Obstacle, Structure
+from walkerlab.evaluation import Evaluation
+from walkerlab.footfalls import feet, footfalls
+from walkerlab.ga.loop import first_population, next_population
 from walkerlab.ground import height
-from walkerlab.records import COLUMNS, join, tidy
+from walkerlab.judge import VERDICTS
+from walkerlab.limits import genes_of, repair
+from walkerlab.plots.bodies import add_body, at_rest
+from walkerlab.plots.family import MOST, SOME
+from walkerlab.records import COLUMNS, join, name_fitness, parent_numbers, tabulate, tidy
 from walkerlab.shapes import skins
 
 
@@ -24,9 +43,179 @@ def made_up(n=8, seed=0):
     return tidy(table)
 
 
+def bred(generations=6, size=10, *, void=0.2, **changes):
+    """Breed robots as a run does, and rate them by chance instead of letting them walk."""
+    settings = wl.Settings().with_(population_size=size, **changes)
+    genes, rng = genes_of(settings.robot), np.random.default_rng(0)
+
+    def rate(values):
+        robot, counts = wl.express(wl.Genome(values)), rng.random() >= void
+        measured = (len(robot.segments), robot.n_legs, robot.weight, robot.body_length)
+        fitness, verdict = (rng.normal(), "ok") if counts else (-np.inf, rng.choice(list(VERDICTS)[1:]))
+        return Evaluation(wl.Genome(values), fitness, str(verdict), "", rng.normal(), rng.normal(), *measured)
+
+    def evaluate(genomes):
+        return [rate(values) for values in genomes]
+
+    population = first_population(generate_robot_population(settings.robot, size, seed=0), evaluate)
+    tables = [tabulate(population, "")]
+    for _ in range(generations - 1):
+        population = next_population(
+            population, operators(settings.algorithm), genes, evaluate,
+            repair=lambda genomes: repair(genomes, settings.robot), n_elites=settings.algorithm.n_elites, seed=0,
+        )  # fmt: skip
+        tables.append(tabulate(population, ""))
+    table = join(tables)
+    name_fitness(table, "distance", "m")
+    return table
+
+
+@pytest.fixture(scope="module")
+def records():
+    return bred()
+
+
+GENOME = wl.Genome.random(wl.Robot(), rng=np.random.default_rng(2))
+SETTINGS = wl.Settings().with_(duration=2.0)
+
+OF_A_TABLE = {
+    "fitness_curve": wl.plots.fitness_curve,
+    "diversity": wl.plots.diversity,
+    "trait": lambda records, ax: wl.plots.trait(records, "weight", ax),
+    "genes": wl.plots.genes,
+    "verdicts": wl.plots.verdicts,
+    "family_tree": wl.plots.family_tree,
+}
+OF_A_ROBOT = {
+    "distance_over_time": lambda ax: wl.plots.distance_over_time(wl.simulate(GENOME, SETTINGS), ax),
+    "gait": lambda ax: wl.plots.gait(GENOME, SETTINGS, ax),
+    "body": lambda ax: wl.plots.body(GENOME, ax),
+    "stride": lambda ax: wl.plots.stride(GENOME, SETTINGS, ax),
+}
+of_a_table = pytest.mark.parametrize("draw", OF_A_TABLE.values(), ids=OF_A_TABLE)
+
+
+def every(records):
+    return {name: lambda ax, draw=draw: draw(records, ax) for name, draw in OF_A_TABLE.items()} | OF_A_ROBOT
+
+
 @pytest.fixture
 def ax():
     return Figure().add_subplot()
+
+
+def render(axes):
+    axes.get_figure(root=True).canvas.draw()
+
+
+def numbers(text):
+    return [float(found) for found in re.findall(r"-?\d+(?:\.\d+)?", text.replace("−", "-"))]
+
+
+# --------------------------------------------------------------------------------------------------- of all pictures
+
+
+def test_every_picture_is_drawn_on_the_axes_given_and_says_what_it_shows(records):
+    for name, draw in every(records).items():
+        axes = Figure().add_subplot()
+        assert draw(axes) is axes, name
+        render(axes)
+        assert wl.plots.alt_text(axes).endswith("."), name
+        assert not pyplot.get_fignums(), f"{name} opened a figure that nobody asked for"
+
+
+def test_without_axes_every_picture_opens_one_white_figure(records):
+    for name, draw in every(records).items():
+        axes = draw(None)
+        assert pyplot.get_fignums() == [axes.figure.number], name
+        assert mpl.colors.same_color(axes.figure.get_facecolor(), "white")
+        pyplot.close(axes.figure)
+
+
+@pytest.mark.parametrize("kind", ["svg", "pdf", "png"])
+def test_every_picture_carries_its_words_into_the_file(records, tmp_path, kind):
+    for name, draw in every(records).items():
+        axes, path = draw(Figure().add_subplot()), tmp_path / f"{name}.{kind}"
+        wl.plots.save(axes, path)
+        assert wl.plots.alt_text(axes) in words_of(path), name
+
+
+def words_of(path):
+    """Read the description out of a file, each kind in its own way."""
+    data = path.read_bytes()
+    if path.suffix == ".svg":
+        desc = ElementTree.fromstring(data).find("{http://www.w3.org/2000/svg}desc")
+        return desc.text
+    if path.suffix == ".png":
+        texts, place = [], 8
+        while place < len(data):
+            (length,), kind = struct.unpack(">I", data[place : place + 4]), data[place + 4 : place + 8]
+            chunk = data[place + 8 : place + 8 + length]
+            texts += [chunk.decode("latin-1" if kind == b"tEXt" else "utf-8")] if kind in (b"tEXt", b"iTXt") else []
+            place += 12 + length
+        return "\n".join(texts)
+    subject = re.search(
+        rb"/Subject \((.*?)(?<!\\)\)\s*/|/Subject \((.*?)(?<!\\)\)\s*>>|/Subject <([0-9a-fA-F]+)>", data, re.S
+    )
+    plain = next(part for part in subject.groups() if part is not None)
+    plain = re.sub(rb"\\([()\\])", rb"\1", plain)
+    return plain.decode("utf-16") if plain.startswith(b"\xfe\xff") else plain.decode("latin-1")
+
+
+def test_text_stays_text_in_svg_and_the_same_picture_is_the_same_file(tmp_path):
+    for path in (tmp_path / "a.svg", tmp_path / "b.svg"):
+        wl.plots.save(wl.plots.fitness_curve(made_up(), Figure().add_subplot()), path, str(tmp_path / "a.png"))
+    assert "generation</text>" in (tmp_path / "a.svg").read_text()
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_is_wiped_off_is_no_longer_told_of(ax):
+    wl.plots.verdicts(made_up(), ax)
+    ax.clear()
+    assert wl.plots.alt_text(ax) == ""
+    alone = wl.plots.alt_text(wl.plots.fitness_curve(made_up(), Figure().add_subplot()))
+    assert wl.plots.alt_text(wl.plots.fitness_curve(made_up(), ax)) == alone
+
+
+def test_a_figure_is_laid_out_anew_after_it_was_saved(tmp_path):
+    figure = Figure(layout="constrained")
+    engine = figure.get_layout_engine()
+    wl.plots.save(wl.plots.fitness_curve(made_up(), figure.add_subplot()), tmp_path / "a.png")
+    assert figure.get_layout_engine() is engine
+
+
+@of_a_table
+@pytest.mark.parametrize(
+    "table",
+    [
+        join([]),
+        bred(generations=1, size=4),
+        bred(void=1.0),
+        bred(size=4, mutation="randomized", mutation_rate=0.0),
+        bred(size=4, robot=wl.Robot(segments=(1, 1), legs=(2, 2), weight=(5, 5), leg_force=(7, 7))),
+        bred(generations=1, size=4).iloc[:1],
+        bred(size=5, crossover="none"),
+        bred(size=12, crossover="randomized"),
+    ],
+    ids=[
+        "empty",
+        "one generation",
+        "none counted",
+        "clones",
+        "constant genes",
+        "one robot",
+        "one parent",
+        "many parents",
+    ],
+)
+def test_a_table_in_which_there_is_little_to_see_is_drawn_all_the_same(draw, table, ax, tmp_path):
+    draw(table, ax)
+    wl.plots.save(ax, tmp_path / "a.svg", tmp_path / "a.png")
+    assert wl.plots.alt_text(ax)
+
+
+# ------------------------------------------------------------------------------------------------------------- curves
 
 
 def test_the_curve_is_best_median_and_quartiles_of_the_walks_that_count(ax):
@@ -46,23 +235,295 @@ def test_axes_bear_the_name_and_unit_of_the_fitness(ax):
     assert ax.get_ylabel() == "distance [m]"
 
 
-def test_several_runs_on_one_axes_can_be_told_apart(ax):
-    for i, label in enumerate(("gentle", "harsh")):
-        wl.plots.fitness_curve(made_up(seed=i), ax, label=label)
-    best = [line for line in ax.lines if line.get_label().endswith("best")]
-    assert [line.get_label() for line in best] == ["gentle: best", "harsh: best"]
-    assert best[0].get_color() != best[1].get_color()
+@pytest.mark.parametrize("draw", [wl.plots.fitness_curve, wl.plots.diversity])
+def test_several_runs_on_one_axes_can_be_told_apart_even_without_colour(ax, draw):
+    for seed, label in enumerate(("gentle", "harsh")):
+        draw(bred(seed + 3), ax, label=label)
+    solid = [line for line in ax.lines if line.get_linestyle() == "-"]
+    assert [line.get_label().partition(":")[0] for line in solid] == ["gentle", "harsh"]
+    for look in ("color", "marker"):
+        assert solid[0].properties()[look] != solid[1].properties()[look]
+    assert all(label in wl.plots.alt_text(ax) for label in ("entle", "arsh"))
 
 
-def test_text_stays_text_in_svg(ax, tmp_path):
-    wl.plots.fitness_curve(made_up(), ax)
-    wl.plots.save(ax, tmp_path / "a.svg", tmp_path / "a.png")
-    assert "generation</text>" in (tmp_path / "a.svg").read_text()
-    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+def test_the_words_name_the_first_and_last_of_best_and_median(records, ax):
+    wl.plots.fitness_curve(records, ax)
+    counted = records[records.verdict == "ok"].groupby("generation").fitness
+    told = [counted.max().iloc[0], counted.max().iloc[-1], counted.median().iloc[0], counted.median().iloc[-1]]
+    assert numbers(wl.plots.alt_text(ax)) == pytest.approx([records.generation.nunique(), *told], abs=0.006)
+    assert " m" in wl.plots.alt_text(ax)
 
 
-def test_a_table_without_rows_is_drawn_as_an_empty_picture(ax):
-    wl.plots.fitness_curve(join([]), ax)
+@pytest.mark.parametrize("name", ["weight", "body_length", "n_legs", "n_segments", "velocity", "distance", "fitness"])
+def test_a_trait_is_median_and_best_robot_with_its_unit(records, ax, name):
+    wl.plots.trait(records, name, ax)
+    lines = {line.get_label(): line for line in ax.lines}
+    walked = name in ("velocity", "distance", "fitness")
+    for generation, all_of_it in records.groupby("generation"):
+        counted = all_of_it[all_of_it.verdict == "ok"]
+        place = lines["median"].get_xdata().tolist().index(generation)
+        assert lines["median"].get_ydata()[place] == pytest.approx(np.median((counted if walked else all_of_it)[name]))
+        fittest = counted.loc[counted.fitness.idxmax()]
+        assert lines["best robot"].get_ydata()[place] == fittest[name]
+    unit = records.attrs["units"].get(name)
+    assert ax.get_ylabel().endswith(f"[{unit}]" if unit else "s")
+
+
+@pytest.mark.parametrize("name", ["verdict", "wieght", "generation"])
+def test_a_trait_that_is_no_number_of_a_robot_is_refused_with_those_that_are(records, name):
+    with pytest.raises(ValueError, match=rf"no column of numbers called '{name}'; it has .*weight, body_length"):
+        wl.plots.trait(records, name)
+    assert not pyplot.get_fignums()
+
+
+# ----------------------------------------------------------------------------------------------------------- verdicts
+
+
+@pytest.mark.parametrize("generations", [1, 6, 61, 130])
+def test_bars_add_up_to_the_population_and_there_is_one_for_each_verdict_that_occurs(generations, ax):
+    records = bred(generations, 8)
+    wl.plots.verdicts(records, ax)
+    bars = {bar.get_label(): bar.get_data() for bar in ax.patches if isinstance(bar, StepPatch)}
+    assert {"ok" if label == "counts" else label for label in bars} == set(records.verdict)
+    heights = {label: bar.values - bar.baseline for label, bar in bars.items()}
+    assert sum(heights.values()) == pytest.approx(np.full(len(next(iter(heights.values()))), 8))
+    for label, bar in bars.items():
+        together = np.diff(bar.edges)
+        n = (records.verdict == ("ok" if label == "counts" else label)).sum()
+        assert (heights[label] * together).sum() == pytest.approx(n)
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == list(bars)[::-1]
+
+
+def test_no_two_verdicts_look_alike(ax):
+    table = pd.concat([made_up(2)] * len(VERDICTS), ignore_index=True)
+    table["verdict"] = np.repeat(list(VERDICTS), 10)
+    wl.plots.verdicts(table, ax)
+    looks = [(bar.get_facecolor(), bar.get_hatch()) for bar in ax.patches]
+    assert len(set(looks)) == len(looks) == len(VERDICTS)
+    hatches = [hatch for colour, hatch in looks]
+    assert len(set(hatches)) == len(hatches), "in black and white"
+
+
+# ------------------------------------------------------------------------------------------------------------ genomes
+
+
+def genomes(records):
+    return np.array([wl.Genome.parse(text).values for text in records.genome])
+
+
+def test_diversity_is_the_distance_of_two_robots_over_all_pairs(records, ax):
+    wl.plots.diversity(records, ax)
+    table, values = genes_of(wl.Robot()), genomes(records)
+    span = np.where(table.is_cyclic, table.high, np.ptp(values, axis=0))
+    for generation, diversity in zip(*ax.lines[0].get_data(), strict=True):
+        squares = []
+        for a, b in combinations(values[records.generation == generation], 2):
+            apart = np.divide(a - b, span, where=span > 0, out=np.zeros(len(table)))
+            squares.append(np.where(table.is_cyclic, np.sin(np.pi * apart), apart)[np.ptp(values, axis=0) > 0] ** 2)
+        assert diversity == pytest.approx(np.sqrt(np.mean(squares)))
+
+
+def test_clones_have_no_diversity_and_the_order_of_rows_does_not_matter(records, ax):
+    clones = records.assign(genome=np.where(records.generation == 3, records.genome[0], records.genome))
+    shuffled = clones.sample(frac=1, random_state=0)
+    for table in (clones, shuffled):
+        wl.plots.diversity(table, ax)
+    first, second = (line.get_ydata() for line in ax.lines)
+    assert first[3] == pytest.approx(0, abs=1e-7)
+    assert (np.delete(first, 3) > 0).all()
+    assert first == pytest.approx(second, abs=1e-12)
+
+
+def test_the_colour_of_a_gene_is_its_place_in_its_range_and_what_is_not_grown_has_none(records, ax):
+    wl.plots.genes(records, ax, generation=2)
+    table, values = genes_of(wl.Robot()), genomes(records)
+    picture = next(child for child in ax.get_children() if isinstance(child, QuadMesh)).get_array()
+    rows = records[records.generation == 2].sort_values(["fitness", "individual"], ascending=[False, True])
+    assert picture.shape == (len(rows), len(table))
+    low = np.where(table.is_cyclic, 0, values.min(axis=0))
+    high = np.where(table.is_cyclic, table.high, values.max(axis=0))
+    for colours, text in zip(picture, rows.genome, strict=True):
+        robot, own = wl.express(wl.Genome.parse(text)), wl.Genome.parse(text).values
+        for i, name in enumerate(table.names):
+            part, _, feature = name.rpartition(".")
+            place = int(part[3:] or 0) - 1 if part else None
+            grown = place is None or place < len(robot.segments)
+            if grown and place is not None and feature not in ("length", "mass", "legs"):
+                grown = robot.segments[place].legs is not None
+            assert (colours[i] is not np.ma.masked) == grown, name
+            if grown and high[i] > low[i]:
+                assert colours[i] == pytest.approx((own[i] - low[i]) / (high[i] - low[i]))
+
+
+def test_every_gene_has_its_name_below_and_its_segment_above(records, ax):
+    wl.plots.genes(records, ax)
+    names = [label.get_text() for label in ax.get_xticklabels()]
+    expected = [name.rpartition(".")[2].replace("_", " ") for name in genes_of(wl.Robot()).names]
+    assert names == expected
+    assert {"body", "segment 1", "segment 4"} <= {text.get_text() for text in ax.texts}
+
+
+def test_the_last_population_is_shown_unless_another_is_named(records, ax):
+    wl.plots.genes(records, ax)
+    assert "generation 5" in wl.plots.alt_text(ax)
+    with pytest.raises(ValueError, match="generation 77 is not in this table; it has 0 to 5"):
+        wl.plots.genes(records, ax, generation=77)
+
+
+# -------------------------------------------------------------------------------------------------------- family tree
+
+
+def ids(axes, shape):
+    found = [re.fullmatch(shape, str(child.get_gid())) for child in axes.get_children()]
+    return {tuple(map(int, match.groups())) for match in found if match}
+
+
+def bodies(axes):
+    return {one for (one,) in ids(axes, r"robot-(\d+)")}
+
+
+def edges(axes):
+    return ids(axes, r"robot-(\d+)-to-robot-(\d+)")
+
+
+@pytest.mark.parametrize("crossover", ["paired", "none", "randomized"])
+@pytest.mark.parametrize("generations", [1, 2, 8, 40])
+def test_a_tree_has_just_those_edges_that_the_table_has(generations, crossover, ax):
+    records = bred(generations, 8, crossover=crossover)
+    wl.plots.family_tree(records, ax)
+    drawn = bodies(ax)
+    births = records.drop_duplicates("individual").set_index("individual")
+    kin = {(parent, child) for child in drawn for parent in parent_numbers(births.parents[child]) if parent in drawn}
+    assert edges(ax) == kin
+    best = records.sort_values(["fitness", "individual"], ascending=[False, True]).individual.iloc[0]
+    assert best in drawn
+
+
+def test_in_a_short_tree_every_one_of_the_line_has_both_parents_drawn(ax):
+    records = bred(8, 8)
+    wl.plots.family_tree(records, ax)
+    births = records.drop_duplicates("individual").set_index("individual")
+    number = records.sort_values(["fitness", "individual"], ascending=[False, True]).individual.iloc[0]
+    while parents := parent_numbers(births.parents[number]):
+        assert {(parent, number) for parent in parents} <= edges(ax)
+        number = max(parents, key=lambda parent: births.fitness[parent])
+
+
+def test_a_long_tree_is_drawn_in_part_and_says_how_many_are_left_out(ax):
+    records = bred(60, 6, n_elites=0)
+    youngest = int(records.individual.max())
+    wl.plots.family_tree(records, ax, individual=youngest)
+    births = records.drop_duplicates("individual").set_index("individual")
+    line = [youngest]
+    while parents := parent_numbers(births.parents[line[-1]]):
+        line.append(max(parents, key=lambda parent: births.fitness[parent]))
+    assert len(line) > MOST, "or this shows nothing"
+    assert {line[0], line[-1]} <= bodies(ax)
+    left_out = [int(match[1]) for text in ax.texts if (match := re.fullmatch(r"\s*(\d+) left out", text.get_text()))]
+    assert sum(left_out) == len(line) - SOME
+    assert len(bodies(ax) & set(line)) >= SOME
+    assert f"has {len(line)} robots" in wl.plots.alt_text(ax)
+
+
+def test_a_robot_that_never_walked_has_no_tree(records):
+    with pytest.raises(ValueError, match="individual 999 is not in this run"):
+        wl.plots.family_tree(records, Figure().add_subplot(), individual=999)
+
+
+# -------------------------------------------------------------------------------------------------------------- walks
+
+
+def test_the_way_is_that_of_the_centre_of_mass(ax):
+    rollout = wl.simulate(GENOME, SETTINGS)
+    wl.plots.distance_over_time(rollout, ax)
+    assert ax.lines[0].get_ydata() == pytest.approx(rollout.com[:, 0] - rollout.com[0, 0])
+    assert ax.get_xlabel() == "time [s]"
+    assert "not count" not in wl.plots.alt_text(ax)
+
+
+def test_a_walk_that_does_not_count_is_marked_and_the_reason_told(ax):
+    rollout = wl.simulate(GENOME, SETTINGS)
+    number = np.array([math.nan if 0.5 < time < 0.6 else 0.0 for time in rollout.time])
+    torn = replace(
+        rollout, verdict="unstable", reason="a number was not finite", com=rollout.com + number[:, np.newaxis]
+    )
+    for void in (replace(rollout, verdict="fell", reason="it lay"), torn):
+        wl.plots.distance_over_time(void, ax, label="the other")
+        assert f"does not count: {void.verdict} ({void.reason})" in wl.plots.alt_text(ax)
+        assert ax.get_legend().get_texts()[-1].get_text() == f"the other (does not count: {void.verdict})"
+    render(ax)
+
+
+def test_bars_of_a_gait_are_its_footfalls(ax):
+    wl.plots.gait(GENOME, SETTINGS, ax)
+    scene, rollout = wl.compile_scene(GENOME, SETTINGS), wl.simulate(GENOME, SETTINGS)
+    down = footfalls(scene, rollout.poses)
+    rows = {child.get_gid(): child for child in ax.collections if child.get_gid()}
+    assert set(rows) == set(feet(scene))
+    for name, on_ground in zip(feet(scene), down.T, strict=True):
+        spans = [path.vertices[:, 0] for path in rows[name].get_paths()]
+        middles = (rollout.time[:-1] + rollout.time[1:]) / 2
+        black = [any(span.min() < moment < span.max() for span in spans) for moment in middles]
+        assert black == on_ground[:-1].tolist()
+    shares = [label.get_text() for label in ax.child_axes[0].get_yticklabels()]
+    assert shares == [f"{share:.0%}" for share in down.mean(axis=0)]
+
+
+# ------------------------------------------------------------------------------------------------------------- bodies
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_body_is_drawn_to_scale_on_the_ground_and_its_measures_are_told(seed, ax):
+    genome = wl.Genome.random(wl.Robot(), rng=np.random.default_rng(seed))
+    robot = wl.express(genome)
+    wl.plots.body(genome, ax)
+    (drawn,) = ax.collections
+    assert len(drawn.get_paths()) == len(robot.segments) + 2 * robot.n_legs
+    corners = np.concatenate([path.vertices for path in drawn.get_paths()])
+    assert 0 <= corners[:, 1].min() < 0.01
+    trunk = [path.vertices for path in drawn.get_paths()][robot.n_legs : robot.n_legs + len(robot.segments)]
+    assert np.ptp(np.concatenate(trunk)[:, 0]) == pytest.approx(robot.body_length, rel=0.04)
+    assert ax.get_aspect() == 1
+    told = [len(robot.segments), robot.n_legs, robot.weight, robot.body_length]
+    assert numbers(wl.plots.alt_text(ax)) == pytest.approx(told, abs=0.006)
+    assert ax.get_title() in wl.plots.alt_text(ax)
+
+
+def test_a_body_can_be_put_anywhere_at_any_size_and_reports_where_it_is(ax):
+    scene = at_rest(GENOME)
+    parts = skins(scene, scene.start)
+    left, right, bottom, top = add_body(ax, parts)
+    assert add_body(ax, parts, at=(3.0, -2.0), scale=0.5) == pytest.approx(
+        (3 + left / 2, 3 + right / 2, -2 + bottom / 2, -2 + top / 2)
+    )
+    assert len(ax.get_children()) == len(Figure().add_subplot().get_children()) + 2, "and adds nothing else"
+
+
+def test_far_legs_look_different_from_near_ones_and_stand_beside_them(ax):
+    wl.plots.body(GENOME, ax)
+    (drawn,) = ax.collections
+    n_legs = wl.express(GENOME).n_legs
+    far, near = drawn.get_paths()[:n_legs], drawn.get_paths()[-n_legs:]
+    luminance = drawn.get_facecolor()[:, :3] @ (0.3, 0.6, 0.1)
+    assert luminance[:n_legs].max() + 0.1 < luminance[-n_legs:].min()
+    assert np.mean([path.vertices[:, 0].mean() for path in far]) > np.mean(
+        [path.vertices[:, 0].mean() for path in near]
+    )
+
+
+def test_without_settings_a_robot_of_any_limits_is_drawn_as_it_is(ax):
+    large = wl.Robot(segments=(6, 8), body_length=(4, 6), segment_length=(0.5, 1), weight=(50, 60), legs=(10, 16))
+    genome = wl.Genome.random(large, rng=np.random.default_rng(0))
+    wl.plots.body(genome, ax)
+    assert f"{len(wl.express(genome).segments)} segments" in wl.plots.alt_text(ax)
+
+
+def test_loads_are_drawn_when_the_settings_have_them(ax):
+    loaded = SETTINGS.with_(carry_weight=2, drag_weight=2)
+    wl.plots.body(GENOME, ax, loaded)
+    wl.plots.body(GENOME, ax)
+    with_loads, without = (len(drawn.get_paths()) for drawn in ax.collections)
+    assert with_loads > without
 
 
 class TestStride:
@@ -75,8 +536,10 @@ class TestStride:
         wl.plots.stride(self.genome, self.settings, ax)
         robot = wl.express(self.genome)
         one = len(robot.segments) + 2 * robot.n_legs
-        assert len(ax.patches) in {one, 2 * one, 3 * one, 4 * one}
-        assert min(patch.get_path().vertices[:, 1].min() for patch in ax.patches) > -0.02
+        caught = [child for child in ax.collections if type(child) is PolyCollection]
+        assert 1 <= len(caught) <= 4
+        assert all(len(body.get_paths()) == one for body in caught)
+        assert min(path.vertices[:, 1].min() for body in caught for path in body.get_paths()) > -0.02
         assert ax.get_aspect() == 1
 
     def test_a_robot_whose_physics_broke_down_is_drawn_as_it_started(self, ax):
@@ -85,7 +548,8 @@ class TestStride:
         rollout = wl.simulate(self.genome, torn)
         assert rollout.verdict == "unstable", "or this shows nothing"
         wl.plots.stride(self.genome, torn, ax)
-        assert ax.patches
+        assert any(type(child) is PolyCollection for child in ax.collections)
+        assert "does not count: unstable" in wl.plots.alt_text(ax)
 
     @pytest.mark.parametrize("obstacle", [kind for kind in Obstacle if kind])
     def test_a_skin_reaches_as_far_as_the_thing_whichever_way(self, obstacle):

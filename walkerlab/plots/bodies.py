@@ -1,21 +1,68 @@
 """Pictures of a robot, drawn without GL."""
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Polygon
-from scipy.spatial import ConvexHull
+from matplotlib.collections import PolyCollection
 
+from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.ground import height
 from walkerlab.judge import UNSTABLE
-from walkerlab.plots.style import new_axes
+from walkerlab.phenotype import Phenotype
+from walkerlab.plots.style import count, describe, new_axes, with_unit
 from walkerlab.rollout import walk
-from walkerlab.scene import compile_scene
+from walkerlab.scene import Scene, compile_scene, scene_of
 from walkerlab.settings import Settings
 from walkerlab.shapes import skins
 
+MARGIN = 0.2  # m of ground that is seen before and behind all that stands on it
 NEAR = 1.0  # m to either side of a robot, from which on what lies about is not drawn with it
 ROPE = 2  # points of what is drawn as a line
+OUTLINE = 48  # corners of an outline at most
+SLANT = 0.35  # by which what is farther away is drawn farther right, or its far legs could not be seen
+
+_WAYS = np.array([(math.cos(turn), math.sin(turn)) for turn in np.arange(OUTLINE) * math.tau / OUTLINE])
+
+Parts = Sequence[tuple[Floats, Floats]]
+"""As ``skins`` lays them out: (k, 3) points each, and their colour."""
+
+
+def body(genome: Genome | str, ax: Axes | None = None, settings: Settings | None = None) -> Axes:
+    """Draw a robot from the side in its pose of rest, to scale, with its measures; it walks to the right.
+
+    The legs of its right side, which are nearer, are light; those of its left side are dark.
+
+    Args:
+        genome: a genome or its text.
+        ax: where to draw; a new figure if None.
+        settings: of which the limits are held and the loads are drawn; the robot as it is, without loads, if None.
+
+    Returns:
+        The Axes drawn on.
+
+    Raises:
+        GenomeError: if a text is no genome.
+    """
+    axes = ax or new_axes(4.2, 2.8)
+    scene = at_rest(genome, settings)
+    left, right, _, top = add_body(axes, skins(scene, scene.start), slant=SLANT)
+    wide = right - left
+    axes.plot([left - 0.05 * wide, right + 0.05 * wide], [0, 0], color="0.5", lw=1)
+    bar = _round_length(wide / 3)
+    below = -0.06 * wide
+    axes.plot([left, left + bar], [below, below], color="k", lw=2.5, solid_capstyle="butt")
+    axes.text(left + bar + 0.02 * wide, below, f"{bar:g} m", va="center", fontsize=8)
+    axes.set_xlim(left - 0.06 * wide, right + 0.06 * wide)
+    axes.set_ylim(below - 0.05 * wide, top + 0.03 * wide)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    said = measures(scene.phenotype)
+    axes.set_title(said, fontsize=9)
+    describe(axes, "A robot", f"A robot from the side, in its pose of rest: {said}.")
+    return axes
 
 
 def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Axes:
@@ -37,24 +84,20 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
         time, load, poses = time[:1], load[:0], scene.start[np.newaxis]
         com = poses[:, :3]
     bodies = np.abs(com[:, 0] - com[0, 0]) / (1.25 * rollout.phenotype.body_length)
-    count = int(np.clip(bodies[-1], 0, 3)) + 1  # as many as do not stand in each other's way
-    last = int(np.argmax(bodies >= min(bodies[-1], count - 1)))
-    moments = np.searchsorted(time, np.linspace(0, time[last], count))
-    near = np.append(com[moments, 0], load[moments, 0] if load.size else [])
-    x = np.linspace(near.min() - 0.8, near.max() + 0.8, 400)
-    for shade, moment in zip(np.linspace(0.25, 1.0, len(moments)) if count > 1 else [1.0], moments, strict=True):
-        parts = skins(scene, poses[moment])
-        if moment == moments[-1]:
-            there = com[moment, 1]
-            loose = skins(scene, poses[moment], loose=True)
-            parts += [one for one in loose if abs(one[0][:, 1].mean() - there) < NEAR and x[0] < one[0][0, 0] < x[-1]]
-        for skin, colour in sorted(parts, key=lambda part: -part[0][:, 1].mean()):  # the far side first
-            side = skin[:, [0, 2]]
-            if len(side) == ROPE:
-                axes.plot(*side.T, color=colour, alpha=shade, lw=1)
-            else:
-                hull = side[ConvexHull(side).vertices]
-                axes.add_patch(Polygon(hull, fc=colour, alpha=shade, ec="k", lw=0.3))
+    n_caught = int(np.clip(bodies[-1], 0, 3)) + 1  # as many as do not stand in each other's way
+    last = int(np.argmax(bodies >= min(bodies[-1], n_caught - 1)))
+    moments = np.searchsorted(time, np.linspace(0, time[last], n_caught))
+    caught = [skins(scene, pose) for pose in poses[moments]]
+    along = np.concatenate([skin[:, 0] for parts in caught for skin, _ in parts])
+    x = np.linspace(along.min() - MARGIN, along.max() + MARGIN, 400)
+    loose = skins(scene, poses[moments[-1]], loose=True)
+    caught[-1] += [
+        one
+        for one in loose
+        if abs(one[0][:, 1].mean() - com[moments[-1], 1]) < NEAR and x[0] < one[0][:, 0].mean() < x[-1]
+    ]
+    for shade, parts in zip(np.linspace(0.25, 1.0, n_caught) if n_caught > 1 else [1.0], caught, strict=True):
+        add_body(axes, parts, strength=shade)
     ground = height(settings.terrain, x)
     axes.fill_between(x, ground, ground.min() - 0.08, color="0.8", lw=0)
     axes.set_xlim(x[0], x[-1])
@@ -62,4 +105,74 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     axes.set_xlabel("way forward [m]")
     axes.set_ylabel("height [m]")
     axes.spines[["top", "right"]].set_visible(False)
+    way, after = with_unit(float(com[last, 0] - com[0, 0]), "m"), with_unit(float(time[last]), "s")
+    when = f"caught {count(n_caught, 'time')}; after {after} it is {way} ahead" if n_caught > 1 else "at its start"
+    judged = "" if rollout.counts else f" The walk does not count: {rollout.verdict}."
+    describe(axes, "A robot on its way", f"A robot from the side, {when}: {measures(scene.phenotype)}.{judged}")
     return axes
+
+
+def measures(robot: Phenotype) -> str:
+    """Say what a robot is made of: segments, legs, weight and length."""
+    return (
+        f"{count(len(robot.segments), 'segment')}, {count(robot.n_legs, 'leg')}, {with_unit(robot.weight, 'kg')}, "
+        f"{with_unit(robot.body_length, 'm')} long"
+    )
+
+
+def at_rest(genome: Genome | str, settings: Settings | None = None) -> Scene:
+    """Build a robot on bare, level ground, with the loads of the settings; its pose of rest is ``Scene.start``."""
+    if settings is None:
+        return scene_of(Genome.of(genome), Settings())
+    return compile_scene(genome, Settings(robot=settings.robot))
+
+
+def add_body(
+    axes: Axes,
+    parts: Parts,
+    at: tuple[float, float] = (0.0, 0.0),
+    scale: float = 1.0,
+    strength: float = 1.0,
+    slant: float = 0.0,
+    gid: str | None = None,
+) -> tuple[float, float, float, float]:
+    """Add a body from the side to an Axes, and nothing else.
+
+    Args:
+        axes: of equal aspect, or the body is bent.
+        parts: as ``skins`` lays them out.
+        at: where its origin goes, in data coordinates.
+        scale: data units per metre.
+        strength: 1 for its own colours; towards 0 they fade to white.
+        slant: m to the right for each m to the left of it, that is, away from who looks.
+        gid: its id in SVG.
+
+    Returns:
+        Where it begins and ends: left, right, bottom and top, in data coordinates.
+    """
+    ordered = sorted(parts, key=lambda part: -part[0][:, 1].mean())  # the far side first
+    view = np.array([(1.0, 0.0), (slant, 0.0), (0.0, 1.0)])
+    outlines = [_outline(points @ view) * scale + at for points, _ in ordered]
+    fills = [1 - strength * (1 - colour[:3]) for _, colour in ordered]
+    is_rope = [len(points) == ROPE for points, _ in ordered]
+    edge = np.full(3, 1 - strength)
+    edges = [fill if rope else edge for fill, rope in zip(fills, is_rope, strict=True)]
+    widths = [1.0 if rope else 0.4 for rope in is_rope]
+    axes.add_collection(PolyCollection(outlines, facecolors=fills, edgecolors=edges, linewidths=widths, gid=gid))
+    corners = np.concatenate(outlines)
+    (left, bottom), (right, top) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+    return left, right, bottom, top
+
+
+def _outline(points: Floats) -> Floats:
+    """Return the corners of the hull of (k, 2) points, in order: the farthest in each of many ways."""
+    if len(points) == ROPE:
+        return points
+    farthest = np.argmax(points @ _WAYS.T, axis=0)
+    return points[farthest[np.flatnonzero(np.diff(farthest, prepend=-1))]]
+
+
+def _round_length(about: float) -> float:
+    """Return a round length [m] of at most about so much: 1, 2 or 5 of some power of ten."""
+    power = 10.0 ** math.floor(math.log10(about))
+    return max(step * power for step in (1, 2, 5) if step * power <= about)

@@ -1,13 +1,31 @@
 """Pictures of the tidy table, generation by generation."""
 
+import math
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
-from walkerlab.plots.style import RUNS, new_axes
+from walkerlab.plots.style import (
+    MARKS,
+    MOST_MARKS,
+    RUNS,
+    count,
+    course,
+    describe,
+    key,
+    n_drawn,
+    new_axes,
+    nothing,
+    over_generations,
+    round_steps,
+    unit_of,
+)
 
 QUARTILES = np.array([0.25, 0.5, 0.75])
+WALKED = ("fitness", "distance", "velocity")
+"""What a walk brings forth: of those that do not count, it means nothing."""
 
 
 def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "") -> Axes:
@@ -17,31 +35,100 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
 
     Args:
         records: the tidy table of a run.
-        ax: where to draw; a new figure if None. Several runs on one Axes get a colour each.
+        ax: where to draw; a new figure if None. Several runs on one Axes get a colour and a mark each.
         label: told before the lines' names, to tell several runs apart.
 
     Returns:
         The Axes drawn on.
     """
     axes = ax or new_axes()
-    counted = records[records.verdict == "ok"].groupby("generation").fitness
-    middle = counted.quantile(QUARTILES).unstack().reindex(columns=QUARTILES)
-    best = counted.max()
-    name = f"{label}: " if label else ""
-    colour = RUNS[len(axes.lines) // 2 % len(RUNS)]
-    axes.plot(best.index, best, lw=2.2, color=colour, label=f"{name}best", marker="o", markersize=3)
-    axes.plot(middle.index, middle[0.5], lw=1.4, ls="--", color=colour, label=f"{name}median", marker=".")
-    half = "" if label else "middle half"
-    axes.fill_between(middle.index, middle[0.25], middle[0.75], color=colour, alpha=0.15, lw=0, label=half)
+    title = "Fitness of each generation"
+    counted: Any = records[records.verdict == "ok"]
+    best = counted.groupby("generation").fitness.max()
+    name = str(records.attrs.get("fitness", "fitness"))
+    run, n_generations = n_drawn(axes, title), records.generation.nunique()
+    colour, mark = RUNS[run % len(RUNS)], MARKS[run % len(MARKS)]
+    before = f"{label}: " if label else ""
+    every = math.ceil(len(best) / MOST_MARKS) or None
+    axes.plot(best.index, best, lw=2, color=colour, marker=mark, ms=4, markevery=every, label=f"{before}best")
+    middle = _middle(axes, counted, "fitness", (colour, mark), before)
     if best.empty:
-        axes.text(0.5, 0.5, "no walk counted", transform=axes.transAxes, ha="center")
-    unit = records.attrs.get("units", {}).get("fitness", "")
-    axes.set_xlabel("generation")
-    axes.set_ylabel(f"{records.attrs.get('fitness', 'fitness')}{f' [{unit}]' if unit else ''}")
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-    axes.margins(x=0.01)
-    columns = len(axes.lines) // 2 if label else 3  # a column for each of several runs
-    axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0, 1), ncols=columns, borderaxespad=0)
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.grid(axis="y", lw=0.5, alpha=0.4)
+        nothing(axes, "no walk counted")
+        text = f"{before}in {count(n_generations, 'generation')}, no walk counted."
+    else:
+        unit = unit_of(records, "fitness")
+        text = (
+            f"{before}{name} over {count(n_generations, 'generation')}: the best {course(best, unit)}, "
+            f"the median {course(middle, unit)}."
+        )
+    describe(axes, title, text[0].upper() + text[1:])
+    axes.set_ylabel(_with_brackets(name, unit_of(records, "fitness")))
+    over_generations(axes, n_generations)
+    key(axes, n_drawn(axes, title) if label else 3)  # a column for each of several runs
     return axes
+
+
+def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: str = "") -> Axes:
+    """Draw how a trait changes: its median (dashed), its middle half, and the best robot of each generation.
+
+    All robots are looked at; but what a walk brought forth (fitness, distance, velocity) is that of walks that count.
+    The best robot is the one of the highest fitness, not of the highest trait.
+
+    Args:
+        records: the tidy table of a run.
+        name: a column of numbers: ``body_length``, ``weight``, ``n_legs``, ``n_segments``, ``velocity`` …
+        ax: where to draw; a new figure if None. Several runs on one Axes get a colour and a mark each.
+        label: told before the lines' names, to tell several runs apart.
+
+    Returns:
+        The Axes drawn on.
+
+    Raises:
+        ValueError: if there is no such column of numbers; the message lists those that there are.
+    """
+    numeric = [column for column in records.select_dtypes("number").columns if column != "generation"]
+    if name not in numeric:
+        raise ValueError(f"the table has no column of numbers called {name!r}; it has {', '.join(numeric)}")
+    axes = ax or new_axes()
+    said = {"n_legs": "number of legs", "n_segments": "number of segments"}.get(name, name.replace("_", " "))
+    title, unit = f"{said[0].upper()}{said[1:]} of each generation", unit_of(records, name)
+    counted: Any = records[records.verdict == "ok"]
+    known: Any = counted if name in WALKED else records
+    known = known[np.isfinite(known[name])]
+    fittest = counted.sort_values(["generation", "fitness", "individual"], ascending=[True, False, True])
+    best = fittest.drop_duplicates("generation").set_index("generation")[name]
+    run, n_generations = n_drawn(axes, title), records.generation.nunique()
+    colour, mark = RUNS[run % len(RUNS)], MARKS[run % len(MARKS)]
+    before = f"{label}: " if label else ""
+    marks: dict[str, Any] = {"marker": mark, "ms": 5 if len(best) <= 60 else 3, "mfc": "white", "mec": colour, "ls": ""}
+    axes.plot(best.index, best, **marks, label=f"{before}best robot", zorder=3)
+    middle = _middle(axes, known, name, (colour, mark), before)
+    if middle.empty:
+        nothing(axes, "no walk counted")
+        text = f"{before}{said}: no walk counted."
+    else:
+        of_best = f", that of the best robot {course(best, unit)}" if len(best) else ""
+        text = f"{before}{said} over {count(n_generations, 'generation')}: the median {course(middle, unit)}{of_best}."
+    describe(axes, title, text[0].upper() + text[1:])
+    axes.set_ylabel(_with_brackets(said, unit))
+    if pd.api.types.is_integer_dtype(records[name]):
+        axes.yaxis.set_major_locator(round_steps())
+    over_generations(axes, n_generations)
+    key(axes, n_drawn(axes, title) if label else 3)
+    return axes
+
+
+def _middle(axes: Axes, records: pd.DataFrame, name: str, look: tuple[str, str], before: str) -> pd.Series:
+    """Draw median and middle half of a column in a colour, with a mark; return the median of each generation."""
+    colour, mark = look
+    grouped: Any = records.groupby("generation")[name].quantile(QUARTILES).unstack()
+    quartiles = grouped.reindex(columns=QUARTILES)
+    low, median, high = (quartiles[share] for share in QUARTILES)
+    axes.fill_between(quartiles.index, low, high, color=colour, alpha=0.18, lw=0, label="" if before else "middle half")
+    line: dict[str, Any] = {"lw": 1.4, "ls": (0, (4, 2)), "color": colour, "label": f"{before}median"}
+    axes.plot(median.index, median, **line, marker=mark, ms=2.5, markevery=math.ceil(len(median) / MOST_MARKS) or None)
+    return median
+
+
+def _with_brackets(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit else name

@@ -1,28 +1,189 @@
-"""How every picture looks: its colours, its Axes and how it is saved."""
+"""How every picture looks, what it says to those who cannot see it, and how it is saved."""
 
-from typing import TYPE_CHECKING
+import io
+import os
+from collections.abc import Generator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, cast
+from xml.sax.saxutils import escape
 
+import matplotlib as mpl
+import pandas as pd
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Bbox
 
 RUNS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Colours of runs, in turn: those of Okabe and Ito that are dark enough for a line on white."""
 
+MARKS = ("o", "s", "^", "D", "v", "P")
+"""Marks of runs, in turn, which tell them apart in black and white."""
 
-def save(axes: Axes, *paths: str) -> None:
-    """Save the figure of an Axes; text stays text in SVG, so that it can be searched and edited."""
-    import matplotlib as mpl
+MOST_MARKS = 25  # on a line, however long
+QUIET = "0.35"  # of text that is not the first to be read
 
-    figure: Figure = axes.figure  # type: ignore[assignment]
-    with mpl.rc_context({"svg.fonttype": "none"}):
-        for path in paths:
-            figure.savefig(path, dpi=150)
+REAL_TEXT: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "svg.hashsalt": "walkerlab"}
+"""Text that can be searched and edited, and the same picture, byte for byte, every time."""
 
 
-def new_axes() -> Axes:
-    """Open a figure that a notebook shows below its cell."""
+class _Description(Artist):
+    """What a picture shows, in words; it lives and dies with what is drawn on its Axes."""
+
+    def __init__(self, title: str, text: str) -> None:
+        super().__init__()
+        self.title, self.text = title, text
+        self.set_in_layout(False)
+
+    def draw(self, renderer: object) -> None:
+        """Words are heard, not seen."""
+
+    def get_window_extent(self, renderer: object = None) -> Bbox:  # noqa: ARG002
+        """Take no room."""
+        return Bbox.null()
+
+
+def describe(axes: Axes, title: str, text: str) -> None:
+    """Say in a sentence or two, with its figures, what has just been drawn on an Axes."""
+    axes.add_artist(_Description(title, text))
+
+
+def alt_text(axes: Axes) -> str:
+    """Return what is drawn on an Axes in words, with its figures, for those who cannot see it.
+
+    Args:
+        axes: on which plots of walkerlab have drawn.
+
+    Returns:
+        A sentence or two for each plot, in the order drawn; "" if there is none.
+    """
+    return " ".join(one.text for one in _descriptions(axes))
+
+
+def n_drawn(axes: Axes, title: str) -> int:
+    """Count the plots of this title on an Axes, so that the next one can look different."""
+    return sum(one.title == title for one in _descriptions(axes))
+
+
+def _descriptions(axes: Axes) -> list[_Description]:
+    return [child for child in axes.get_children() if isinstance(child, _Description)]
+
+
+def save(axes: Axes, *paths: str | os.PathLike[str]) -> None:
+    """Save the figure of an Axes with its description; in SVG and PDF, text stays text.
+
+    Args:
+        axes: any one of the figure.
+        *paths: to be written; the endings say as what: ``.svg``, ``.pdf``, ``.png``, or another that matplotlib knows.
+    """
+    figure = cast(Figure, axes.get_figure(root=True))
+    found = [one for each in figure.axes for one in _descriptions(each)]
+    title = "; ".join(dict.fromkeys(one.title for one in found))
+    text = " ".join(one.text for one in found)
+    metadata: dict[str, dict[str, str | None]] = {
+        ".svg": {"Title": title, "Description": text, "Date": None},
+        ".pdf": {"Title": title, "Subject": text, "CreationDate": None},
+        ".png": {"Title": title, "Description": text},
+    }
+    with mpl.rc_context(REAL_TEXT), _laid_out(figure):
+        for path in map(Path, paths):
+            told: Any = metadata.get(path.suffix.lower())
+            if path.suffix.lower() != ".svg":
+                figure.savefig(path, dpi=150, metadata=told)
+                continue
+            drawn = io.StringIO()
+            figure.savefig(drawn, format="svg", dpi=150, metadata=told)
+            path.write_text(_heard(drawn.getvalue(), text), encoding="utf-8")
+
+
+@contextmanager
+def _laid_out(figure: Figure) -> Generator[None]:
+    """Lay a figure out once for all that it is saved as."""
+    engine = figure.get_layout_engine()
+    if engine is None:
+        yield
+        return
+    engine.execute(figure)
+    figure.set_layout_engine("none")
+    try:
+        yield
+    finally:
+        figure.set_layout_engine(engine)
+
+
+def _heard(svg: str, text: str) -> str:
+    """Write the description where screen readers look for it: matplotlib writes it where catalogues do."""
+    return svg.replace("<svg ", '<svg role="img" ', 1).replace("</title>", f"</title>\n <desc>{escape(text)}</desc>", 1)
+
+
+def new_axes(width: float = 7.2, height: float = 4.0) -> Axes:
+    """Open a figure [inches] that a notebook shows below its cell, white whatever the notebook's theme is."""
     from matplotlib import pyplot
 
-    return pyplot.figure(figsize=(7.2, 4.0), layout="constrained").add_subplot()
+    figure = pyplot.figure(figsize=(width, height), layout="constrained", facecolor="white")
+    return figure.add_subplot()
+
+
+def over_generations(axes: Axes, n_generations: int) -> None:
+    """Give an Axes the generations along its foot, and a quiet look."""
+    axes.set_xlabel("generation")
+    axes.xaxis.set_major_locator(round_steps())
+    if n_generations == 1:
+        axes.set_xlim(-1, 1)
+    else:
+        axes.margins(x=0.01)
+    plain(axes)
+
+
+def round_steps() -> MaxNLocator:
+    """Place ticks at whole and round numbers."""
+    return MaxNLocator(integer=True, min_n_ticks=1, steps=[1, 2, 5, 10])
+
+
+def plain(axes: Axes) -> None:
+    """Leave out the lines that carry nothing, and help the eye across."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(axis="y", lw=0.5, alpha=0.4)
+    axes.set_axisbelow(True)
+
+
+def key(axes: Axes, columns: int) -> None:
+    """Explain the lines above the Axes, where they are in the way of nothing."""
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(
+            frameon=False, loc="lower left", bbox_to_anchor=(0, 1), ncols=columns, borderaxespad=0.2, fontsize=9
+        )
+
+
+def nothing(axes: Axes, why: str) -> None:
+    """Say why there is nothing to be seen."""
+    axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center", color=QUIET)
+
+
+def unit_of(records: pd.DataFrame, column: str) -> str:
+    """Return the unit of a column, "" if it has none."""
+    return str(records.attrs.get("units", {}).get(column, ""))
+
+
+def with_unit(value: float, unit: str) -> str:
+    """Write a measured number for people: two decimals, or two figures of what is small, and no needless zeros."""
+    if value and abs(value) < 0.1:
+        number = f"{value:.2g}"
+    else:
+        number = f"{value:.0f}" if abs(value) >= 100 else f"{value:.2f}".rstrip("0").rstrip(".")
+    return f"{number.replace('-', '−')}{f' {unit}' if unit else ''}"
+
+
+def course(values: pd.Series, unit: str) -> str:
+    """Say from where to where a line goes."""
+    first, last = with_unit(float(values.iloc[0]), unit), with_unit(float(values.iloc[-1]), unit)
+    if first == last:
+        return f"stays at {first}" if values.nunique() == 1 else f"begins and ends at {first}"
+    return f"{'rises' if values.iloc[-1] > values.iloc[0] else 'falls'} from {first} to {last}"
+
+
+def count(number: int, thing: str) -> str:
+    """Count things in words: 1 leg, 2 legs."""
+    return f"{number} {thing}{'' if number == 1 else 's'}"
