@@ -47,12 +47,24 @@ def test_one_walker_fills_a_good_part_of_the_picture(camera):
     assert (share < 0.8).all()
 
 
+@pytest.mark.parametrize("camera", list(Camera))
+@pytest.mark.parametrize("incline", [-30, -12, 12, 30])
+def test_no_camera_is_below_the_slope(camera, incline):
+    slope = math.radians(incline)
+    along = np.stack([TIME, 0 * TIME, TIME * math.tan(slope) + 0.25], axis=1)
+    eye = aim(camera, TIME, along[np.newaxis], 1.5, slope).eye
+    assert (eye[:, 2] > eye[:, 0] * math.tan(slope)).all()
+
+
 def test_each_looks_where_its_name_says():
     path = np.zeros((1, len(TIME), 3))
     eye = {camera: aim(camera, TIME, path, NEAREST).eye[0] for camera in Camera}
-    assert eye[Camera.side][1] < -1 and abs(eye[Camera.side][0]) < 1e-9  # from the right, forward is to the right
-    assert eye[Camera.front][0] > 1 and abs(eye[Camera.front][1]) < 1e-9
-    assert eye[Camera.top][2] > 1 and np.abs(eye[Camera.top][:2]).max() < 1e-9
+    assert eye[Camera.side][1] < -1  # from the right, so that forward is to the right
+    assert abs(eye[Camera.side][0]) < 1e-9
+    assert eye[Camera.front][0] > 1
+    assert abs(eye[Camera.front][1]) < 1e-9
+    assert eye[Camera.top][2] > 1
+    assert np.abs(eye[Camera.top][:2]).max() < 1e-9
     assert eye[Camera.chase][0] < -1
     around = aim(Camera.orbit, TIME, path, NEAREST)
     assert np.ptp(around.azimuth) > 180

@@ -30,6 +30,7 @@ _ROOMS = {
         "Structure",
         "Texture",
     ),
+    "cinema": ("Film", "FilmError", "film", "timelapse"),
     "confirmation": ("Confirmation", "confirm"),
     "entities": ("generate_robot", "generate_terrain"),
     "evaluation": ("Evaluation", "evaluate", "evaluate_population"),
@@ -72,6 +73,10 @@ if TYPE_CHECKING:
     from walkerlab.choices import Selection as Selection
     from walkerlab.choices import Structure as Structure
     from walkerlab.choices import Texture as Texture
+    from walkerlab.cinema import Film as Film
+    from walkerlab.cinema import FilmError as FilmError
+    from walkerlab.cinema import film as film
+    from walkerlab.cinema import timelapse as timelapse
     from walkerlab.confirmation import Confirmation as Confirmation
     from walkerlab.confirmation import confirm as confirm
     from walkerlab.entities import generate_robot as generate_robot

@@ -12,12 +12,14 @@ from walkerlab.genes import Floats
 FIELD_OF_VIEW = 45.0  # degrees from the lower to the upper edge of the picture
 CALM = 0.4  # s over which a camera evens out the bobbing of what it follows
 NEAREST = 1.2  # m, as if what it looks at were at least as large
+MARGIN = 1.3  # m farther away for each m between those in the picture
+DOWN = -90  # degrees, at which a camera looks straight down
 TURN = 30.0  # degrees a second, at which an orbit goes round
 
 VIEWS: dict[Camera, tuple[float, float, float]] = {
     Camera.side: (90, -10, 1.9),
     Camera.front: (180, -14, 1.9),
-    Camera.top: (90, -90, 2.2),
+    Camera.top: (90, DOWN, 2.2),
     Camera.chase: (20, -20, 1.9),
     Camera.orbit: (90, -18, 2.0),
 }
@@ -32,36 +34,37 @@ class Shot:
         target: (n, 3) what it looks at [m].
         distance: (n,) from how far [m].
         azimuth: (n,) which way it looks: degrees to the left of forward.
-        elevation: how far upward it looks, degrees.
+        elevation: (n,) how far upward it looks, degrees.
     """
 
     target: Floats
     distance: Floats
     azimuth: Floats
-    elevation: float
+    elevation: Floats
 
     @property
     def eye(self) -> Floats:
         """(n, 3) where it stands [m]."""
-        azimuth, elevation = np.radians(self.azimuth), math.radians(self.elevation)
-        flat, rise = math.cos(elevation) * np.ones_like(azimuth), math.sin(elevation) * np.ones_like(azimuth)
-        way = np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), rise], axis=1)
+        azimuth, elevation = np.radians(self.azimuth), np.radians(self.elevation)
+        flat = np.cos(elevation)
+        way = np.stack([flat * np.cos(azimuth), flat * np.sin(azimuth), np.sin(elevation)], axis=1)
         return self.target - self.distance[:, np.newaxis] * way
 
     @property
     def up(self) -> tuple[float, float, float]:
         """Which way is up in the picture: to the left of the way, if it looks straight down."""
-        return (0.0, 1.0, 0.0) if self.elevation <= -90 else (0.0, 0.0, 1.0)
+        return (0.0, 1.0, 0.0) if self.elevation[0] <= DOWN else (0.0, 0.0, 1.0)
 
 
-def aim(camera: Camera, time: Floats, paths: Floats, size: float) -> Shot:
+def aim(camera: Camera, time: Floats, paths: Floats, size: float, slope: float = 0.0) -> Shot:
     """Follow one walker or several, so that all are in the picture at any moment.
 
     Args:
         camera: which view.
         time: (n,) s, evenly spaced.
-        paths: (k, n, 3) the centre of mass of each walker [m].
+        paths: (k, n, 3) the centre of mass of each walker, and where loads are that it drags [m].
         size: of the largest of them [m].
+        slope: pitch of the ground [rad], so as not to look from below it; positive is uphill.
     """
     azimuth, elevation, far = VIEWS[camera]
     width = CALM / (time[1] - time[0])
@@ -69,4 +72,6 @@ def aim(camera: Camera, time: Floats, paths: Floats, size: float) -> Shot:
     target = gaussian_filter1d((low + high) / 2, width, axis=0, mode="nearest")
     spread = gaussian_filter1d((high - low).max(axis=1), width, mode="nearest")
     around = TURN * (time - time[0]) * (camera == Camera.orbit)
-    return Shot(target, far * max(size, NEAREST) + spread, azimuth + around, float(elevation))
+    looks = azimuth + around
+    tilt = math.degrees(slope) * np.cos(np.radians(looks)) * (elevation > DOWN)
+    return Shot(target, far * max(size, NEAREST) + MARGIN * spread, looks, elevation + tilt)

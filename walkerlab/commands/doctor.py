@@ -2,10 +2,9 @@
 
 import os
 import platform
-import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
@@ -13,8 +12,9 @@ from typing import Literal
 
 from packaging.requirements import Requirement
 
+from walkerlab import graphics
+
 OLDEST_PYTHON = (3, 11)
-PATIENCE = 120  # s for a probe, after which it counts as failed
 FOR_NOTEBOOKS = ("ipywidgets", "jupyterlab")
 WHY = {"mujoco": "dm_control reads model fields that mujoco 4 no longer has"}
 
@@ -28,23 +28,6 @@ start = time.perf_counter()
 wl.simulate(wl.Genome(robot), settings)
 print(f"{8 / (time.perf_counter() - start):.0f}")
 """
-
-DRAW = """
-import mujoco
-context = mujoco.GLContext(64, 64)
-context.make_current()
-from OpenGL import GL
-print(GL.glGetString(GL.GL_RENDERER).decode())
-"""
-
-GL_PACKAGES = {
-    "debian": "sudo apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri",
-    "fedora": "sudo dnf install mesa-libEGL mesa-libGL mesa-dri-drivers",
-    "suse": "sudo zypper install Mesa-libEGL1 Mesa-dri",
-    "arch": "sudo pacman -S mesa",
-    "alpine": "use a Linux with glibc, such as Debian: there is no MuJoCo for Alpine's musl",
-}
-"""How each family of Linux distributions gets a GL that needs no screen."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +52,7 @@ def examine() -> Iterator[Finding]:
     yield folder(Path.cwd())
     yield cores()
     yield walk()
-    yield graphics()
+    yield drawing()
 
 
 def python(found: tuple[int, ...]) -> Finding:
@@ -127,7 +110,7 @@ def cores() -> Finding:
 
 def walk() -> Finding:
     """Let one robot walk."""
-    done, answer = _try_out(WALK)
+    done, answer = graphics.try_out(WALK)
     if done:
         return Finding("ok", f"a robot walks, {answer} times faster than in real time on one core")
     return Finding(
@@ -135,53 +118,10 @@ def walk() -> Finding:
     )
 
 
-def graphics() -> Finding:
+def drawing() -> Finding:
     """Look for a GL that draws without a screen."""
-    chosen, system = os.environ.get("MUJOCO_GL"), platform.system()
-    for backend in [chosen] if chosen else ["egl", "osmesa"] if system == "Linux" else [""]:
-        done, answer = _try_out(DRAW, {"MUJOCO_GL": backend, "PYOPENGL_PLATFORM": backend} if backend else {})
-        if done:
-            tip = f", with MUJOCO_GL={backend} set before Python starts" if backend and not chosen else ""
-            return Finding("ok", f"3D pictures can be drawn by {answer}{tip}")
-    tried = f" with MUJOCO_GL={chosen}" if chosen else ""
-    return Finding(
-        "note", f"no GL that draws without a screen{tried}: only 3D pictures need it", mend_for_gl(system, _release())
-    )
-
-
-def mend_for_gl(system: str, release: Mapping[str, str]) -> str:
-    """Say how this system gets GL.
-
-    Args:
-        system: as ``platform.system()`` names it.
-        release: of a Linux, as ``/etc/os-release`` has it.
-    """
-    if system == "Windows":
-        return "update the graphics driver, and leave MUJOCO_GL unset"
-    if system == "Darwin":
-        return "start Python from a session at the screen, not over SSH, and leave MUJOCO_GL unset"
-    families = f"{release.get('ID', '')} {release.get('ID_LIKE', '')}".replace("ubuntu", "debian").replace(
-        "rhel", "fedora"
-    )
-    known = next((GL_PACKAGES[family] for family in GL_PACKAGES if family in families), None)
-    return known or "install Mesa's EGL (libEGL and its software driver) with this system's package manager"
-
-
-def _release() -> Mapping[str, str]:
-    try:
-        return platform.freedesktop_os_release()
-    except OSError:
-        return {}
-
-
-def _try_out(code: str, environment: Mapping[str, str] | None = None) -> tuple[bool, str]:
-    """Run some Python in a process of its own: whether it went well, and the last line that it said."""
-    command = [sys.executable, "-c", code]
-    try:
-        tried = subprocess.run(
-            command, capture_output=True, text=True, timeout=PATIENCE, env={**os.environ, **(environment or {})}
-        )
-    except subprocess.TimeoutExpired:
-        return False, f"gave up after {PATIENCE} s"
-    said = (tried.stdout if tried.returncode == 0 else tried.stderr).strip().splitlines()
-    return tried.returncode == 0, said[-1] if said else f"it ended with code {tried.returncode}"
+    if found := graphics.find_gl():
+        backend, renderer = found
+        tip = f" (pictures of your own: set MUJOCO_GL={backend} before Python starts)" if backend else ""
+        return Finding("ok", f"films and 3D pictures can be drawn by {renderer}{tip}")
+    return Finding("note", f"{graphics.missing_gl()}: only films and 3D pictures need it", graphics.mend())

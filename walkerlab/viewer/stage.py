@@ -74,16 +74,22 @@ def set_up(walks: list[Walk], name: str) -> Stage:
     plot += meshes.starting_line(first.scene.settings.terrain, [walk.lane for walk in walks])
     things, channels = list[int](), list[Floats]()
     for walk, poses in zip(walks, recorded, strict=True):
-        aside = np.array([0, walk.lane, 0, 0, 0, 0, 0, 0])
         for mesh, track in _cast(walk, follow(walk.scene, poses)):
             plot += mesh
             if track is not None:
                 things.append(mesh.id)
-                channels.append((_lasting(track, len(time)) + aside).T)
-    lanes = np.array([(0, walk.lane, 0) for walk in walks])
-    paths = np.array([_lasting(np.nan_to_num(walk.rollout.com), len(time)) for walk in walks]) + lanes[:, np.newaxis]
-    size = max(walk.scene.phenotype.body_length + walk.scene.rope for walk in walks)
-    shots = {camera: aim(camera, time, paths, size) for camera in Camera}
+                channels.append(_lasting(track, len(time)).T)
+                channels[-1][1] += walk.lane
+    aside = np.array([(0, walk.lane, 0) for walk in walks])
+    paths = np.array([_lasting(np.nan_to_num(walk.rollout.com), len(time)) for walk in walks]) + aside[:, np.newaxis]
+    loads = [
+        _lasting(walk.rollout.load, len(time)) + side
+        for walk, side in zip(walks, aside, strict=True)
+        if walk.scene.rope
+    ]
+    size = max(walk.scene.phenotype.body_length for walk in walks)
+    around, pitch = np.array([*paths, *loads]), slope(first.scene.settings.terrain)
+    shots = {camera: aim(camera, time, around, size, pitch) for camera in Camera}
     for shot in shots.values():
         channels += [shot.eye.T, shot.target.T]
     channels += [path.T for path in paths]
