@@ -16,7 +16,7 @@ HOUSE = Path(walkerlab.__file__).parent
 
 FLOORS = (
     ("quantity", "randomness", "genes", "interrupts", "markup", "graphics"),
-    ("choices",),
+    ("choices", "glossary"),
     ("settings", "ga"),
     ("limits", "ground", "textures", "cameras"),
     ("layout",),
@@ -30,14 +30,14 @@ FLOORS = (
     ("records",),
     ("store",),
     ("plots", "story"),
-    ("viewer", "film"),
+    ("viewer", "cinema"),
     ("report",),
     ("run",),
     ("evolution",),
     ("commands",),
     ("__main__",),
 )
-"""From the ground up; ga, entities, plots and commands are folders, a room each; ``__init__`` is the sign at the door."""
+"""From the ground up; Folders are a room each; ``__init__`` is the sign at the door."""
 
 FLOOR = {room: height for height, rooms in enumerate(FLOORS) for room in rooms}
 
@@ -49,11 +49,11 @@ ONLY_FROM = {
 
 ONLY_IN = {
     "dm_control": {"entities", "export", "environment"},
-    "mujoco": {"assembly", "scene", "rollout", "shapes", "footfalls", "film", "export", "commands"},
-    "matplotlib": {"plots", "report", "commands"},
+    "mujoco": {"assembly", "scene", "rollout", "shapes", "footfalls", "cinema", "export", "commands"},
+    "matplotlib": {"plots", "viewer", "cinema", "report", "commands"},
     "k3d": {"viewer"},
     "anywidget": {"viewer"},
-    "imageio": {"film"},
+    "av": {"cinema"},
     "ipywidgets": {"widgets"},
     "IPython": {"widgets"},
     "loky": {"evaluation"},
@@ -137,7 +137,7 @@ def test_imports_point_down(module):
             assert room(other) in ONLY_FROM.get(here, FLOOR), f"{module} imports {other}, and must not know of it"
 
 
-@pytest.mark.parametrize("folder", ["ga", "entities", "plots", "commands"])
+@pytest.mark.parametrize("folder", ["ga", "entities", "plots", "viewer", "cinema", "report", "commands"])
 def test_no_two_files_of_a_room_need_each_other(folder):
     graph = {module: of_ours(path) - {module} for module, path in MODULES.items() if room(module) == folder}
     TopologicalSorter(graph).prepare()  # raises CycleError, which shows the cycle

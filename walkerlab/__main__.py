@@ -169,7 +169,6 @@ def _finish(run: "wl.Run", *, quiet: bool) -> int:
 
     assert run.path
     folder, wanted = run.path.parent, run.settings.algorithm.generations
-    outputs.write(run, folder)
     stopped = run.n_generations < wanted
     if not quiet:
         print()
@@ -178,6 +177,9 @@ def _finish(run: "wl.Run", *, quiet: bool) -> int:
         print(story.champion_story(run.records, run.settings.model_dump()))
         if run.champion.verdict == "ok":
             print(run.confirm())
+        print("\nDrawing the report …", flush=True)
+    outputs.write(run, folder)
+    if not quiet:
         print(f"\nIn the folder {folder} there are now")
         print("\n".join(f"  {name:13} {about}" for name, about in outputs.FILES.items()))
         print("\nWhat next?")

@@ -20,13 +20,12 @@ IDLE = 10.0  # J counted on top, about what trembling contacts do to a robot tha
 
 def distance(rollout: Rollout) -> float:
     """Net forward travel of the centre of mass after settling, in m; negative if it went backward."""
-    return float(rollout.com[-1, 0] - rollout.com[0, 0])
+    return rollout.distance
 
 
 def velocity(rollout: Rollout) -> float:
     """Mean forward speed over the last two thirds of the walk, in m/s: what is left once the start is over."""
-    start = int(np.searchsorted(rollout.time, rollout.time[-1] / 3))
-    return float((rollout.com[-1, 0] - rollout.com[start, 0]) / (rollout.time[-1] - rollout.time[start]))
+    return rollout.velocity
 
 
 def efficiency(rollout: Rollout) -> float:

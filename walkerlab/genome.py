@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from walkerlab.choices import Feature
 from walkerlab.genes import Floats
 from walkerlab.limits import MAX_SEGMENTS, PART, WHOLE, genes_of, repair
+from walkerlab.markup import Html, code, details, join, shown, table, tag
 from walkerlab.settings import Robot
 
 
@@ -105,6 +106,9 @@ class Genome:
     def __hash__(self) -> int:
         return hash(self.values.tobytes())
 
+    def _repr_html_(self) -> str:
+        return shown(in_words(self))
+
     @property
     def n_parts(self) -> int:
         """How many segments it describes, grown or not."""
@@ -118,6 +122,54 @@ class Genome:
         whole, parts = self.values[: len(WHOLE)], self.values[len(WHOLE) :].reshape(self.n_parts, -1)
         parts = parts[np.minimum(np.arange(robot.segments[1]), self.n_parts - 1)]
         return type(self)(repair(np.concatenate([whole, parts.ravel()])[np.newaxis], robot)[0])
+
+
+def in_words(genome: Genome) -> Html:
+    """Write a genome for people, under the names of its text form: its body, its gait, and the text to copy.
+
+    What is not grown is faint: whole segments, and the legs of those that have none.
+    """
+    count, frequency = genome.values[: len(WHOLE)].tolist()
+    parts = genome.values[len(WHOLE) :].reshape(genome.n_parts, -1).tolist()
+    genes = [dict(zip(PART, values, strict=True)) for values in parts]
+    n_grown = sum(place < count for place in range(genome.n_parts))
+    kinds = ["" if place < count else "faint" for place in range(genome.n_parts)]
+
+    def rows(features: tuple[Feature, ...]) -> Iterator[list[object]]:
+        for place, gene in enumerate(genes):
+            cells = (_cell(feature, gene[feature], expressed=gene[Feature.legs] != 0) for feature in features)
+            yield [f"{place + 1}{' (not grown)' if kinds[place] else ''}", *cells]
+
+    segments = f"{genome.n_parts} segment{'' if genome.n_parts == 1 else 's'}"
+    body = table(
+        f"Body: {f'{n_grown} of {segments} grown' if n_grown < genome.n_parts else segments}",
+        ["seg", "length [m]", "mass [kg]", "legs", "length [m]", "force [N·m]"],
+        rows(PART[:5]),
+        numbers=(1, 2, 4, 5),
+        classes=kinds,
+    )
+    gait = table(
+        f"Gait: frequency {_number(frequency)} Hz; angles in rad",
+        ["step", *_MOTIONS, *_MOTIONS, "stride"],
+        rows(PART[5:]),
+        groups=[("", 1), ("hip", 3), ("knee", 3), ("", 1)],
+        numbers=range(1, 8),
+        classes=kinds,
+    )
+    idle = tag("p", "What is not grown is inherited and mutated all the same.", class_="faint")
+    text = details("The gene as text, to copy and to edit", code(str(genome)))
+    return join(tag("div", body, gait, class_="beside"), idle if n_grown < genome.n_parts else "", text)
+
+
+def _cell(feature: Feature, value: float, *, expressed: bool) -> object:
+    if feature == Feature.legs:
+        return "legs" if value else "nolegs"
+    text = _number(value)
+    return text if expressed or feature in (Feature.length, Feature.mass) else tag("span", text, class_="faint")
+
+
+def _number(value: float) -> str:
+    return f"{value:.3f}" if abs(value) < 1e6 else f"{value:.3g}"
 
 
 def read_genomes(given: Iterable[Genome | str | ArrayLike]) -> list[Genome]:
@@ -156,13 +208,14 @@ def _layout(n_parts: int) -> tuple[tuple[str, int | None], ...]:
             yield from (("|", None), ("step", None))
             for joint in ("hip", "knee"):
                 yield joint, None
-                for motion in ("amplitude", "phase", "offset"):
+                for motion in _MOTIONS:
                     yield f"{motion}=", gene(Feature[f"{joint}_{motion}"], part)
             yield "stride=", gene(Feature.stride, part)
 
     return tuple(tokens())
 
 
+_MOTIONS = ("amplitude", "phase", "offset")
 _LEGS = {"nolegs": 0.0, "legs": 1.0}
 _MAX_TEXT = 20_000
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d{1,3})?"

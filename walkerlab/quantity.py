@@ -101,17 +101,18 @@ class Quantity:
         if faults:
             raise ValueError(*faults)
         if self.parts == PAIR and numbers[0] > numbers[1]:
-            raise ValueError(f" is {_show(numbers)}{self._unit}; its min must not be over its max.")
+            raise ValueError(f" is {shown_numbers(numbers)}{self.its_unit}; its min must not be over its max.")
         return numbers
 
     @property
-    def _unit(self) -> str:
+    def its_unit(self) -> str:
+        """The unit with a blank before it, to be put after a number; "" if there is none."""
         return f" {self.unit}" if self.unit else ""
 
     @property
     def range(self) -> str:
         """The range in words, for messages and help texts."""
-        return f"{self.low:.10g} to {self.high:.10g}{self._unit}"
+        return f"{self.low:.10g} to {self.high:.10g}{self.its_unit}"
 
     def _number(self, value: object, part: str) -> float:
         if isinstance(value, np.generic):
@@ -120,9 +121,9 @@ class Quantity:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise ValueError(f"{part} is {value!r}; it must be {kind}, {self.range}.")
         if not self.low <= value <= self.high:
-            raise ValueError(f"{part} is {value}{self._unit}; it must be {self.range}.")
+            raise ValueError(f"{part} is {value}{self.its_unit}; it must be {self.range}.")
         if self.whole and value != int(value):
-            raise ValueError(f"{part} is {value}{self._unit}; it must be {kind}, {self.range}.")
+            raise ValueError(f"{part} is {value}{self.its_unit}; it must be {kind}, {self.range}.")
         return int(value) if self.whole else float(value)
 
 
@@ -248,7 +249,7 @@ class SettingsModel(BaseModel, frozen=True):
         """
         raise SettingsError(
             f"{type(self).__name__}.{name} stays as it is: settings never change, so that a run is always of those it "
-            f"was made with. Make new ones from the whole Settings s: s = s.with_({name}={_pasted(value)})"
+            f"was made with. Make new ones from the whole Settings s: s = s.with_({name}={pasted(value)})"
         )
 
     @classmethod
@@ -259,7 +260,7 @@ class SettingsModel(BaseModel, frozen=True):
     def __repr__(self) -> str:
         """Show what can be pasted back: only what differs from the default."""
         changed = [(name, value) for name, value in self if value != type(self).model_fields[name].default]
-        return f"{type(self).__name__}({', '.join(f'{name}={_pasted(value)}' for name, value in changed)})"
+        return f"{type(self).__name__}({', '.join(f'{name}={pasted(value)}' for name, value in changed)})"
 
     __str__ = __repr__
 
@@ -339,17 +340,23 @@ def _bound(function: "partial[Any]") -> list[str]:
     return [*map(repr, function.args), *(f"{name}={value!r}" for name, value in function.keywords.items())]
 
 
-def _pasted(value: object) -> str:
-    """Show a setting as it would be typed: a choice, or a function, by its name."""
+def pasted(value: object) -> str:
+    """Show a setting as it would be typed: a choice, or a function, by its name.
+
+    A name that cannot be typed, as a lambda's or one made up in a hostile file, is given as a text, which does nothing.
+    """
     match value:
         case Choice():
             return repr(value.name)
         case tuple():
-            return f"({', '.join(map(_pasted, cast(tuple[object, ...], value)))})"
-        case partial():
-            return f"partial({', '.join([function_name(value.func), *_bound(value)])})"
+            return f"({', '.join(map(pasted, cast(tuple[object, ...], value)))})"
+        case partial() if all(name.isidentifier() for name in value.keywords):
+            return f"partial({', '.join([pasted(value.func), *_bound(value)])})"
+        case _ if callable(value):
+            name = function_name(value)
+            return name if name.isidentifier() else repr(name)
         case _:
-            return function_name(value) if callable(value) else repr(value)
+            return repr(value)
 
 
 @contextmanager
@@ -382,5 +389,6 @@ def did_you_mean(name: object, known: Iterable[str]) -> str:
     return f" Did you mean {close[0]!r}?" if close else ""
 
 
-def _show(numbers: tuple[float, ...]) -> str:
+def shown_numbers(numbers: tuple[float, ...]) -> str:
+    """Show a vector, without needless zeros."""
     return f"({', '.join(f'{number:.10g}' for number in numbers)})"

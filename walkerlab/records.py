@@ -8,7 +8,9 @@ import pandas as pd
 
 from walkerlab.evaluation import Evaluation
 from walkerlab.ga.loop import Population
-from walkerlab.genome import Genome
+from walkerlab.genome import Genome, in_words
+from walkerlab.judge import VERDICTS
+from walkerlab.markup import facts, shown
 
 COLUMNS: dict[str, tuple[type, str, str]] = {
     "generation": (int, "", "0 is the random one"),
@@ -122,6 +124,16 @@ class Individual:
     reason: str
     generation: int
     parents: tuple[int, ...]
+
+    def _repr_html_(self) -> str:
+        meaning = VERDICTS.get(self.verdict, "")
+        known = (
+            ("fitness", f"{self.fitness:.3f}" if self.verdict == "ok" else "none, for its walk does not count"),
+            ("verdict", f"{self.verdict}: {meaning}{f' That is, {self.reason}.' if self.reason else ''}"),
+            ("generation", f"{self.generation}, in which it was born"),
+            ("parents", ", ".join(map(str, self.parents)) or "none: it was drawn by chance"),
+        )
+        return shown(facts(f"Robot {self.individual}", known), in_words(self.genome))
 
 
 def champion(records: pd.DataFrame) -> Individual:

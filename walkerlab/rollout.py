@@ -13,7 +13,8 @@ from mujoco.rollout import rollout as step_through
 from walkerlab.assembly import ANYTHING, COM, DEPTH, GROUND, ITSELF, LOAD, ROPE
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
-from walkerlab.judge import Trace, judge
+from walkerlab.judge import VERDICTS, Trace, judge
+from walkerlab.markup import facts, shown
 from walkerlab.randomness import stream
 from walkerlab.scene import Scene, compile_scene, ticks
 from walkerlab.settings import Settings
@@ -45,6 +46,36 @@ class Rollout(Trace):
     def counts(self) -> bool:
         """Whether the verdict is ``ok``."""
         return self.verdict == "ok"
+
+    @property
+    def distance(self) -> float:
+        """Net forward travel of the centre of mass after settling, in m; negative if it went backward."""
+        return float(self.com[-1, 0] - self.com[0, 0])
+
+    @property
+    def velocity(self) -> float:
+        """Mean forward speed over the last two thirds of the walk, in m/s: what is left once the start is over."""
+        start = int(np.searchsorted(self.time, self.time[-1] / 3))
+        return float((self.com[-1, 0] - self.com[start, 0]) / (self.time[-1] - self.time[start]))
+
+    def _repr_html_(self) -> str:
+        robot, speed = self.phenotype, self.velocity
+        n_segments = f"{len(robot.segments)} segment{'' if len(robot.segments) == 1 else 's'}"
+        body = f"{n_segments}, {robot.n_legs} legs, {robot.weight:.1f} kg, {robot.body_length:.2f} m long"
+        known = (
+            ("verdict", f"{self.verdict}: {VERDICTS.get(self.verdict, '')}"),
+            *([("reason", self.reason)] if self.reason else []),
+            ("distance", f"{self.distance:.3f} m forward"),
+            (
+                "velocity",
+                f"{speed:.3f} m/s over the last two thirds, {speed / robot.body_length:.1f} body lengths a second",
+            ),
+            ("duration", f"{self.time[-1]:g} s, after {self.settled:g} s to come to rest"),
+            ("work", f"{self.work[-1]:.1f} J, done by the legs"),
+            ("body", body),
+            ("poses", f"{len(self.poses)} recorded" if len(self.poses) else "not recorded"),
+        )
+        return shown(facts("A walk", known))
 
 
 def simulate(genome: Genome | str, settings: Settings, *, poses: bool = True) -> Rollout:

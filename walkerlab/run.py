@@ -50,6 +50,29 @@ class Run:
             f"generation {best.generation}, {name} {best.fitness:.2f}{f' {unit}' if unit else ''}{kept})"
         )
 
+    def _repr_html_(self) -> str:
+        from walkerlab import report  # which draws, and drawing takes its time to load
+
+        return report.panel(self.settings, self.records, self.path)
+
+    def save_report(self, folder: str | Path) -> Path:
+        """Write all that there is to see of the run: a page that stands alone, every picture and every table.
+
+        Args:
+            folder: where to write ``report.html``, ``records.csv``, ``pictures`` (each as SVG, PDF and PNG) and
+                ``tables``; made if need be. What is there of an earlier report is replaced.
+
+        Returns:
+            The path of ``report.html``.
+
+        Raises:
+            ValueError: if no generation is done yet.
+            OSError: if a file cannot be written.
+        """
+        from walkerlab import report
+
+        return report.save(self.settings, self.records, folder, self.path)
+
     @property
     def champion(self) -> Individual:
         """The fittest robot of all generations."""

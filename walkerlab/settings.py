@@ -18,6 +18,8 @@ from walkerlab.choices import (
     Structure,
     Texture,
 )
+from walkerlab.glossary import ShownDomain, glossary
+from walkerlab.markup import code, details, shown
 from walkerlab.quantity import (
     Domain,
     OneOf,
@@ -25,6 +27,7 @@ from walkerlab.quantity import (
     did_you_mean,
     limits,
     one_of,
+    pasted,
     quantity,
     told_with,
     vector,
@@ -58,7 +61,7 @@ REACH = {
 SPREAD = 0.25  # how much larger or smaller than its size an obstacle may be, as a share
 
 
-class Terrain(Domain, frozen=True):
+class Terrain(ShownDomain, frozen=True):
     """The ground, what lies on it, and the forces over it."""
 
     structure: Structure = one_of(Structure.flat, about="the shape of the ground")
@@ -147,7 +150,7 @@ class Terrain(Domain, frozen=True):
         return self
 
 
-class Robot(Domain, frozen=True):
+class Robot(ShownDomain, frozen=True):
     """Limits that every robot obeys, whatever the operators do."""
 
     weight: tuple[float, float] = limits((3.0, 12.0), low=0.1, high=200.0, unit="kg", about="the robot's whole mass")
@@ -220,7 +223,7 @@ class Robot(Domain, frozen=True):
         return self
 
 
-class Algorithm(Domain, frozen=True):
+class Algorithm(ShownDomain, frozen=True):
     """The genetic algorithm: what is better, who breeds, how, and for how long."""
 
     fitness: Fitness | Callable[..., float] = one_of(
@@ -249,7 +252,7 @@ class Algorithm(Domain, frozen=True):
         return self
 
 
-class Simulation(Domain, frozen=True):
+class Simulation(ShownDomain, frozen=True):
     """How long a walk is, how finely it is computed, and how it is judged and watched."""
 
     duration: float = quantity(8.0, low=1.0, high=120.0, unit="s", about="the length of the measured walk")
@@ -298,6 +301,22 @@ class Settings(SettingsModel, frozen=True):
                 faults.append(str(fault))
         with told_with(faults):
             return type(self)(**parts)
+
+    def changes(self) -> dict[str, Any]:
+        """Return each single setting that differs from its default: ``Settings().with_(**s.changes()) == s``."""
+        return {
+            name: getattr(getattr(self, domain), field)
+            for name, (domain, field) in self.places().items()
+            if getattr(getattr(self, domain), field) != getattr(type(self).model_fields[domain].default, field)
+        }
+
+    def as_python(self) -> str:
+        """Write the code that makes them, given ``import walkerlab as wl``; functions are called by their names."""
+        lines = [f"    {name}={pasted(value)}," for name, value in self.changes().items()]
+        return "\n".join(["wl.Settings().with_(", *lines, ")"]) if lines else "wl.Settings()"
+
+    def _repr_html_(self) -> str:
+        return shown(*(glossary(domain) for _, domain in self), details("The same as Python", code(self.as_python())))
 
     @field_validator("*", mode="before")
     @classmethod

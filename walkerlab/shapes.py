@@ -188,9 +188,7 @@ def _wrap(rings: int) -> Indices:
 
 _TURN = np.linspace(0, math.tau, AROUND, endpoint=False)
 _RING = np.stack([np.cos(_TURN), np.sin(_TURN), np.zeros(AROUND)], axis=1)
-_BALL = np.concatenate(
-    [_RING * math.sin(t) + [0, 0, math.cos(t)] for t in (np.arange(ALONG) + 0.5) * math.pi / ALONG]
-)
+_BALL = np.concatenate([_RING * math.sin(t) + [0, 0, math.cos(t)] for t in (np.arange(ALONG) + 0.5) * math.pi / ALONG])
 _WRAP = _wrap(ALONG)
 _CYLINDER_CORNERS = np.concatenate([np.arange(2 * AROUND), np.arange(2 * AROUND)])  # of the side, and of the ends again
 _CYLINDER = np.concatenate([_wrap(2)[: 2 * AROUND], _wrap(2)[2 * AROUND :] + 2 * AROUND])

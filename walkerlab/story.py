@@ -26,6 +26,25 @@ def opening(settings: Settings, n_cores: int, *, done: int = 0) -> str:
     return f"{robots}, {generations}{already}, {_count(n_cores, 'core')}. Ctrl-C stops early and keeps what is done."
 
 
+def summary(records: pd.DataFrame, settings: Plain) -> str:
+    """Say in a sentence what a run has reached, and from where."""
+    if records.empty:
+        return "No generation is done yet, so there is nothing to tell."
+    generations, best = int(records.generation.nunique()), champion(records)
+    robots = _count(int((records.generation == 0).sum()), "robot")
+    ran = f"{_count(generations, 'generation')} of {robots}"
+    if best.verdict != "ok":
+        return f"{ran}; no walk counted, so there is no champion to speak of."
+    first = records.fitness[(records.generation == 0) & (records.verdict == "ok")]
+    began = (
+        f", from {_with_unit(first.max(), settings)} in the random generation" if generations > 1 and len(first) else ""
+    )
+    return (
+        f"{ran}. The champion, robot {best.individual} of generation {best.generation}, reached a "
+        f"{_fitness_name(settings)} of {_with_unit(best.fitness, settings)}{began}."
+    )
+
+
 def champion_story(records: pd.DataFrame, settings: Plain) -> str:
     """Tell what the champion can do, and what it looks like."""
     best = champion(records)
@@ -36,7 +55,7 @@ def champion_story(records: pd.DataFrame, settings: Plain) -> str:
             f"{best.verdict}. {VERDICTS[best.verdict]}\nThat is, {best.reason}."
         )
     return (
-        f"Your champion is robot {best.individual}, born in generation {best.generation}.\n"
+        f"The champion is robot {best.individual}, born in generation {best.generation}.\n"
         f"It went {row.distance:.2f} m forward in {settings['simulation']['duration']:g} s. Over the last two thirds "
         f"of the walk it made {row.velocity:.2f} m/s: {row.velocity / row.body_length:.1f} body lengths a second.\n"
         f"Its fitness ({_fitness_name(settings)}) is {_with_unit(best.fitness, settings)}.\n"
@@ -69,18 +88,35 @@ def by_generation(records: pd.DataFrame, settings: Plain) -> str:
     """Tabulate best, median and number of counted walks; of a long run, every 5th generation or so, and the last."""
     name, unit = _fitness_name(settings), _unit(settings)
     best, median = (f"{word} [{unit}]" if unit else word for word in ("best", "median"))
-    shown = _round_steps(int(records.generation.max()))
+    shown = round_steps(int(records.generation.max()))
     lines = [
         f"Fitness ({name}) of the robots whose walks count, and how many these are:",
         f"generation {best:>10} {median:>12}    counted",
     ]
-    for number, table in records[records.generation.isin(shown)].groupby("generation"):
-        counted = table.fitness[table.verdict == "ok"]
-        lines.append(f"{number:10} {counted.max():10.3f} {counted.median():12.3f}  {len(counted):4} of {len(table)}")
-    return "\n".join(lines)
+    table: Any = generations(records)
+    rows = (
+        f"{row.generation:10} {row.best:10.3f} {row.median:12.3f}  {row.counted:4} of {row.robots}"
+        for row in table[table.generation.isin(shown)].itertuples()
+    )
+    return "\n".join([*lines, *rows])
 
 
-def _round_steps(last: int) -> list[int]:
+def generations(records: pd.DataFrame) -> pd.DataFrame:
+    """Return a row for each generation: best and quartiles of the fitness of the walks that count, and their number."""
+    counted = records[records.verdict == "ok"].groupby("generation").fitness
+    sizes = records.groupby("generation").size()
+    columns = {
+        "best": counted.max(),
+        "upper_quartile": counted.quantile(0.75),
+        "median": counted.median(),
+        "lower_quartile": counted.quantile(0.25),
+        "counted": counted.size().reindex(sizes.index, fill_value=0),
+        "robots": sizes,
+    }
+    return pd.DataFrame(columns, index=sizes.index).rename_axis("generation").reset_index()
+
+
+def round_steps(last: int) -> list[int]:
     """Count from 0 in steps of 1, 2, 5, 10, 20 … to a last generation, which is always shown, in ``ROWS`` at most."""
     steps = (step * 10**power for power in range(9) for step in (1, 2, 5))
     return next(shown for step in steps if len(shown := [*range(0, last, step), last]) <= ROWS)
@@ -88,30 +124,45 @@ def _round_steps(last: int) -> list[int]:
 
 def verdict_counts(records: pd.DataFrame) -> str:
     """Count the verdicts, each walk once: an elite is in the table again, but walked when it was born."""
-    births = _births(records)
-    counts = births.verdict.value_counts()
-    elites = ", for elites do not walk again" if len(births) < len(records) else ""
-    title = f"Verdicts of {_count(len(births), 'walk')} ({_count(len(records), 'row')} in the table{elites}):"
-    meanings = [VERDICTS.get(str(verdict), "No verdict of ours.") for verdict in counts.index]
-    rows = zip(counts, counts.index, meanings, strict=True)
-    return "\n".join([title, *(f"  {count:6}  {verdict}: {meaning}" for count, verdict, meaning in rows)])
+    n_walks = len(_births(records))
+    elites = ", for elites do not walk again" if n_walks < len(records) else ""
+    title = f"Verdicts of {_count(n_walks, 'walk')} ({_count(len(records), 'row')} in the table{elites}):"
+    return "\n".join([title, *(f"  {n:6}  {verdict}: {meaning}" for verdict, n, meaning in verdicts(records))])
+
+
+def verdicts(records: pd.DataFrame) -> list[tuple[str, int, str]]:
+    """Return each verdict that there was, how many walks got it, and what it means; the commonest first."""
+    counts = _births(records).verdict.value_counts()
+    return [(str(one), int(n), VERDICTS.get(str(one), "No verdict of ours.")) for one, n in counts.items()]
 
 
 def descent(records: pd.DataFrame, individual: int) -> str:
     """Name an individual, its fitter parent, that one's fitter parent and so on, back to a random robot."""
-    line = list(_fitter_line(records, individual))
-    shown = line if len(line) <= ANCESTORS else [*line[: ANCESTORS - 2], None, line[-1]]
-    skipped = f"       … and {len(line) - ANCESTORS + 1} more before them …"
     rows = [
-        skipped if one is None else f"{one.Index:7} {one.born:10} {one.fitness:9.3f}  {one.operators}" for one in shown
+        f"       … and {skipped} more before them …"
+        if skipped
+        else f"{one.individual:7} {one.born:10} {one.fitness:9.3f}  {one.operators}"
+        for one, skipped in ancestors(records, individual)
     ]
     title = "Its line of descent, through the fitter parent of each:"
     return "\n".join([title, "  robot generation   fitness  made by selection > crossover > mutation", *rows])
 
 
+def ancestors(records: pd.DataFrame, individual: int) -> list[tuple[Any, int]]:
+    """Return the births of an individual, its fitter parent, that one's and so on; of a long line, both its ends.
+
+    Returns:
+        Rows of the table with the number 0, and in the place of those that are passed over, None with theirs.
+    """
+    line = list(_fitter_line(records, individual))
+    if len(line) <= ANCESTORS:
+        return [(one, 0) for one in line]
+    return [*((one, 0) for one in line[: ANCESTORS - 2]), (None, len(line) - ANCESTORS + 1), (line[-1], 0)]
+
+
 def _fitter_line(records: pd.DataFrame, individual: int) -> Iterator[Any]:
-    births: Any = _births(records).itertuples()
-    rows: dict[int, Any] = {row.Index: row for row in births}
+    births: Any = _births(records).assign(individual=lambda table: table.index).itertuples()
+    rows: dict[int, Any] = {row.individual: row for row in births}
     yield rows[individual]
     while parents := parent_numbers(str(rows[individual].parents)):
         individual = max(parents, key=lambda parent: float(rows[parent].fitness))

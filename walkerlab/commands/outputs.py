@@ -1,36 +1,40 @@
-"""What a run leaves in its folder, beside the run file: the table, the curve and the champion."""
+"""What a run leaves in its folder, beside the run file: a report, a replay, and the champion to take elsewhere."""
 
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from walkerlab import plots
+from walkerlab import plots, report
 from walkerlab.evolution import Run
 from walkerlab.export import export_mjcf
 from walkerlab.store import RUN_FILE
+from walkerlab.viewer import replay
 
 FILES = {
+    "report.html": "start here: what happened, in pictures and words; a page that stands alone",
+    "replay.html": "the champion walking, in 3D, in any browser",
     RUN_FILE: "the whole run; walkerlab can show it, and go on with it",
     "records.csv": "a row for every robot and generation, for a spreadsheet or pandas",
     "fitness.svg": "the fitness curve, for a report",
     "fitness.png": "the same as a picture",
-    "champion.txt": "the champion's gene, as text that can be edited",
     "champion.png": "the champion, caught in its stride",
+    "champion.txt": "the champion's gene, as text that can be edited",
     "champion.xml": "its body and world as MJCF, for any MuJoCo (its gait is computed by walkerlab from the gene)",
 }
 """Each file and what it is."""
 
 
 def write(run: Run, folder: Path) -> None:
-    """Write all but the run file, which is there already, anew.
+    """Write all but the run file, which is there already, anew; the report comes last.
 
     Raises:
         OSError: if a file cannot be written.
     """
-    run.records.to_csv(folder / "records.csv", index=False)
-    axes = Figure(figsize=(7.2, 4.0), layout="constrained").add_subplot()
-    plots.save(plots.fitness_curve(run.records, axes), *(str(folder / f"fitness.{kind}") for kind in ("svg", "png")))
-    axes = Figure(figsize=(9, 3), layout="constrained").add_subplot()
-    plots.save(plots.stride(run.champion.genome, run.settings, axes), str(folder / "champion.png"))
-    (folder / "champion.txt").write_text(f"{run.champion.genome}\n", encoding="utf-8")
-    export_mjcf(run.champion.genome, run.settings, folder, name="champion")
+    best = run.champion.genome
+    curve, stride = (Figure(figsize=size, layout="constrained").add_subplot() for size in ((8, 4), (9, 3)))
+    plots.save(plots.fitness_curve(run.records, curve), folder / "fitness.svg", folder / "fitness.png")
+    plots.save(plots.stride(best, run.settings, stride), folder / "champion.png")
+    (folder / "champion.txt").write_text(f"{best}\n", encoding="utf-8")
+    export_mjcf(best, run.settings, folder, name="champion")
+    replay(best, run.settings).to_html(folder / "replay.html")
+    report.save(run.settings, run.records, folder, run.path, files=False)

@@ -1,0 +1,177 @@
+"""The report tells all of a run, to everybody, and does no harm; what it says about repeating it is true."""
+
+import re
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import walkerlab as wl
+from tests.test_display import hostile_function
+from tests.test_markup import HOSTILE, assert_harmless
+from walkerlab.fitness import distance
+from walkerlab.ga.selection import tournament
+from walkerlab.records import COLUMNS, join
+from walkerlab.report.page import as_python
+from walkerlab.report.pictures import KINDS, PICTURES
+
+TINY = wl.Settings().with_(
+    generations=3, population_size=6, duration=1, structure="stairs", step_height=0.02, selection=["top_half", "rank"]
+)
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    return wl.evolve(TINY, tmp_path_factory.mktemp("run") / "run.walk", progress=False)
+
+
+@pytest.fixture(scope="module")
+def path(run, tmp_path_factory):
+    return run.save_report(tmp_path_factory.mktemp("report") / "new")
+
+
+@pytest.fixture(scope="module")
+def seen(path):
+    return assert_harmless(path.read_text(encoding="utf-8"))
+
+
+def tagged(seen, tag):
+    return [attributes for name, attributes in seen.elements if name == tag]
+
+
+def test_there_is_a_page_every_picture_in_every_format_and_every_table(run, path):
+    assert path.name == "report.html"
+    found = {file.relative_to(path.parent).as_posix() for file in path.parent.rglob("*") if file.is_file()}
+    pictures = {f"pictures/{picture.name}.{kind}" for picture in PICTURES for kind in KINDS}
+    assert found == {"report.html", "records.csv", "tables/generations.csv", "tables/champion.csv", *pictures}
+    for name, start in {"svg": b"<?xml", "pdf": b"%PDF", "png": b"\x89PNG"}.items():
+        assert all(file.read_bytes().startswith(start) for file in path.parent.rglob(f"*.{name}"))
+
+
+def test_every_picture_is_on_the_page_with_a_title_and_words_for_those_who_cannot_see_it(seen):
+    assert len(tagged(seen, "svg")) + len(tagged(seen, "img")) == len(PICTURES) == len(tagged(seen, "figcaption"))
+    for picture in PICTURES:
+        assert picture.title in seen.text
+        assert picture.reading in seen.text
+
+
+def test_every_link_leads_to_something_beside_the_page(path, seen):
+    for link in tagged(seen, "a"):
+        assert link["href"].startswith("#") or (path.parent / link["href"]).is_file()
+
+
+def test_headings_go_down_a_step_at_a_time(seen):
+    levels = [int(tag[1]) for tag, _ in seen.elements if re.fullmatch("h[1-6]", tag)]
+    assert levels[0] == 1
+    assert levels.count(1) == 1
+    assert all(after - before <= 1 for before, after in pairwise(levels))
+
+
+def test_it_tells_settings_versions_champion_and_every_generation(run, seen):
+    for name in TINY.changes():
+        assert f"●\N{NO-BREAK SPACE}{name}" in seen.text
+    champion = run.champion
+    for words in (
+        "mujoco",
+        "python",
+        str(champion.genome),
+        f"robot {champion.individual}",
+        f"{champion.fitness:.3f} m",
+    ):
+        assert words in seen.text
+    for domain in (wl.Terrain, wl.Robot, wl.Algorithm, wl.Simulation):
+        assert all(declared.about in seen.text for declared in domain.declared().values())
+
+
+def test_its_tables_are_the_numbers_of_the_run(run, path):
+    records = pd.read_csv(path.parent / "records.csv", keep_default_na=False)
+    pd.testing.assert_frame_equal(records, run.records)
+    generations = pd.read_csv(path.parent / "tables" / "generations.csv")
+    counted = run.records[run.records.verdict == "ok"]
+    assert generations.best.tolist() == pytest.approx(counted.groupby("generation").fitness.max().tolist())
+    assert generations.robots.tolist() == [6, 6, 6]
+    walk = pd.read_csv(path.parent / "tables" / "champion.csv")
+    assert walk.x.iloc[-1] - walk.x.iloc[0] == pytest.approx(run.champion.fitness)
+
+
+def my_mutation(genomes, genes, *, rng, strength=1.0):
+    return genomes.copy()
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        wl.Settings(),
+        TINY,
+        TINY.with_(gravity="moon", weight=(2, 5.5), terrain_seed=3, seed=4, forgive=["fell", "airborne"]),
+        TINY.with_(fitness=distance, selection=[partial(tournament, size=7), "rank"]),
+        TINY.with_(mutation=[partial(my_mutation, strength=0.5), my_mutation]),
+    ],
+    ids=["default", "tiny", "many", "ours", "own"],
+)
+def test_the_code_that_repeats_it_makes_the_very_settings(settings):
+    repeated = []
+    code = as_python(settings).replace("wl.evolve(", "evolve(")
+    exec(code, {"evolve": repeated.append, "my_mutation": my_mutation})
+    assert [one.model_dump() for one in repeated] == [settings.model_dump()]
+
+
+def test_the_code_on_the_page_is_that_code(seen):
+    assert as_python(TINY) in seen.text
+
+
+def test_a_replay_beside_it_is_linked_and_none_is_not(run, path, seen, tmp_path):
+    assert "replay.html" not in [link["href"] for link in tagged(seen, "a")]
+    (tmp_path / "replay.html").write_text("a replay")
+    again = assert_harmless(run.save_report(tmp_path).read_text(encoding="utf-8"))
+    assert "replay.html" in [link["href"] for link in tagged(again, "a")]
+
+
+def test_the_same_run_gives_the_same_page(run, path, tmp_path):
+    assert run.save_report(tmp_path).read_bytes() == path.read_bytes()
+
+
+def test_hostile_texts_stay_texts(run, tmp_path):
+    records = run.records.copy()
+    records["reason"], records["operators"] = HOSTILE, HOSTILE
+    records.loc[records.index[3], "verdict"] = "<script>x()</script>"
+    settings = run.settings.with_(fitness=hostile_function, mutation=hostile_function)
+    page = wl.Run(settings, records).save_report(tmp_path / HOSTILE.replace("/", " "))
+    assert HOSTILE in assert_harmless(page.read_text(encoding="utf-8")).text
+
+
+def test_a_loaded_run_with_functions_of_somebodys_own_is_reported_without_them(tmp_path):
+    settings = TINY.with_(fitness=partial(own_fitness, power=2), mutation=my_mutation, generations=1)
+    wl.evolve(settings, tmp_path / "run.walk", progress=False)
+    text = assert_harmless(wl.load(tmp_path).save_report(tmp_path).read_text(encoding="utf-8")).text
+    assert "mutation=my_mutation" in text
+    assert "own_fitness, my_mutation" in text
+
+
+def own_fitness(rollout, power):
+    return abs(rollout.distance) ** power
+
+
+def test_a_run_in_which_no_walk_counts_is_reported(tmp_path):
+    settings = TINY.with_(structure="flat", generations=1, gravity=(0, 0, 1), forgive=["restless", "too_high"])
+    run = wl.evolve(settings, progress=False)
+    assert run.champion.verdict != "ok", "or this shows nothing"
+    seen = assert_harmless(run.save_report(tmp_path).read_text(encoding="utf-8"))
+    assert "No walk counted" in seen.text
+    assert not re.search(r"\b(nan|inf)\b", seen.text)
+    assert_harmless(run._repr_html_())
+
+
+def test_an_empty_run_has_no_report(tmp_path):
+    with pytest.raises(ValueError, match="no robot has walked yet"):
+        wl.Run(wl.Settings(), join([])).save_report(tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+
+
+def test_columns_stay_as_they_are_documented(path):
+    header = Path(path.parent / "records.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert header.split(",") == list(COLUMNS)
+    assert np.isfinite(pd.read_csv(path.parent / "tables" / "champion.csv").to_numpy()).all()

@@ -1,0 +1,284 @@
+"""The report of a run: a page that stands alone, and the pictures and tables beside it."""
+
+import math
+import platform
+import re
+from collections.abc import Mapping
+from contextlib import suppress
+from functools import partial
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from walkerlab import genome, store, story
+from walkerlab.algorithm import in_turn
+from walkerlab.choices import Structure
+from walkerlab.confirmation import confirm
+from walkerlab.glossary import glossary, rows_of
+from walkerlab.markup import Html, code, details, facts, join, page, table, tag
+from walkerlab.quantity import function_name
+from walkerlab.report.pictures import FOLDER, KINDS, Picture, Subject, draw_all
+from walkerlab.rollout import Rollout
+from walkerlab.settings import Settings
+from walkerlab.store import RunFileError
+
+HERE = Path(__file__).parent
+NAME = "report.html"
+REPLAY = "replay.html"
+TABLES = "tables"
+STEPS = ("fitness", "selection", "crossover", "mutation")
+OURS = ("walkerlab.fitness", "walkerlab.ga.")
+ROWS = ", a row for every robot and generation. "
+FILES = (
+    f"In {FOLDER} is each picture as SVG, PDF and PNG; in {TABLES}, the generations and the champion's walk over time."
+)
+MORE = "Every picture as SVG, PDF and PNG, and more tables, are written by run.save_report(folder)."
+PACKAGES = ("walkerlab", "mujoco", "dm-control", "numpy")
+
+GROUNDS = {
+    Structure.flat: "flat ground",
+    Structure.incline: "a slope",
+    Structure.stairs: "stairs",
+    Structure.rough: "hills",
+    Structure.gaps: "ground with trenches",
+}
+
+ROUND = (
+    "{} robots are drawn by chance. Each walks, and gets a fitness. The best ({}) live on as they are; the others make "
+    "room for children: selection chooses their parents, crossover combines these, mutation varies the outcome. "
+    "And so on, generation after generation."
+)
+
+WORDS = {
+    "individual, or robot": "one body with its gait, as its genome describes it.",
+    "genome": "all the numbers that a robot inherits, also those of segments that it has not grown.",
+    "generation": "as many robots as the population has. Generation 0 is drawn by chance.",
+    "fitness": "what is compared when parents are chosen: higher is better.",
+    "elite": "one of the best, which lives on unchanged into the next generation.",
+    "selection, crossover, mutation": "who becomes a parent; how parents' genes are combined; how children then vary.",
+    "verdict": "whether a walk counts; if not, why not.",
+    "median": "the one in the middle: half are better, half are poorer.",
+}
+
+
+def save(
+    settings: Settings, records: pd.DataFrame, folder: str | Path, path: Path | None = None, *, files: bool = True
+) -> Path:
+    """Write the report of a run: ``report.html``, ``records.csv``, and the folders ``pictures`` and ``tables``.
+
+    The page is written last, so that where there is one, all is there. It shows a link to ``replay.html`` if that lies
+    beside it.
+
+    Args:
+        settings: of the run.
+        records: its tidy table.
+        folder: where to write; made if need be.
+        path: its run file, which knows the versions that it was made with.
+        files: whether to write the folders too; the page stands alone.
+
+    Returns:
+        The path of the page.
+
+    Raises:
+        ValueError: if no generation is done yet.
+        OSError: if a file cannot be written.
+    """
+    folder, run = Path(folder), Subject.of(settings, records)
+    folder.mkdir(parents=True, exist_ok=True)
+    records.to_csv(folder / "records.csv", index=False)
+    if files:
+        (folder / TABLES).mkdir(exist_ok=True)
+        story.generations(records).to_csv(folder / TABLES / "generations.csv", index=False)
+        _walk(run.rollout).to_csv(folder / TABLES / "champion.csv", index=False)
+    drawn = {
+        picture.name: _figure(picture, shown, files) for picture, shown in draw_all(run, folder if files else None)
+    }
+    sections = {
+        "In short": _in_short(run, drawn, replay=(folder / REPLAY).exists()),
+        "What was evolved": _evolved(settings),
+        "What came of it": _came(run, drawn, files),
+        "The champion": _champion(run, drawn),
+        "Where it comes from": _descent(run, drawn),
+        "Do it again": _again(run, _facts(path), files),
+        "Words": facts("Words that stand above", WORDS.items()),
+    }
+    anchors = {title: title.lower().replace(" ", "-") for title in sections}
+    links = (tag("a", title, href=f"#{anchor}") for title, anchor in anchors.items())
+    parts = (tag("section", tag("h2", title), content, id=anchors[title]) for title, content in sections.items())
+    style = (HERE / "report.css").read_text(encoding="utf-8")
+    title = f"Walkers evolved on {_terrain(settings)}"
+    text = page(title, style, tag("h1", title), tag("nav", *links, aria_label="Contents"), *parts)
+    (folder / NAME).write_text(text, encoding="utf-8")
+    return folder / NAME
+
+
+def _terrain(settings: Settings) -> str:
+    terrain = settings.terrain
+    strewn = f", among {re.split('[,:]', terrain.obstacle.about)[0]}" if terrain.obstacle else ""
+    return f"{GROUNDS[terrain.structure]} of {terrain.texture.name}{strewn}"
+
+
+def _figure(picture: Picture, shown: Html, files: bool) -> Html:
+    links = join(*(join(" ", tag("a", kind.upper(), href=f"{FOLDER}/{picture.name}.{kind}")) for kind in KINDS))
+    there = tag("span", links, class_="files") if files else ""
+    caption = tag("figcaption", tag("b", picture.title, ". "), picture.reading, there)
+    return tag("figure", tag("div", shown, class_="card"), caption)
+
+
+def _in_short(run: Subject, drawn: Mapping[str, Html], *, replay: bool) -> Html:
+    plain, births = run.settings.model_dump(), run.records[run.records.generation == run.records.born]
+    row: Any = births.set_index("individual").loc[run.champion.individual]
+    seconds, pace = run.settings.simulation.duration, row.velocity / row.body_length
+    reached = [
+        (f"{row.distance:.2f} m", f"forward in {seconds:g} s"),
+        (f"{row.velocity:.2f} m/s", f"over the last two thirds: {pace:.1f} body lengths a second"),
+    ]
+    figures = [
+        *(reached if run.champion.verdict == "ok" else []),
+        (f"{len(births)}", "robots have walked"),
+        (f"{(births.verdict == 'ok').mean():.0%}", "of these walks count"),
+    ]
+    cards = (tag("div", tag("b", figure), tag("span", about)) for figure, about in figures)
+    watch = tag("p", tag("a", "Watch it walk, in 3D", href=REPLAY, class_="watch")) if replay else ""
+    told = tag("p", story.champion_story(run.records, plain))  # whose lines run on
+    lead = tag("p", story.summary(run.records, plain), class_="lead")
+    return join(lead, tag("div", *cards, class_="figures"), watch, drawn["champion"], told)
+
+
+def _evolved(settings: Settings) -> Html:
+    algorithm = {row.name: row for row in rows_of(settings.algorithm)}
+    steps = [[name, algorithm[name].value, algorithm[name].choice] for name in STEPS]
+    return join(
+        tag("p", ROUND.format(algorithm["population_size"].value, algorithm["n_elites"].value)),
+        table("The algorithm", ["step", "chosen", "which means"], steps),
+        *(glossary(domain) for _, domain in settings),
+    )
+
+
+def _came(run: Subject, drawn: Mapping[str, Html], files: bool) -> Html:
+    walks: Any = story.generations(run.records)
+    shown = walks[walks.generation.isin(story.round_steps(int(walks.generation.max())))]
+    unit = run.records.attrs.get("units", {}).get("fitness", "")
+    columns = [
+        "generation",
+        *(f"{name}{f' [{unit}]' if unit else ''}" for name in ("best", "median")),
+        "counted",
+        "robots",
+    ]
+    rows = [
+        [row.generation, _number(row.best), _number(row.median), row.counted, row.robots] for row in shown.itertuples()
+    ]
+    verdicts = [[verdict, n, meaning] for verdict, n, meaning in story.verdicts(run.records)]
+    link = tag("a", f"{TABLES}/generations.csv", href=f"{TABLES}/generations.csv")
+    all_of_them = tag("p", "Every generation, and its quartiles, are in ", link, ".") if files else ""
+    traits = (drawn[name] for name in ("weight", "body_length", "n_segments", "n_legs"))
+    return join(
+        drawn["fitness"],
+        details(
+            "The same as a table",
+            table("Fitness of the walks that count", columns, rows, numbers=range(5)),
+            all_of_them,
+        ),
+        tag("div", drawn["diversity"], drawn["verdicts"], class_="pair"),
+        table("Verdicts, each walk once", ["verdict", "walks", "meaning"], verdicts, numbers=(1,)),
+        tag("h3", "How the bodies changed"),
+        tag(
+            "p",
+            "A trait that settles early was decided by selection, or lost by chance; one that keeps wandering makes "
+            "little difference to how far a robot gets.",
+        ),
+        tag("div", *traits, class_="pair"),
+        drawn["genes"],
+    )
+
+
+def _number(value: float) -> str:
+    return f"{value:.3f}" if math.isfinite(value) else "–"
+
+
+def _champion(run: Subject, drawn: Mapping[str, Html]) -> Html:
+    return join(
+        drawn["body"],
+        genome.in_words(run.champion.genome),
+        drawn["gait"],
+        drawn["distance"],
+        _confirmed(run),
+    )
+
+
+def _confirmed(run: Subject) -> Html:
+    """Say how much of the champion's fitness is left when it walks again, if that can be found out here."""
+    if run.champion.verdict != "ok":
+        return Html("")
+    with suppress(RunFileError):  # of a fitness of the user's own, a run file knows the name only
+        found = confirm(run.champion.genome, run.settings)
+        rows = [
+            ["at a quarter of the timestep", f"{found.kept_finer:.0%}", "does it live on an error of the physics?"],
+            ["from other starts (the middle one)", f"{found.kept_nudged:.0%}", "does it live on one lucky start?"],
+        ]
+        return table(
+            "How much of its fitness is left when it walks again", ["walk", "left", "asks"], rows, numbers=(1,)
+        )
+    return Html("")
+
+
+def _descent(run: Subject, drawn: Mapping[str, Html]) -> Html:
+    rows = [
+        ["…", f"{skipped} more", "", ""] if skipped else [one.individual, one.born, _number(one.fitness), one.operators]
+        for one, skipped in story.ancestors(run.records, run.champion.individual)
+    ]
+    columns = ["robot", "generation", "fitness", "made by selection > crossover > mutation"]
+    caption = "Its line of descent, through the fitter parent of each"
+    return join(drawn["family"], table(caption, columns, rows, numbers=(1, 2)))
+
+
+def _again(run: Subject, versions: Mapping[str, str], files: bool) -> Html:
+    own = _own_functions(run.settings)
+    note = f"The functions {', '.join(own)} are somebody's own: their code belongs above this." if own else ""
+    return join(
+        tag("p", "With the same versions, this gives the same table to the last digit, on any number of cores."),
+        tag("p", note) if note else "",
+        code(as_python(run.settings)),
+        facts("Made with", versions.items()),
+        tag("p", "Beside this page lies ", tag("a", "records.csv", href="records.csv"), ROWS, FILES if files else MORE),
+    )
+
+
+def as_python(settings: Settings) -> str:
+    """Write the code that repeats a run of these settings; a user's own functions are named, and not defined."""
+    imports = {f"from {home} import {name}" for home, name in _functions(settings) if home.startswith(OURS)}
+    imports |= {"from functools import partial"} if any(isinstance(one, partial) for one in _slots(settings)) else set()
+    made = [f"settings = {settings.as_python()}", "run = wl.evolve(settings)"]
+    return "\n".join([*sorted(imports), "import walkerlab as wl", "", *made])
+
+
+def _own_functions(settings: Settings) -> list[str]:
+    return [name for home, name in _functions(settings) if not home.startswith(OURS)]
+
+
+def _functions(settings: Settings) -> list[tuple[str, str]]:
+    """Name the functions in the slots, each with the module that it is from."""
+    inside = (one.func if isinstance(one, partial) else one for one in _slots(settings))
+    return [(str(getattr(one, "__module__", "")), function_name(one)) for one in inside if callable(one)]
+
+
+def _slots(settings: Settings) -> list[Any]:
+    return [one for slot in STEPS for one in in_turn(getattr(settings.algorithm, slot))]
+
+
+def _facts(path: Path | None) -> dict[str, str]:
+    """Tell the versions: those that the run file knows of, or those of this machine."""
+    if path and path.exists():
+        return {name: value for name, value in store.read(path)[0].items() if name != "settings"}
+    return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
+
+
+def _walk(rollout: Rollout) -> pd.DataFrame:
+    """Write a walk as a table: a row for each tick, times in s, lengths in m, work in J."""
+    columns: dict[str, Any] = {"time": rollout.time, **dict(zip(("x", "y", "z"), rollout.com.T, strict=True))}
+    columns |= {"on_ground": rollout.on_ground.astype(int), "sink": rollout.sink, "work": rollout.work}
+    if rollout.load.size:
+        columns |= dict(zip(("load_x", "load_y", "load_z"), rollout.load.T, strict=True))
+    return pd.DataFrame(columns)
