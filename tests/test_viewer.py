@@ -89,6 +89,18 @@ class TestWhoWalks:
         assert sum(walk.loose for walk in race.walks) == 1
 
 
+def test_a_run_shows_its_champion_or_a_race_through_its_generations():
+    run = wl.evolve(SHORT.with_(population_size=4, generations=3), progress=False)
+    assert [walk.label for walk in run.replay().walks] == [f"robot {run.champion.individual}"]
+    race = run.replay(0, 2, camera="top")
+    assert [walk.label for walk in race.walks] == ["generation 0", "generation 2"]
+    assert race.camera == Camera.top
+    best = run.records[run.records.generation == 0].sort_values("fitness").genome.iloc[-1]
+    assert str(race.walks[0].scene.genome) == best
+    with pytest.raises(ValueError, match="no generation 3: this run has 0 to 2"):
+        run.replay(0, 3)
+
+
 class Links(HTMLParser):
     """Everything that a page would load, and what runs in it."""
 

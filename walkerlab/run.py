@@ -3,18 +3,21 @@
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
 from walkerlab import fitness, records, store
 from walkerlab.algorithm import ROOMS, in_turn
-from walkerlab.choices import Fitness
+from walkerlab.choices import Camera, Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
 from walkerlab.quantity import Choice, function_name
 from walkerlab.records import Individual
 from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
+
+if TYPE_CHECKING:
+    from walkerlab.viewer import Replay
 
 _OURS = {"fitness": fitness} | {kind.__name__.lower(): room for kind, room in ROOMS.items()}
 """Each slot that can hold a function, and the room of our own functions for it."""
@@ -54,6 +57,28 @@ class Run:
         from walkerlab import report  # which draws, and drawing takes its time to load
 
         return report.panel(self.settings, self.records, self.path)
+
+    def replay(self, *generations: int, camera: Camera | str | int | None = None) -> "Replay":
+        """Show the champion walking, or race the champions of several generations.
+
+        Args:
+            generations: whose champions race; the champion of all walks alone if none is named.
+            camera: side, front, top, chase or orbit; that of the settings if None.
+
+        Raises:
+            ValueError: if there is no such generation, or none is done yet.
+        """
+        from walkerlab.viewer import replay
+
+        if not generations:
+            return replay(self.champion, self.settings, camera=camera)
+        tables: dict[int, pd.DataFrame] = {
+            number: self.records.loc[self.records.generation == number, :] for number in generations
+        }
+        if missing := [number for number, table in tables.items() if table.empty]:
+            raise ValueError(f"there is no generation {missing[0]!r}: this run has 0 to {self.n_generations - 1}")
+        best = {f"generation {number}": records.champion(table) for number, table in tables.items()}
+        return replay(best, self.settings, camera=camera)
 
     def save_report(self, folder: str | Path) -> Path:
         """Write all that there is to see of the run: a page that stands alone, every picture and every table.

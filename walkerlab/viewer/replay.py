@@ -80,17 +80,14 @@ class Replay:
         return path
 
     @cached_property
-    def stage(self) -> Stage:
-        """The meshes, and the numbers that move them."""
-        return set_up(list(self.walks), self._title)
-
-    @cached_property
     def page(self) -> str:
         """The whole page, as HTML."""
+        stage = set_up(list(self.walks), self._title)
         player = (HERE / "player.js").read_text(encoding="utf-8")
         style = (HERE / "player.css").read_text(encoding="utf-8")
-        reel = json.dumps(self._reel()).replace("<", "\\u003c")  # so that no text can end the script that it is in
-        page: str = self.stage.plot.get_snapshot(additional_js_code=f"({player.strip()})(K3DInstance, {reel});")
+        reel = json.dumps(self._reel(stage)).replace("<", "\\u003c")  # so that no text can end the script that it is in
+        page: str = stage.plot.get_snapshot(additional_js_code=f"({player.strip()})(K3DInstance, {reel});")
+        stage.strike()
         head = (
             f'<meta name="viewport" content="width=device-width">\n<title>{html.escape(self._title)}</title>\n'
             f"<style>{style}</style>"
@@ -115,8 +112,7 @@ class Replay:
     def _title(self) -> str:
         return self.walks[0].label if len(self.walks) == 1 else f"A race of {len(self.walks)}"
 
-    def _reel(self) -> dict[str, Any]:
-        stage = self.stage
+    def _reel(self, stage: Stage) -> dict[str, Any]:
         return {
             "things": stage.things,
             "channels": base64.b64encode(pack(stage.channels, stage.finest)).decode("ascii"),

@@ -62,6 +62,11 @@ class Stage:
     ups: dict[Camera, tuple[float, float, float]]
     seconds: float
 
+    def strike(self) -> None:
+        """Close it: a notebook would keep all meshes as the widgets that they are."""
+        for one in (*self.plot.objects, self.plot):
+            one.close()
+
 
 def set_up(walks: list[Walk], name: str) -> Stage:
     """Build the stage for one walk, or for several at once on the ground of the first."""
