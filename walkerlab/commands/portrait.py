@@ -14,13 +14,12 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from walkerlab import plots
-from walkerlab.fitness import distance
 from walkerlab.rollout import simulate
 from walkerlab.run import Run, load
 from walkerlab.scene import compile_scene
 
-SIZE = (1500, 480)  # pixels
-MOMENTS = np.linspace(0.1, 0.75, 4)  # of the walk, as shares
+SIZE = (1500, 620)  # pixels
+MOMENTS = np.linspace(0.1, 0.5, 4)  # of the walk, as shares
 
 
 def strobe(run: Run) -> NDArray[np.uint8]:
@@ -31,8 +30,8 @@ def strobe(run: Run) -> NDArray[np.uint8]:
     model.vis.global_.offwidth, model.vis.global_.offheight = width, height
     data, camera, option = mujoco.MjData(model), mujoco.MjvCamera(), mujoco.MjvOption()
     moments = (MOMENTS * (len(rollout.time) - 1)).astype(int)
-    camera.lookat[:] = rollout.com[moments].mean(axis=0) + np.array([0, 0, 0.05])
-    camera.distance = 0.42 * np.ptp(rollout.com[moments, 0]) + 0.3 + 0.7 * scene.phenotype.body_length
+    camera.lookat[:] = rollout.com[moments].mean(axis=0) + np.array([-0.2, 0, 0.05])
+    camera.distance = 0.53 * np.ptp(rollout.com[moments, 0]) + 0.2 + 0.7 * scene.phenotype.body_length
     camera.azimuth, camera.elevation = 78, -16
     with mujoco.Renderer(model, height, width) as renderer:
         drawn: Any = renderer.scene
@@ -49,13 +48,12 @@ def strobe(run: Run) -> NDArray[np.uint8]:
 def portrait(run: Run, path: str) -> None:
     """Save the picture."""
     figure = Figure(figsize=(10, 3.2), layout="constrained", facecolor="white")
-    walk, curve = figure.subplots(1, 2, width_ratios=[2.2, 1])
+    walk, curve = figure.subplots(1, 2, width_ratios=[2, 1])
     image = strobe(run)
     walk.imshow(image)
     walk.set_axis_off()
-    seconds = run.settings.simulation.duration * np.ptp(MOMENTS)
-    metres = distance(simulate(run.champion.genome, run.settings, poses=False))
-    walk.set_title(f"{seconds:.0f} s of a walk of {metres:.1f} m in {run.settings.simulation.duration:g} s", fontsize=9)
+    metres = simulate(run.champion.genome, run.settings, poses=False).distance
+    walk.set_title(f"{metres:.1f} m in {run.settings.simulation.duration:g} s: four moments on the way", fontsize=9)
     plots.fitness_curve(run.records, curve)
     figure.savefig(path, dpi=120)
 
