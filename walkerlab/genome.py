@@ -5,6 +5,7 @@ Segments first, each with its legs; then the gait, a step for each segment:
     wl1 segments=2 | seg length=0.31 mass=2.1 legs length=0.28 force=14 | seg … | gait frequency=1.6 | step …
 """
 
+import math
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -221,6 +222,11 @@ _MAX_TEXT = 20_000
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d{1,3})?"
 
 
+@lru_cache
+def _pattern(key: str) -> re.Pattern[str]:
+    return re.compile(re.escape(key) + _NUMBER)
+
+
 def _write(token: str, index: int | None, values: Floats) -> str:
     if index is None:
         return token
@@ -251,11 +257,11 @@ def _parse(text: str) -> list[float]:
             values[index] = _LEGS[word]
         else:
             key = "legs=" if token == "legs" else token
-            if not re.fullmatch(re.escape(key) + _NUMBER, word):
+            if not _pattern(key).fullmatch(word):
                 expected = "'legs' or 'nolegs'" if token == "legs" else f"'{token}' and a number, as in '{token}1.5'"
                 raise _error(text, start, expected, word)
             values[index] = float(word.removeprefix(key))
-            if not np.isfinite(values[index]):
+            if not math.isfinite(values[index]):
                 raise _error(text, start, f"'{token}' and a finite number", word)
     if len(found) > len(layout):
         word, start = found[len(layout)]
