@@ -141,12 +141,12 @@ def test_a_run_confirms_its_champion():
 
 def test_it_reads_as_a_sentence():
     assert str(kept(2.0, finer=1.9, nudged=(0.5, 1.8, 2.2))) == (
-        "Its distance of 2.00 m, walked again:\n"
-        "   95% is left at a quarter of the timestep\n"
-        "   90% is left when it starts a little differently (the middle one of 3; the poorest keeps 25%)"
+        "Its distance of 2.00 m, when it walks again:\n"
+        "   95% of it at a quarter of the timestep\n"
+        "   90% of it from starts that are a little different (the median of 3; 25% from the poorest)"
     )
     own = Confirmation(3.0, -math.inf, (3.0,), ("fell", "ok"), "my_score")
-    assert str(own).startswith("Its my_score of 3.00, walked again:\n    0% is left")
+    assert str(own).startswith("Its my_score of 3.00, when it walks again:\n    0% of it")
     assert str(own).endswith("1 of these walks did not count: fell")
 
 

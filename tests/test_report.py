@@ -46,7 +46,14 @@ def test_there_is_a_page_every_picture_in_every_format_and_every_table(run, path
     assert path.name == "report.html"
     found = {file.relative_to(path.parent).as_posix() for file in path.parent.rglob("*") if file.is_file()}
     pictures = {f"pictures/{picture.name}.{kind}" for picture in PICTURES for kind in KINDS}
-    assert found == {"report.html", "records.csv", "tables/generations.csv", "tables/champion.csv", *pictures}
+    assert found == {
+        "report.html",
+        "replay.html",
+        "records.csv",
+        "tables/generations.csv",
+        "tables/champion.csv",
+        *pictures,
+    }
     for name, start in {"svg": b"<?xml", "pdf": b"%PDF", "png": b"\x89PNG"}.items():
         assert all(file.read_bytes().startswith(start) for file in path.parent.rglob(f"*.{name}"))
 
@@ -123,11 +130,9 @@ def test_the_code_on_the_page_is_that_code(seen):
     assert as_python(TINY) in seen.text
 
 
-def test_a_replay_beside_it_is_linked_and_none_is_not(run, path, seen, tmp_path):
-    assert "replay.html" not in [link["href"] for link in tagged(seen, "a")]
-    (tmp_path / "replay.html").write_text("a replay")
-    again = assert_harmless(run.save_report(tmp_path).read_text(encoding="utf-8"))
-    assert "replay.html" in [link["href"] for link in tagged(again, "a")]
+def test_a_replay_lies_beside_it_and_is_linked(run, path, seen):
+    assert "replay.html" in [link["href"] for link in tagged(seen, "a")]
+    assert f"robot {run.champion.individual}" in (path.parent / "replay.html").read_text(encoding="utf-8")
 
 
 def test_the_same_run_gives_the_same_page(run, path, tmp_path):

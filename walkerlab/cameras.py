@@ -13,6 +13,7 @@ FIELD_OF_VIEW = 45.0  # degrees from the lower to the upper edge of the picture
 CALM = 0.4  # s over which a camera evens out the bobbing of what it follows
 NEAREST = 1.2  # m, as if what it looks at were at least as large
 MARGIN = 1.3  # m farther away for each m between those in the picture
+RISE = 14.0  # degrees by which level cameras look from higher up for each m between lanes, which would hide each other
 DOWN = -90  # degrees, at which a camera looks straight down
 TURN = 30.0  # degrees a second, at which an orbit goes round
 
@@ -73,5 +74,7 @@ def aim(camera: Camera, time: Floats, paths: Floats, size: float, slope: float =
     spread = gaussian_filter1d((high - low).max(axis=1), width, mode="nearest")
     around = TURN * (time - time[0]) * (camera == Camera.orbit)
     looks = azimuth + around
+    lanes = np.minimum(gaussian_filter1d(np.ptp(paths[:, :, 1], axis=0), width, mode="nearest"), 1.5)
+    above = RISE * lanes * (camera in (Camera.side, Camera.front))
     tilt = math.degrees(slope) * np.cos(np.radians(looks)) * (elevation > DOWN)
-    return Shot(target, far * max(size, NEAREST) + MARGIN * spread, looks, elevation + tilt)
+    return Shot(target, far * max(size, NEAREST) + MARGIN * spread, looks, elevation + tilt - above)

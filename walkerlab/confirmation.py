@@ -11,6 +11,7 @@ import numpy as np
 
 from walkerlab.fitness import label, score
 from walkerlab.genome import Genome
+from walkerlab.markup import Html, shown, table
 from walkerlab.rollout import nudge, walk
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
@@ -54,14 +55,28 @@ class Confirmation:
     def __str__(self) -> str:
         """Tell it in words."""
         name, _, unit = self.measure.partition(" ")
-        void = [verdict for verdict in self.verdicts if verdict != "ok"]
         said = (
-            f"Its {name} of {self.fitness:.2f} {unit}".rstrip() + ", walked again:\n"
-            f"  {self.kept_finer:4.0%} is left at a quarter of the timestep\n"
-            f"  {self.kept_nudged:4.0%} is left when it starts a little differently (the middle one of "
-            f"{len(self.nudged)}; the poorest keeps {self._part(self.nudged[0]):.0%})"
+            f"Its {name} of {self.fitness:.2f} {unit}".rstrip() + ", when it walks again:\n"
+            f"  {self.kept_finer:4.0%} of it at a quarter of the timestep\n"
+            f"  {self.kept_nudged:4.0%} of it from starts that are a little different (the median of "
+            f"{len(self.nudged)}; {self._part(self.nudged[0]):.0%} from the poorest)"
         )
+        void = [verdict for verdict in self.verdicts if verdict != "ok"]
         return said + (f"\n  {len(void)} of these walks did not count: {', '.join(void)}" if void else "")
+
+    def _repr_html_(self) -> str:
+        return shown(self.table())
+
+    def table(self) -> Html:
+        """Tell it as a table."""
+        rows = [
+            ["at a quarter of the timestep", f"{self.kept_finer:.0%}", "does it live on an error of the physics?"],
+            ["from other starts (the median)", f"{self.kept_nudged:.0%}", "does it live on one lucky start?"],
+            ["from the poorest of these", f"{self._part(self.nudged[0]):.0%}", ""],
+        ]
+        name, _, unit = self.measure.partition(" ")
+        caption = f"What is made of its {name} of {self.fitness:.2f} {unit}".rstrip() + " when it walks again"
+        return table(caption, ["walk", "of it", "asks"], rows, numbers=(1,))
 
 
 def confirm(genome: Genome | str, settings: Settings, n_nudges: int = N_NUDGES) -> Confirmation:

@@ -51,6 +51,11 @@ class Evaluation:
     weight: float
     body_length: float
 
+    def __repr__(self) -> str:
+        """Say in a line what came of it; the genome is a long text."""
+        why = f", {self.reason}" if self.reason else ""
+        return f"Evaluation(fitness {self.fitness:.3f}, {self.distance:.2f} m, verdict {self.verdict}{why})"
+
 
 def evaluate(
     genomes: Sequence[Genome | str] | Floats,

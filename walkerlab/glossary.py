@@ -6,6 +6,8 @@ from typing import Any, cast
 from walkerlab.markup import Html, details, join, shown, table, tag
 from walkerlab.quantity import PAIR, Choice, Declared, Domain, OneOf, function_name, shown_numbers
 
+DRAWN = "_-‾/\\┌─ "  # what grounds are drawn with before their words, which are enough here
+
 
 @dataclass(frozen=True)
 class Row:
@@ -99,7 +101,7 @@ def _about(value: Any) -> str:
     """Say what a choice means: of several, each in turn; of a function, that it is one."""
     match value:
         case Choice():
-            return value.about
+            return value.about.lstrip(DRAWN)
         case tuple():
             return "; ".join(map(_about, cast(tuple[Any, ...], value)))
         case _:

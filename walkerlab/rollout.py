@@ -58,6 +58,12 @@ class Rollout(Trace):
         start = int(np.searchsorted(self.time, self.time[-1] / 3))
         return float((self.com[-1, 0] - self.com[start, 0]) / (self.time[-1] - self.time[start]))
 
+    def __repr__(self) -> str:
+        """Say in a line what came of it: the arrays would fill pages."""
+        why = f", {self.reason}" if self.reason else ""
+        went = f"{self.distance:.2f} m in {self.time[-1]:g} s"
+        return f"Rollout({went}, verdict {self.verdict}{why}; {len(self.poses)} poses)"
+
     def _repr_html_(self) -> str:
         robot, speed = self.phenotype, self.velocity
         n_segments = f"{len(robot.segments)} segment{'' if len(robot.segments) == 1 else 's'}"

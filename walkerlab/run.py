@@ -62,7 +62,8 @@ class Run:
         """Show the champion walking, or race the champions of several generations.
 
         Args:
-            generations: whose champions race; the champion of all walks alone if none is named.
+            generations: whose champions race, counted from the end if negative; the champion of all walks alone if
+                none is named.
             camera: side, front, top, chase or orbit; that of the settings if None.
 
         Raises:
@@ -72,6 +73,7 @@ class Run:
 
         if not generations:
             return replay(self.champion, self.settings, camera=camera)
+        generations = tuple(n + self.n_generations if n < 0 else n for n in generations)
         tables: dict[int, pd.DataFrame] = {
             number: self.records.loc[self.records.generation == number, :] for number in generations
         }
@@ -84,8 +86,8 @@ class Run:
         """Write all that there is to see of the run: a page that stands alone, every picture and every table.
 
         Args:
-            folder: where to write ``report.html``, ``records.csv``, ``pictures`` (each as SVG, PDF and PNG) and
-                ``tables``; made if need be. What is there of an earlier report is replaced.
+            folder: where to write ``report.html``, ``replay.html``, ``records.csv``, ``pictures`` (each as SVG, PDF and
+                PNG) and ``tables``; made if need be. What is there of an earlier report is replaced.
 
         Returns:
             The path of ``report.html``.

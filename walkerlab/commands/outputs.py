@@ -8,7 +8,6 @@ from walkerlab import plots, report
 from walkerlab.evolution import Run
 from walkerlab.export import export_mjcf
 from walkerlab.store import RUN_FILE
-from walkerlab.viewer import replay
 
 FILES = {
     "report.html": "start here: what happened, in pictures and words; a page that stands alone",
@@ -36,5 +35,4 @@ def write(run: Run, folder: Path) -> None:
     plots.save(plots.stride(best, run.settings, stride), folder / "champion.png")
     (folder / "champion.txt").write_text(f"{best}\n", encoding="utf-8")
     export_mjcf(best, run.settings, folder, name="champion")
-    replay(best, run.settings).to_html(folder / "replay.html")
     report.save(run.settings, run.records, folder, run.path, files=False)

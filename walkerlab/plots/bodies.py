@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,13 +13,15 @@ from walkerlab.genome import Genome
 from walkerlab.ground import height
 from walkerlab.judge import UNSTABLE
 from walkerlab.phenotype import Phenotype
-from walkerlab.plots.style import count, describe, new_axes, with_unit
+from walkerlab.plots.style import QUIET, count, describe, new_axes, with_unit
 from walkerlab.rollout import walk
 from walkerlab.scene import Scene, compile_scene, scene_of
 from walkerlab.settings import Settings
 from walkerlab.shapes import skins
 
 MARGIN = 0.2  # m of ground that is seen before and behind all that stands on it
+MOST, APART = 5, 1.3  # times at most that a robot is drawn on its way; body lengths between two of them at least
+SHORT = 0.05  # m, for which there is no arrow
 NEAR = 1.0  # m to either side of a robot, from which on what lies about is not drawn with it
 ROPE = 2  # points of what is drawn as a line
 OUTLINE = 48  # corners of an outline at most
@@ -66,7 +69,9 @@ def body(genome: Genome | str, ax: Axes | None = None, settings: Settings | None
 
 
 def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Axes:
-    """Draw a robot from the side, to scale, caught up to four times on its way, ever darker; needs no GL.
+    """Draw a robot from the side, to scale, at the start, on its way and at the end, ever darker; needs no GL.
+
+    An arrow shows how far its centre of mass has come. What lies about is drawn as it lies at the end.
 
     Args:
         genome: a genome or its text.
@@ -79,25 +84,23 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     axes = ax or new_axes()
     scene = compile_scene(genome, settings)
     rollout = walk(scene)
-    time, com, load, poses = rollout.time, rollout.com, rollout.load, rollout.poses
+    time, com, poses = rollout.time, rollout.com, rollout.poses
     if rollout.verdict == UNSTABLE:  # of which the start alone is worth looking at
-        time, load, poses = time[:1], load[:0], scene.start[np.newaxis]
+        time, poses = time[:1], scene.start[np.newaxis]
         com = poses[:, :3]
-    bodies = np.abs(com[:, 0] - com[0, 0]) / (1.25 * rollout.phenotype.body_length)
-    n_caught = int(np.clip(bodies[-1], 0, 3)) + 1  # as many as do not stand in each other's way
-    last = int(np.argmax(bodies >= min(bodies[-1], n_caught - 1)))
-    moments = np.searchsorted(time, np.linspace(0, time[last], n_caught))
+    way, length = float(com[-1, 0] - com[0, 0]), rollout.phenotype.body_length
+    n_caught = min(len(time), 2 + int(np.clip(abs(way) / (APART * length) - 1, 0, MOST - 2)))
+    moments = np.linspace(0, len(time) - 1, n_caught).astype(int)
     caught = [skins(scene, pose) for pose in poses[moments]]
     along = np.concatenate([skin[:, 0] for parts in caught for skin, _ in parts])
     x = np.linspace(along.min() - MARGIN, along.max() + MARGIN, 400)
-    loose = skins(scene, poses[moments[-1]], loose=True)
     caught[-1] += [
         one
-        for one in loose
-        if abs(one[0][:, 1].mean() - com[moments[-1], 1]) < NEAR and x[0] < one[0][:, 0].mean() < x[-1]
+        for one in skins(scene, poses[-1], loose=True)
+        if abs(one[0][:, 1].mean() - com[-1, 1]) < NEAR and x[0] < one[0][:, 0].mean() < x[-1]
     ]
-    for shade, parts in zip(np.linspace(0.25, 1.0, n_caught) if n_caught > 1 else [1.0], caught, strict=True):
-        add_body(axes, parts, strength=shade)
+    shades = np.linspace(0.25, 1.0, n_caught).tolist() if n_caught > 1 else [1.0]
+    top = max(add_body(axes, parts, strength=shade)[3] for shade, parts in zip(shades, caught, strict=True))
     ground = height(settings.terrain, x)
     axes.fill_between(x, ground, ground.min() - 0.08, color="0.8", lw=0)
     axes.set_xlim(x[0], x[-1])
@@ -105,11 +108,31 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     axes.set_xlabel("way forward [m]")
     axes.set_ylabel("height [m]")
     axes.spines[["top", "right"]].set_visible(False)
-    way, after = with_unit(float(com[last, 0] - com[0, 0]), "m"), with_unit(float(time[last]), "s")
-    when = f"caught {count(n_caught, 'time')}; after {after} it is {way} ahead" if n_caught > 1 else "at its start"
+    came, after = with_unit(way, "m"), with_unit(float(time[-1]), "s")
+    axes.set_ylim(ground.min() - 0.08, top + 0.02 * np.ptp(x))
+    if abs(way) > SHORT:
+        level = axes.get_ylim()[1]
+        axes.set_ylim(top=level + 0.03 * np.ptp(x))
+        _measure(axes, com[0, 0], com[-1, 0], level, f"{came} in {after}")
+    when = f"caught {count(n_caught, 'time')}; after {after} it is {came} ahead" if n_caught > 1 else "at its start"
     judged = "" if rollout.counts else f" The walk does not count: {rollout.verdict}."
     describe(axes, "A robot on its way", f"A robot from the side, {when}: {measures(scene.phenotype)}.{judged}")
     return axes
+
+
+def _measure(axes: Axes, start: float, end: float, level: float, words: str) -> None:
+    """Draw an arrow from one place along the way to another, with words on it."""
+    look: dict[str, Any] = {
+        "arrowstyle": "|-|,widthA=0.25,widthB=0",
+        "lw": 0.8,
+        "color": QUIET,
+        "shrinkA": 0,
+        "shrinkB": 0,
+    }
+    for style in (look, look | {"arrowstyle": "-|>"}):
+        axes.annotate("", (end, level), (start, level), arrowprops=style)
+    above: dict[str, Any] = {"ha": "center", "va": "bottom", "fontsize": 8, "color": QUIET}
+    axes.annotate(words, ((start + end) / 2, level), (0, 2), textcoords="offset points", **above)
 
 
 def measures(robot: Phenotype) -> str:

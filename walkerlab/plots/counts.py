@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from walkerlab.judge import VERDICTS
-from walkerlab.plots.style import count, describe, new_axes, nothing, over_generations, round_steps
+from walkerlab.plots.style import count, describe, new_axes, nothing, over_generations, round_steps, table_of
 
 COUNTED = ("#BFE3D6", "")
 LOOKS = (
@@ -35,12 +35,13 @@ def verdicts(records: pd.DataFrame, ax: Axes | None = None) -> Axes:
     Elites are counted in each generation in which they live. Of a long run, a bar is the mean of a few generations.
 
     Args:
-        records: the tidy table of a run.
+        records: the tidy table of a run, or the run.
         ax: where to draw; a new figure if None.
 
     Returns:
         The Axes drawn on.
     """
+    records = table_of(records)
     axes = ax or new_axes()
     table: Any = pd.crosstab(records.generation, records.verdict)
     known = [verdict for verdict in VERDICTS if verdict in table]

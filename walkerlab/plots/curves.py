@@ -20,10 +20,13 @@ from walkerlab.plots.style import (
     nothing,
     over_generations,
     round_steps,
+    table_of,
     unit_of,
 )
+from walkerlab.quantity import did_you_mean
 
 QUARTILES = np.array([0.25, 0.5, 0.75])
+NUMBERS = ("generation", "individual", "born")  # columns that count robots, and measure none
 WALKED = ("fitness", "distance", "velocity")
 """What a walk brings forth: of those that do not count, it means nothing."""
 
@@ -34,13 +37,14 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     Walks that do not count are left out of the middle, and can't be the best.
 
     Args:
-        records: the tidy table of a run.
+        records: the tidy table of a run, or the run.
         ax: where to draw; a new figure if None. Several runs on one Axes get a colour and a mark each.
         label: told before the lines' names, to tell several runs apart.
 
     Returns:
         The Axes drawn on.
     """
+    records = table_of(records)
     axes = ax or new_axes()
     title = "Fitness of each generation"
     counted: Any = records[records.verdict == "ok"]
@@ -75,7 +79,7 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
     The best robot is the one of the highest fitness, not of the highest trait.
 
     Args:
-        records: the tidy table of a run.
+        records: the tidy table of a run, or the run.
         name: a column of numbers: ``body_length``, ``weight``, ``n_legs``, ``n_segments``, ``velocity`` …
         ax: where to draw; a new figure if None. Several runs on one Axes get a colour and a mark each.
         label: told before the lines' names, to tell several runs apart.
@@ -86,9 +90,11 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
     Raises:
         ValueError: if there is no such column of numbers; the message lists those that there are.
     """
-    numeric = [column for column in records.select_dtypes("number").columns if column != "generation"]
+    records = table_of(records)
+    numeric = [column for column in records.select_dtypes("number").columns if column not in NUMBERS]
     if name not in numeric:
-        raise ValueError(f"the table has no column of numbers called {name!r}; it has {', '.join(numeric)}")
+        guess = did_you_mean(name, numeric)
+        raise ValueError(f"the table has no column of numbers called {name!r}; it has {', '.join(numeric)}.{guess}")
     axes = ax or new_axes()
     said = {"n_legs": "number of legs", "n_segments": "number of segments"}.get(name, name.replace("_", " "))
     title, unit = f"{said[0].upper()}{said[1:]} of each generation", unit_of(records, name)

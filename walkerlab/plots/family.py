@@ -12,7 +12,7 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.path import Path
 
 from walkerlab.plots.bodies import SLANT, Parts, add_body, at_rest
-from walkerlab.plots.style import QUIET, RUNS, count, describe, new_axes, nothing, unit_of, with_unit
+from walkerlab.plots.style import QUIET, RUNS, count, describe, new_axes, nothing, table_of, unit_of, with_unit
 from walkerlab.records import champion, lineage, parent_numbers
 from walkerlab.settings import Settings
 from walkerlab.shapes import skins
@@ -65,7 +65,7 @@ def family_tree(
     fittest two are drawn. All bodies are drawn to one scale.
 
     Args:
-        records: the tidy table of a run.
+        records: the tidy table of a run, or the run.
         ax: where to draw; a new figure, as long as the tree needs, if None.
         individual: whose tree; the champion's if None.
         settings: of which the loads are drawn; bodies without loads if None.
@@ -76,6 +76,7 @@ def family_tree(
     Raises:
         ValueError: if no such individual has walked.
     """
+    records = table_of(records)
     title = "Family tree"
     if records.empty:
         axes = ax or new_axes()

@@ -26,6 +26,7 @@ from walkerlab.plots.style import (
     nothing,
     over_generations,
     round_steps,
+    table_of,
 )
 from walkerlab.settings import Robot
 
@@ -43,7 +44,7 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
     Genes that a robot has not grown count as well: it hands them on, and its children may grow them.
 
     Args:
-        records: the tidy table of a run.
+        records: the tidy table of a run, or the run.
         ax: where to draw; a new figure if None. Several runs on one Axes get a colour and a mark each; each is
             measured by its own ranges.
         label: the name of the line, to tell several runs apart.
@@ -51,6 +52,7 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
     Returns:
         The Axes drawn on.
     """
+    records = table_of(records)
     axes = ax or new_axes()
     title = "Genetic diversity of each generation"
     found = pd.Series(_diversity(records), dtype=np.float64)
@@ -83,7 +85,7 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     robots agree.
 
     Args:
-        records: the tidy table of a run.
+        records: the tidy table of a run, or the run.
         ax: where to draw; a new figure, as wide as the genes need, if None.
         generation: whose genes; the last one's if None.
 
@@ -93,6 +95,7 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     Raises:
         ValueError: if there is no such generation.
     """
+    records = table_of(records)
     if records.empty:
         axes = ax or new_axes()
         nothing(axes, "no robot has walked yet")

@@ -87,14 +87,16 @@ def save(axes: Axes, *paths: str | os.PathLike[str]) -> None:
         ".pdf": {"Title": title, "Subject": text, "CreationDate": None},
         ".png": {"Title": title, "Description": text},
     }
+    to_scale = all(each.get_aspect() != "auto" for each in figure.axes)
+    crop = "tight" if to_scale else None  # a drawing to scale may leave much of its figure empty
     with mpl.rc_context(REAL_TEXT), _laid_out(figure):
         for path in map(Path, paths):
             told: Any = metadata.get(path.suffix.lower())
             if path.suffix.lower() != ".svg":
-                figure.savefig(path, dpi=150, metadata=told)
+                figure.savefig(path, dpi=150, metadata=told, bbox_inches=crop)
                 continue
             drawn = io.StringIO()
-            figure.savefig(drawn, format="svg", dpi=150, metadata=told)
+            figure.savefig(drawn, format="svg", dpi=150, metadata=told, bbox_inches=crop)
             path.write_text(_heard(drawn.getvalue(), text), encoding="utf-8")
 
 
@@ -160,6 +162,20 @@ def key(axes: Axes, columns: int) -> None:
 def nothing(axes: Axes, why: str) -> None:
     """Say why there is nothing to be seen."""
     axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center", color=QUIET)
+
+
+def table_of(records: Any) -> pd.DataFrame:
+    """Take a tidy table, or the run that it belongs to.
+
+    Raises:
+        TypeError: if it is neither.
+    """
+    table = getattr(records, "records", records)
+    if not isinstance(table, pd.DataFrame):
+        raise TypeError(
+            f"this picture is drawn from the table of a run: give run.records; got a {type(records).__name__}"
+        )
+    return table
 
 
 def unit_of(records: pd.DataFrame, column: str) -> str:

@@ -26,7 +26,13 @@ def distance_over_time(rollout: Rollout, ax: Axes | None = None, *, label: str =
 
     Returns:
         The Axes drawn on.
+
+    Raises:
+        TypeError: if it is given something else than a walk.
     """
+    if not isinstance(rollout, Rollout):  # pyright: ignore[reportUnnecessaryIsInstance]
+        given = type(rollout).__name__
+        raise TypeError(f"this picture is drawn from a walk: give wl.simulate(genome, settings); got a {given}")
     axes = ax or new_axes()
     title = "Way forward over time"
     run = n_drawn(axes, title)

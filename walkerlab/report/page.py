@@ -66,10 +66,9 @@ WORDS = {
 def save(
     settings: Settings, records: pd.DataFrame, folder: str | Path, path: Path | None = None, *, files: bool = True
 ) -> Path:
-    """Write the report of a run: ``report.html``, ``records.csv``, and the folders ``pictures`` and ``tables``.
+    """Write the report of a run: ``report.html``, ``replay.html``, ``records.csv``, and folders of pictures and tables.
 
-    The page is written last, so that where there is one, all is there. It shows a link to ``replay.html`` if that lies
-    beside it.
+    The page is written last, so that where there is one, all is there.
 
     Args:
         settings: of the run.
@@ -92,11 +91,12 @@ def save(
         (folder / TABLES).mkdir(exist_ok=True)
         story.generations(records).to_csv(folder / TABLES / "generations.csv", index=False)
         _walk(run.rollout).to_csv(folder / TABLES / "champion.csv", index=False)
+    replay(run.champion, settings).to_html(folder / REPLAY)
     drawn = {
         picture.name: _figure(picture, shown, files) for picture, shown in draw_all(run, folder if files else None)
     }
     sections = {
-        "In short": _in_short(run, drawn, replay=(folder / REPLAY).exists()),
+        "In short": _in_short(run, drawn),
         "What was evolved": _evolved(settings),
         "What came of it": _came(run, drawn, files),
         "The champion": _champion(run, drawn),
@@ -127,7 +127,7 @@ def _figure(picture: Picture, shown: Html, files: bool) -> Html:
     return tag("figure", tag("div", shown, class_="card"), caption)
 
 
-def _in_short(run: Subject, drawn: Mapping[str, Html], *, replay: bool) -> Html:
+def _in_short(run: Subject, drawn: Mapping[str, Html]) -> Html:
     plain, births = run.settings.model_dump(), run.records[run.records.generation == run.records.born]
     row: Any = births.set_index("individual").loc[run.champion.individual]
     seconds, pace = run.settings.simulation.duration, row.velocity / row.body_length
@@ -141,7 +141,7 @@ def _in_short(run: Subject, drawn: Mapping[str, Html], *, replay: bool) -> Html:
         (f"{(births.verdict == 'ok').mean():.0%}", "of these walks count"),
     ]
     cards = (tag("div", tag("b", figure), tag("span", about)) for figure, about in figures)
-    watch = tag("p", tag("a", "Watch it walk, in 3D", href=REPLAY, class_="watch")) if replay else ""
+    watch = tag("p", tag("a", "Watch it walk, in 3D", href=REPLAY, class_="watch"))
     told = tag("p", story.champion_story(run.records, plain))  # whose lines run on
     lead = tag("p", story.summary(run.records, plain), class_="lead")
     return join(lead, tag("div", *cards, class_="figures"), watch, drawn["champion"], told)
@@ -213,14 +213,7 @@ def _confirmed(run: Subject) -> Html:
     if run.champion.verdict != "ok":
         return Html("")
     with suppress(RunFileError):  # of a fitness of the user's own, a run file knows the name only
-        found = confirm(run.champion.genome, run.settings)
-        rows = [
-            ["at a quarter of the timestep", f"{found.kept_finer:.0%}", "does it live on an error of the physics?"],
-            ["from other starts (the middle one)", f"{found.kept_nudged:.0%}", "does it live on one lucky start?"],
-        ]
-        return table(
-            "How much of its fitness is left when it walks again", ["walk", "left", "asks"], rows, numbers=(1,)
-        )
+        return confirm(run.champion.genome, run.settings).table()
     return Html("")
 
 

@@ -68,16 +68,16 @@ def _of_a_family(run: Subject) -> float:
     return 1.2 + 0.75 * min(sum(max(1, skipped) for _, skipped in line), 12)
 
 
-def _trait(name: str, title: str) -> Picture:
-    return Picture(name, title, "", HALF, lambda run, ax: plots.trait(run.records, name, ax))
+def _trait(name: str, title: str, reading: str) -> Picture:
+    return Picture(name, title, reading, HALF, lambda run, ax: plots.trait(run.records, name, ax))
 
 
 PICTURES = (
     Picture(
         "champion",
         "The champion on its way",
-        "The robot from the side, to scale, at up to four moments of its walk; the later, the darker. Look at which "
-        "legs carry it and which swing forward.",
+        "The robot from the side, to scale, at the start, on its way and at the end; the later, the darker. The arrow "
+        "is how far its centre of mass has come. Look at which legs carry it and which swing forward.",
         LOW,
         lambda run, ax: plots.stride(run.champion.genome, run.settings, ax),
     ),
@@ -107,15 +107,15 @@ PICTURES = (
         HALF,
         lambda run, ax: plots.verdicts(run.records, ax),
     ),
-    _trait("weight", "Weight"),
-    _trait("body_length", "Body length"),
-    _trait("n_segments", "Segments"),
-    _trait("n_legs", "Legs"),
+    _trait("weight", "Weight", "Does it run against the limit that was set, and stay there? Then the limit decides."),
+    _trait("body_length", "Body length", "Long bodies reach farther with each step, and bend and topple more easily."),
+    _trait("n_segments", "Segments", "Where the middle half is a line, all robots have as many."),
+    _trait("n_legs", "Legs", "They come in pairs; a segment may have none."),
     Picture(
         "body",
         "The champion's body",
-        "The body that its gene describes, from the side and to scale; it walks to the right. The blue legs are those "
-        "nearer to you.",
+        "The body that its gene describes, from the side and to scale; it walks to the right. The light blue legs are "
+        "on the near side, its right; the dark ones on the far side.",
         MIDDLE,
         lambda run, ax: plots.body(run.champion.genome, ax, run.settings),
     ),

@@ -26,7 +26,7 @@ PAINTS = 32  # colours of a painted ground: few, for a small file
 ROPE_RADIUS = 0.006  # m
 SHADE = 0.28  # how dark a shadow is
 LIFT = 0.004  # m of a shadow, or a line, over the ground
-LINE = 0.02  # m, half the width of the starting line
+START, METRE = (0.02, 0.85), (0.006, 0.4)  # m of half a line's width, and how opaque it is
 BESIDE = 0.6  # m by which it is longer than the lanes
 
 
@@ -81,9 +81,14 @@ def placed(still: Any, place: Floats) -> Any:
 
 
 def tinted(one: Surface, colour: RGB) -> Surface:
-    """Paint a part in its racer's colour: limbs, which are blue by nature, in a lighter one."""
-    lift = 0.45 * bool(one.colour[2] > one.colour[0])
-    return replace(one, colour=np.array([*(np.array(colour) * (1 - lift) + lift), one.colour[3]]))
+    """Paint a part in its racer's colour."""
+    return replace(one, colour=tint(one.colour, colour))
+
+
+def tint(natural: Floats, colour: RGB) -> Floats:
+    """Turn a natural colour, (4,), into a racer's: limbs, which are blue by nature, get a lighter one."""
+    lift = 0.45 * bool(natural[2] > natural[0])
+    return np.array([*(np.array(colour) * (1 - lift) + lift), natural[3]])
 
 
 def rope(scene: Scene) -> Any:
@@ -105,13 +110,15 @@ def shadow(length: float) -> Any:
     return _mesh(rim, triangles, color=0x000000, opacity=SHADE, side="double")
 
 
-def starting_line(terrain: Terrain, lanes: list[float]) -> Any:
-    """Draw a white line across all lanes where the robots' foremost points are at the start."""
+def lines(terrain: Terrain, lanes: list[float], along: NDArray[Any], half: float, opacity: float) -> Any:
+    """Draw white lines across all lanes, at some places along the way [m], of half a width [m]."""
     y = np.linspace(min(lanes) - BESIDE, max(lanes) + BESIDE, 24)
-    edges = [np.stack([0 * y + x, y, height(terrain, 0 * y + x, y) + LIFT], axis=1) for x in (-LINE, LINE)]
-    i = 2 * np.arange(len(y) - 1)
+    edges = np.add.outer(along, (-half, half))[:, np.newaxis, :] + 0 * y[:, np.newaxis]  # (lines, 24, 2)
+    across = np.broadcast_to(y[:, np.newaxis], edges.shape)
+    points = np.stack([edges, across, height(terrain, edges, across) + LIFT], axis=-1).reshape(-1, 3)
+    i = (2 * np.arange(len(y) - 1) + 2 * len(y) * np.arange(len(along))[:, np.newaxis]).ravel()
     triangles = np.stack([i, i + 1, i + 3, i, i + 3, i + 2], axis=1).reshape(-1, 3)
-    return _mesh(np.stack(edges, axis=1).reshape(-1, 3), triangles, color=0xFFFFFF, opacity=0.85, side="double")
+    return _mesh(points, triangles, color=0xFFFFFF, opacity=opacity, side="double")
 
 
 def _strewn(pieces: list[Surface]) -> Any:

@@ -1,10 +1,11 @@
 // Plays recorded walks on a K3D plot. `reel` is what walkerlab/viewer/replay.py wrote: see its docstring.
 (K3D, reel) => {
   "use strict";
-  const world = K3D.getWorld();
+  const world = K3D.getWorld(), target = document.getElementById("canvasTarget");
   const { channels, moments } = unpack(reel.channels, reel.finest.length);
   const PLACE = 8, SIGHT = 6; // channels of a thing, and of a camera
   const NEAR = 28; // pixels between two marks
+  const SHAPE = 4 / 3; // width over height from which on all is in the picture; from narrower ones a camera steps back
   const firstSight = PLACE * reel.things.length;
   const firstPath = firstSight + SIGHT * reel.cameras.length;
   const meshes = reel.things.map((id) => world.ObjectsById[id]);
@@ -53,15 +54,17 @@
     const number = Math.max(reel.cameras.findIndex(({ name }) => name === state.camera), 0);
     const sight = several(firstSight + SIGHT * number, SIGHT, state.time);
     if (state.camera !== "free") {
-      K3D.setCamera([...sight, ...reel.cameras[number].up]);
+      const [eye, seen] = [sight.slice(0, 3), sight.slice(3)];
+      const back = Math.max(1, SHAPE * target.clientHeight / target.clientWidth);
+      K3D.setCamera([...eye.map((value, axis) => seen[axis] + back * (value - seen[axis])), ...seen, ...reel.cameras[number].up]);
     } else { // where the user has turned it to, but going along
-      const target = several(firstPath, 3, state.time);
+      const spot = several(firstPath, 3, state.time);
       if (state.last) {
         const now = world.controls.getCameraArray();
-        const moved = target.map((value, axis) => value - state.last[axis]);
+        const moved = spot.map((value, axis) => value - state.last[axis]);
         K3D.setCamera(now.map((value, axis) => value + (axis < 6 ? moved[axis % 3] : 0)));
       }
-      state.last = target;
+      state.last = spot;
     }
   }
 
@@ -70,11 +73,11 @@
     aim();
     K3D.render();
     tell();
+    label();
   }
 
   // ------------------------------------------------------------------------------------------------ what is said
 
-  const target = document.getElementById("canvasTarget");
   const make = (tag, words = {}, ...children) => {
     const node = document.createElement(tag);
     for (const [name, value] of Object.entries(words)) {
@@ -92,7 +95,8 @@
   const marks = reel.marks.map(({ text }) => make("div", { className: "mark", textContent: text }));
   const overlay = make("div", { className: "overlay", ariaHidden: "true" }, ...marks, ...(tags.length > 1 ? tags : []));
 
-  const ways = reel.walks.map(() => make("b", { className: "way" }));
+  const ways = reel.walks.map(() => make("b", { className: "way", title: "how far its centre of mass has come; the marks on the " +
+    "ground are metres from where its foremost point stood" }));
   const rows = reel.walks.map((walk, number) => {
     const dot = make("span", { className: "dot" });
     dot.style.setProperty("--colour", walk.colour);
@@ -130,13 +134,18 @@
     return seen ? spot : last;
   }
 
-  function tell() {
+  function label() {
     world.camera.updateMatrixWorld();
     marks.reduce((last, node, number) => put(node, reel.marks[number].at, last), null);
-    reel.walks.forEach((walk, number) => {
+    if (tags.length > 1) tags.forEach((tag, number) => {
       const [x, y, z] = several(firstPath + 3 * number, 3, state.time);
-      if (tags.length > 1) put(tags[number], [x, y, z + 0.35]);
-      ways[number].textContent = `${(x - walk.start).toFixed(2)} m`;
+      put(tag, [x, y, z + 0.35]);
+    });
+  }
+
+  function tell() {
+    reel.walks.forEach((walk, number) => {
+      ways[number].textContent = `${(at(firstPath + 3 * number, state.time) - walk.start).toFixed(2)} m`;
     });
     slider.value = state.time;
     slider.ariaValueText = clock.textContent = `${state.time.toFixed(2)} s`;
@@ -177,10 +186,17 @@
   cameras.onchange = () => (cameras.value === "free" ? free() : look(cameras.value));
   loop.onchange = () => { state.loop = loop.checked; };
   target.addEventListener("pointerdown", (event) => { if (event.target.tagName === "CANVAS") free(); });
-  target.addEventListener("wheel", (event) => { if (event.target.tagName === "CANVAS") free(); }, { passive: true });
+  // In a notebook the wheel scrolls, and zooms only once somebody has taken hold of the view.
+  document.addEventListener("wheel", (event) => {
+    if (event.target.tagName !== "CANVAS") return;
+    if (window !== parent && state.camera !== "free" && !event.ctrlKey) event.stopPropagation();
+    else free();
+  }, { capture: true, passive: true });
+  K3D.on(K3D.events.CAMERA_CHANGE, label);
   document.addEventListener("keydown", (event) => {
-    if (["SELECT", "INPUT", "BUTTON", "SUMMARY"].includes(event.target.tagName)) return;
-    if (event.key === " ") { event.preventDefault(); button.onclick(); }
+    const { tagName, type } = event.target, typing = ["SELECT", "BUTTON", "SUMMARY"].includes(tagName) || type === "checkbox";
+    if (event.key === " " && !typing) { event.preventDefault(); button.onclick(); }
+    if (typing || tagName === "INPUT") return;
     if (event.key === "ArrowLeft") { pause(); seek(state.time - 0.1); }
     if (event.key === "ArrowRight") { pause(); seek(state.time + 0.1); }
   });

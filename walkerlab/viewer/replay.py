@@ -11,7 +11,6 @@ closed, for browsers keep few WebGL contexts.
 
 import base64
 import html
-import io
 import json
 import re
 from collections.abc import Mapping, Sequence
@@ -24,27 +23,25 @@ import anywidget
 import numpy as np
 import traitlets
 from matplotlib.colors import to_hex, to_rgb
-from matplotlib.figure import Figure
 
 from walkerlab.choices import Camera, Structure
 from walkerlab.fitness import distance, label, score, velocity
 from walkerlab.genome import Genome
 from walkerlab.ground import height
 from walkerlab.judge import VERDICTS
-from walkerlab.plots.bodies import stride
 from walkerlab.plots.style import RUNS
 from walkerlab.rollout import simulate
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings, Terrain
 from walkerlab.shapes import skins
-from walkerlab.viewer.stage import Stage, Walk, set_up
+from walkerlab.viewer.meshes import BESIDE
+from walkerlab.viewer.poster import poster
+from walkerlab.viewer.stage import MARKS, Stage, Walk, set_up
 from walkerlab.viewer.tracks import pack
 
 HERE = Path(__file__).parent
 NATURAL = "#e69f00"  # the colour of a trunk
 GAP = 0.35  # m between the lanes of a race
-MARKS = 30  # m along the way, that are numbered
-ROWS = 4  # walks of a race in the picture that comes first
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,9 +70,14 @@ class Replay:
             path: of the file to be written; what was there is replaced.
 
         Raises:
+            ValueError: if it is not named ``.html``.
             OSError: if it cannot be written.
         """
         path = Path(path)
+        if path.suffix.lower() not in (".html", ".htm"):
+            raise ValueError(f"path is {str(path)!r}; it must end in .html: a page, which a browser opens")
+        if not path.parent.is_dir():
+            raise FileNotFoundError(f"there is no folder {path.parent}; make it first. It is where {path.name} goes.")
         path.write_text(self.page, encoding="utf-8")
         return path
 
@@ -156,7 +158,7 @@ def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | s
     moved it.
 
     Args:
-        walkers: a genome, its text or an individual; or several of these, as a list, or by label.
+        walkers: a genome, its text, an individual, or a run for its champion; or several, as a list, or by label.
         settings: of terrain, robot and simulation; the defaults if None.
         camera: side, front, top, chase or orbit; that of the settings if None.
 
@@ -185,6 +187,9 @@ def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | s
 
 def _named(walkers: Any) -> dict[str, Genome]:
     """Give every walker a name."""
+    if isinstance(walkers, Settings):
+        raise TypeError("first comes who walks, and then the settings: wl.replay(genome, settings)")
+    walkers = getattr(walkers, "champion", walkers)  # of a run
     if isinstance(walkers, Mapping):
         return {str(name): Genome.of(getattr(one, "genome", one)) for name, one in walkers.items()}
     if isinstance(walkers, str | Genome) or hasattr(walkers, "genome") or getattr(walkers, "ndim", 0) == 1:
@@ -208,7 +213,7 @@ def _lanes(scenes: Sequence[Any], terrain: Terrain) -> list[float]:
 
 def _marks(terrain: Terrain, walks: Sequence[Walk]) -> list[dict[str, Any]]:
     """Number the metres along the way, on the near side of all lanes."""
-    x, y = np.arange(MARKS + 1.0), min(walk.lane for walk in walks) - 0.55
+    x, y = np.arange(MARKS + 1.0), min(walk.lane for walk in walks) - BESIDE
     z = height(terrain, x, np.full_like(x, y)) + 0.02
     return [{"at": [along, y, up], "text": f"{along:g} m"} for along, up in zip(x.tolist(), z.tolist(), strict=True)]
 
@@ -224,7 +229,9 @@ class Frame(anywidget.AnyWidget):
     alt = traitlets.Unicode("").tag(sync=True)
 
     def __init__(self, shown: Replay) -> None:
-        super().__init__(poster=f"data:image/png;base64,{base64.b64encode(_poster(shown)).decode('ascii')}")
+        super().__init__(
+            poster=f"data:image/png;base64,{base64.b64encode(poster(shown.walks, shown.settings)).decode('ascii')}"
+        )
         walks = "; ".join(f"{walk.label}, {distance(walk.rollout):.2f} m forward" for walk in shown.walks)
         self.alt = f"Replay of {walks}. Press to play."
         self._shown = shown
@@ -233,16 +240,3 @@ class Frame(anywidget.AnyWidget):
     def _answer(self, _: Any, message: Any, __: Any) -> None:
         if message == "open":
             self.send("page", buffers=[self._shown.page.encode("utf-8")])
-
-
-def _poster(shown: Replay) -> bytes:
-    """Draw the picture that comes first, as PNG: each in its stride, the first few of a race one below the other."""
-    walks = shown.walks[:ROWS]
-    figure = Figure(figsize=(7.2, 1.9 * len(walks)), dpi=100, layout="constrained")
-    for axes, walk in zip(figure.subplots(len(walks), squeeze=False)[:, 0], walks, strict=True):
-        stride(walk.scene.genome, shown.settings, axes)
-        if len(shown.walks) > 1:
-            axes.set_title(walk.label, loc="left", fontsize=9, color=walk.colour, weight="bold")
-    file = io.BytesIO()
-    figure.savefig(file, format="png", bbox_inches="tight")
-    return file.getvalue()

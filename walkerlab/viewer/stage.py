@@ -17,6 +17,7 @@ from walkerlab.shapes import rotate, surfaces
 from walkerlab.viewer import meshes
 from walkerlab.viewer.tracks import FINEST, Tracks, before_it_broke, follow
 
+MARKS = 30  # metres along the way that are marked
 SEEN = 1e-3  # m, to which cameras and centres of mass are rounded
 
 
@@ -76,7 +77,9 @@ def set_up(walks: list[Walk], name: str) -> Stage:
     plot = meshes.empty_plot(first.scene, name)
     for mesh in meshes.scenery(first.scene, list(surfaces(first.scene.model))):
         plot += mesh
-    plot += meshes.starting_line(first.scene.settings.terrain, [walk.lane for walk in walks])
+    terrain, lanes = first.scene.settings.terrain, [walk.lane for walk in walks]
+    plot += meshes.lines(terrain, lanes, np.zeros(1), *meshes.START)
+    plot += meshes.lines(terrain, lanes, np.arange(1.0, MARKS + 1), *meshes.METRE)
     things, channels = list[int](), list[Floats]()
     for walk, poses in zip(walks, recorded, strict=True):
         for mesh, track in _cast(walk, follow(walk.scene, poses)):
