@@ -10,9 +10,12 @@ import numpy as np
 from walkerlab.choices import Fitness
 from walkerlab.ga.loop import NOT_COUNTED
 from walkerlab.ga.slots import OperatorError
+from walkerlab.genome import Genome
 from walkerlab.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.quantity import function_name
-from walkerlab.rollout import Rollout
+from walkerlab.rollout import Rollout, nudge, walk
+from walkerlab.scene import compile_scene
+from walkerlab.settings import Settings
 
 UNITS = {Fitness.distance: "m", Fitness.velocity: "m/s", Fitness.efficiency: "m/J", Fitness.straightness: "m"}
 IDLE = 10.0  # J counted on top, about what trembling contacts do to a robot that stands: doing nothing is not efficient
@@ -67,6 +70,23 @@ def score(rollout: Rollout, fitness: Fitness | Callable[..., Any]) -> float:
         f"the fitness function {function_name(function)!r} returned {value!r:.60} for a walk; it must return "
         "one finite number, higher being better"
     )
+
+
+def poorest_walk(genome: Genome | str, settings: Settings, *, poses: bool = True) -> Rollout:
+    """Let a robot walk as evolution does: from each of its starts, of which the poorest walk counts.
+
+    Args:
+        genome: a genome or its text.
+        settings: of all four domains.
+        poses: whether to record every pose.
+
+    Raises:
+        GenomeError: if a text is no genome.
+    """
+    scene = compile_scene(genome, settings)
+    starts = range(settings.simulation.n_starts)
+    rollouts = [walk(scene, nudge=nudge(scene, start), poses=poses) for start in starts]
+    return rollouts[0] if len(rollouts) == 1 else min(rollouts, key=lambda one: score(one, settings.algorithm.fitness))
 
 
 def check_own(fitness: Fitness | Callable[..., Any]) -> None:

@@ -12,6 +12,7 @@ from walkerlab.genes import Floats, Indices
 from walkerlab.scene import ROPE_ENDS, Scene
 
 AROUND, ALONG = 24, 12  # corners of what is round: about its axis, and from pole to pole
+LEAP = 3.0  # m of any body from one tick to the next, beyond which a world has broken down: 150 m/s
 ENDLESS = 60.0  # m to each side, to which a plane is drawn
 
 
@@ -81,6 +82,20 @@ def placements(scene: Scene, poses: Floats) -> Floats:
         mujoco.mj_kinematics(scene.model, data)
         placed[i, :, :3], placed[i, :, 3:] = data.xpos, data.xquat
     return placed
+
+
+def n_sound(scene: Scene, poses: Floats) -> int:
+    """Count the poses before the numbers of a robot, or of what it drags, ran away; all, if they did not.
+
+    Args:
+        scene: the compiled world.
+        poses: (n, nq) as in ``Rollout.poses``.
+    """
+    wild = ~np.isfinite(poses).all(axis=1)
+    n_finite = int(np.argmax(wild)) if wild.any() else len(poses)
+    own = np.isin(scene.model.body_rootid, scene.roots)
+    steps = np.abs(np.diff(placements(scene, poses[:n_finite])[:, own, :3], axis=0)).max(axis=(1, 2), initial=0)
+    return int(np.argmax(steps > LEAP)) + 1 if (steps > LEAP).any() else n_finite
 
 
 def rope_ends(scene: Scene, placed: Floats) -> Floats:

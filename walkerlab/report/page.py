@@ -23,6 +23,7 @@ from walkerlab.report.pictures import FOLDER, KINDS, Picture, Subject, draw_all
 from walkerlab.rollout import Rollout
 from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
+from walkerlab.viewer import replay
 
 HERE = Path(__file__).parent
 NAME = "report.html"

@@ -12,9 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from walkerlab import plots, story
+from walkerlab.fitness import poorest_walk
 from walkerlab.markup import Html, inline_svg, tag
 from walkerlab.records import Individual, champion
-from walkerlab.rollout import Rollout, simulate
+from walkerlab.rollout import Rollout
 from walkerlab.settings import Settings
 
 KINDS = ("svg", "pdf", "png")
@@ -40,7 +41,7 @@ class Subject:
             ValueError: if the table is empty.
         """
         best = champion(records)
-        return cls(settings, records, best, simulate(best.genome, settings))
+        return cls(settings, records, best, poorest_walk(best.genome, settings))
 
 
 @dataclass(frozen=True)
