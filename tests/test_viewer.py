@@ -1,16 +1,20 @@
 """A replay shows what was simulated, anywhere, and gives back what it takes."""
 
 import io
+import math
 import os
 import subprocess
 import sys
 import time
 import urllib.request
 import zlib
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from html.parser import HTMLParser
 from itertools import pairwise
 from socket import socket
 
+import ipywidgets
 import mujoco
 import nbformat
 import numpy as np
@@ -20,9 +24,11 @@ from PIL import Image
 import walkerlab as wl
 from walkerlab.choices import Camera
 from walkerlab.commands.worlds import GENOME
+from walkerlab.ground import ARENA_WIDTH
 from walkerlab.scene import compile_scene
-from walkerlab.shapes import skins
-from walkerlab.viewer.tracks import LEAP, before_it_broke, pack
+from walkerlab.shapes import n_sound, placements, rope_ends, rotate, skins
+from walkerlab.viewer.stage import below, edges_of, set_up
+from walkerlab.viewer.tracks import follow, moments, pack
 
 SHORT = wl.Settings().with_(duration=2)
 CROWDED = wl.Settings().with_(
@@ -33,7 +39,7 @@ CROWDED = wl.Settings().with_(
 def unpack(packed, finest):
     raw, count = zlib.decompress(packed), len(finest)
     firsts = np.frombuffer(raw[: 8 * count], "<f8")
-    steps = np.frombuffer(raw[8 * count :], "<i2").reshape(count, -1)
+    steps = np.frombuffer(raw[8 * count :], "<i4").reshape(count, -1)
     return firsts[:, None] + np.concatenate([np.zeros((count, 1)), steps.cumsum(axis=1)], axis=1) * finest[:, None]
 
 
@@ -45,13 +51,83 @@ def test_what_is_packed_comes_out_within_half_a_unit():
 
 
 def test_a_walk_is_shown_until_it_breaks():
-    poses = np.cumsum(np.full((50, 9), 0.01), axis=0)
-    assert len(before_it_broke(poses)) == 50
-    for i, bad in ((20, np.nan), (30, np.inf), (40, LEAP + 5)):
-        broken = poses.copy()
+    scene, rollout = compile_scene(GENOME, SHORT), wl.simulate(GENOME, SHORT)
+    assert n_sound(scene, rollout.poses) == len(rollout.poses)
+    for i, bad in ((20, np.nan), (30, np.inf), (40, 1e9)):
+        broken = rollout.poses.copy()
         broken[i:, 0] = bad
-        assert len(before_it_broke(broken)) == i
-    assert len(before_it_broke(np.full((5, 9), np.nan))) == 1
+        assert n_sound(scene, broken) == i
+        tracks = follow(scene, replace(rollout, poses=broken))
+        assert np.isfinite(tracks.places).all()
+        assert tracks.places.shape[1] == len(tracks.com) == i
+    assert n_sound(scene, np.full_like(rollout.poses, np.nan)) == 0
+
+
+@pytest.mark.parametrize("timestep", [0.0013, 0.003, 0.005, 0.009])
+def test_the_clock_is_right_whatever_the_timestep(timestep):
+    settings = SHORT.with_(timestep=timestep)
+    scene, rollout = compile_scene(GENOME, settings), wl.simulate(GENOME, settings)
+    tracks, time = follow(scene, rollout), moments(rollout.time[-1])
+    assert set_up(list(wl.replay(GENOME, settings).walks), "").seconds == pytest.approx(rollout.time[-1], abs=1e-9)
+    for axis in range(3):
+        assert np.allclose(tracks.com[:, axis], np.interp(time, rollout.time, rollout.com[:, axis]), atol=1e-9)
+        place = np.interp(time, rollout.time, rollout.poses[:, axis])
+        assert np.allclose(tracks.places[0, :, axis], place, atol=1e-9)
+    assert np.allclose(np.linalg.norm(tracks.places[:, :, 3:7], axis=2), 1)
+
+
+@pytest.mark.parametrize("wild", [{"wind": (10, 0, 0)}, {"structure": "incline", "incline": -30}])
+def test_whatever_rolls_can_be_shown(wild):
+    settings = wl.Settings().with_(obstacle="ball", obstacle_size=0.05, **wild)
+    replay = wl.replay(GENOME, settings)
+    stage = set_up(list(replay.walks), "")
+    error = np.abs(unpack(pack(stage.channels, stage.finest), stage.finest) - stage.channels).max(axis=1)
+    assert (error <= 0.51 * stage.finest).all()
+
+
+def test_a_rope_hangs_from_end_to_end():
+    settings = SHORT.with_(drag_weight=2)
+    scene, rollout = compile_scene(GENOME, settings), wl.simulate(GENOME, settings)
+    tracks = follow(scene, rollout)
+    for rod, ends in zip(tracks.rope, rope_ends(scene, placements(scene, rollout.poses)), strict=True):
+        half = rod[7] / 2 * rotate(rod[np.newaxis, 3:7], np.array([0, 0, 1.0]))[0]
+        assert np.allclose([rod[:3] - half, rod[:3] + half], ends, atol=1e-9)
+
+
+@pytest.mark.parametrize("yaw", [0, 45, 90, 180, 250])
+@pytest.mark.parametrize("incline", [-30, 0, 20])
+def test_a_shadow_lies_flat_on_the_ground_below_its_segment(yaw, incline):
+    settings = SHORT.with_(structure="incline", incline=incline)
+    scene, turn = compile_scene(GENOME, settings), math.radians(yaw)
+    place = np.array([[1.0, 0.2, 2.0, math.cos(turn / 2), 0, 0, math.sin(turn / 2), 1]])
+    spot = below(scene, place, 0.4)[0]
+    slope = math.tan(math.radians(incline))
+    middle = place[0, :2] - 0.2 * np.array([math.cos(turn), math.sin(turn)])
+    assert np.allclose(spot[:2], middle)
+    assert spot[2] == pytest.approx(middle[0] * slope, abs=0.01)
+    up, ahead = (rotate(spot[np.newaxis, 3:7], way)[0] for way in (np.array([0, 0, 1.0]), np.array([1.0, 0, 0])))
+    assert np.allclose(up, np.array([-slope, 0, 1]) / math.hypot(slope, 1), atol=1e-9)
+    assert math.atan2(ahead[1], ahead[0]) == pytest.approx(math.atan2(math.sin(turn), math.cos(turn)), abs=0.2)
+
+
+def test_every_walk_is_followed_where_it_is_shown():
+    race = wl.replay({"a": GENOME, "b": GENOME}, SHORT)
+    stage = set_up(list(race.walks), "")
+    for number, walk in enumerate(race.walks):
+        path = stage.channels[len(stage.channels) - 6 + 3 * number :][:3].T
+        assert np.allclose(path, walk.rollout.com + np.array([0, walk.lane, 0]), atol=1e-9)
+    trunks = stage.channels[: 8 * len(stage.things)].reshape(len(stage.things), 8, -1)
+    half = len(stage.things) // 2
+    assert np.allclose(trunks[half, 1] - trunks[0, 1], race.walks[1].lane - race.walks[0].lane)
+
+
+def test_what_lies_about_is_shown_as_the_farthest_moved_it():
+    ahead, behind = GENOME.replace("frequency=1.2", "frequency=0.4"), GENOME
+    race = wl.replay({"a": behind, "b": ahead, "c": behind}, SHORT.with_(obstacle="box"))
+    way = [walk.rollout.distance for walk in race.walks]
+    assert [walk.loose for walk in race.walks] == [distance == max(way) for distance in way] or way[0] == way[2]
+    assert sum(walk.loose for walk in race.walks) == 1
+    assert race.walks[int(np.argmax(way))].loose
 
 
 class TestWhoWalks:
@@ -63,6 +139,15 @@ class TestWhoWalks:
         assert self.names(genome) == self.names(GENOME) == self.names(genome.values) == ["robot"]
         assert self.names([genome, GENOME]) == ["robot 1", "robot 2"]
         assert self.names({"Ada": genome, "Bob": GENOME}) == ["Ada", "Bob"]
+
+    def test_two_with_the_same_name_are_two(self):
+        assert self.names({1: GENOME, "1": GENOME}) == ["1", "1 (2)"]
+
+    def test_a_large_race_fits_on_the_stairs(self):
+        race = wl.replay([GENOME] * 30, SHORT.with_(structure="stairs", duration=1))
+        edges = edges_of(list(race.walks))
+        assert -ARENA_WIDTH / 2 - 0.5 < edges[0] < edges[1] < ARENA_WIDTH / 2 + 0.5
+        assert len({walk.colour for walk in race.walks}) == 18
 
     def test_nobody_and_nonsense_are_refused_in_words(self):
         with pytest.raises(ValueError, match="nobody to walk"):
@@ -99,6 +184,27 @@ def test_a_run_shows_its_champion_or_a_race_through_its_generations():
     assert str(race.walks[0].scene.genome) == best
     with pytest.raises(ValueError, match="no generation 3: this run has 0 to 2"):
         run.replay(0, 3)
+
+
+def test_a_loaded_run_of_somebodys_own_fitness_can_be_watched(tmp_path):
+    path = tmp_path / "run.walk"
+    settings = SHORT.with_(population_size=4, generations=1, fitness=lambda rollout: rollout.distance)
+    with ThreadPoolExecutor(1) as thread:
+        wl.evolve(settings, path, executor=thread, progress=False)
+    assert "way forward" in wl.load(path).replay().page
+
+
+def test_of_several_starts_the_poorest_is_shown_for_it_counted():
+    settings = SHORT.with_(n_starts=4)
+    [evaluation] = wl.evaluate([GENOME], settings)
+    [walk] = wl.replay(GENOME, settings).walks
+    assert walk.rollout.distance == evaluation.distance
+
+
+def test_a_page_leaves_no_widgets_behind():
+    registry = ipywidgets.widgets.widget._instances
+    counts = [len(registry) for _ in range(3) if wl.replay(GENOME, SHORT).page]
+    assert counts[2] == counts[0]
 
 
 class Links(HTMLParser):

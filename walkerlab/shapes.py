@@ -37,14 +37,21 @@ class Surface:
     is_ball: bool
 
 
-def surfaces(model: mujoco.MjModel) -> Iterator[Surface]:
-    """Yield what is to be seen of a world, geom by geom and site by site; not the rope, which is neither."""
+def surfaces(model: mujoco.MjModel, far: float = ENDLESS) -> Iterator[Surface]:
+    """Yield what is to be seen of a world, geom by geom and site by site; not the rope, which is neither.
+
+    Args:
+        model: the compiled world.
+        far: to what distance [m] a plane is drawn, to each side.
+    """
     for kind in ("geom", "site"):
         types, sizes, bodies, colours, places, turns, materials = (
             getattr(model, f"{kind}_{part}") for part in ("type", "size", "bodyid", "rgba", "pos", "quat", "matid")
         )
         for i in np.flatnonzero(colours[:, 3]).tolist():
             points, triangles = _surface(model, types[i], sizes[i], int(model.geom_dataid[i]) if kind == "geom" else -1)
+            if types[i] == mujoco.mjtGeom.mjGEOM_PLANE:
+                points = points * far
             turn = np.empty(9)
             mujoco.mju_quat2Mat(turn, turns[i])
             yield Surface(
@@ -149,7 +156,7 @@ def _surface(model: mujoco.MjModel, kind: int, size: Floats, data: int) -> tuple
     """Return the corners of a geom in its own frame, (k, 3) [m], and its (m, 3) triangles."""
     match mujoco.mjtGeom(kind):
         case mujoco.mjtGeom.mjGEOM_PLANE:
-            return _grid(np.array([-ENDLESS, ENDLESS]), np.array([-ENDLESS, ENDLESS]), np.zeros((2, 2)))
+            return _grid(np.array([-1.0, 1.0]), np.array([-1.0, 1.0]), np.zeros((2, 2)))
         case mujoco.mjtGeom.mjGEOM_HFIELD:
             return _hills(model, data)
         case mujoco.mjtGeom.mjGEOM_CAPSULE:

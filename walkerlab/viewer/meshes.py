@@ -27,7 +27,7 @@ ROPE_RADIUS = 0.006  # m
 SHADE = 0.28  # how dark a shadow is
 LIFT = 0.004  # m of a shadow, or a line, over the ground
 START, METRE = (0.02, 0.85), (0.006, 0.4)  # m of half a line's width, and how opaque it is
-BESIDE = 0.6  # m by which it is longer than the lanes
+BESIDE = 0.15  # m by which it is longer than the lanes
 
 
 def empty_plot(scene: Scene, name: str) -> Any:
@@ -110,12 +110,12 @@ def shadow(length: float) -> Any:
     return _mesh(rim, triangles, color=0x000000, opacity=SHADE, side="double")
 
 
-def lines(terrain: Terrain, lanes: list[float], along: NDArray[Any], half: float, opacity: float) -> Any:
+def lines(terrain: Terrain, edges: tuple[float, float], along: NDArray[Any], half: float, opacity: float) -> Any:
     """Draw white lines across all lanes, at some places along the way [m], of half a width [m]."""
-    y = np.linspace(min(lanes) - BESIDE, max(lanes) + BESIDE, 24)
-    edges = np.add.outer(along, (-half, half))[:, np.newaxis, :] + 0 * y[:, np.newaxis]  # (lines, 24, 2)
-    across = np.broadcast_to(y[:, np.newaxis], edges.shape)
-    points = np.stack([edges, across, height(terrain, edges, across) + LIFT], axis=-1).reshape(-1, 3)
+    y = np.linspace(edges[0] - BESIDE, edges[1] + BESIDE, 24)
+    x = np.add.outer(along, (-half, half))[:, np.newaxis, :] + 0 * y[:, np.newaxis]  # (lines, 24, 2)
+    across = np.broadcast_to(y[:, np.newaxis], x.shape)
+    points = np.stack([x, across, height(terrain, x, across) + LIFT], axis=-1).reshape(-1, 3)
     i = (2 * np.arange(len(y) - 1) + 2 * len(y) * np.arange(len(along))[:, np.newaxis]).ravel()
     triangles = np.stack([i, i + 1, i + 3, i, i + 3, i + 2], axis=1).reshape(-1, 3)
     return _mesh(points, triangles, color=0xFFFFFF, opacity=opacity, side="double")

@@ -5,6 +5,7 @@
   const { channels, moments } = unpack(reel.channels, reel.finest.length);
   const PLACE = 8, SIGHT = 6; // channels of a thing, and of a camera
   const NEAR = 28; // pixels between two marks
+  const CROWD = 8; // walks from which on tags are dots, or they would hide the walkers
   const SHAPE = 4 / 3; // width over height from which on all is in the picture; from narrower ones a camera steps back
   const firstSight = PLACE * reel.things.length;
   const firstPath = firstSight + SIGHT * reel.cameras.length;
@@ -18,7 +19,7 @@
   function unpack(text, count) {
     const bytes = fflate.unzlibSync(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)));
     const head = new Float64Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + 8 * count));
-    const steps = new Int16Array(bytes.buffer.slice(bytes.byteOffset + 8 * count, bytes.byteOffset + bytes.length));
+    const steps = new Int32Array(bytes.buffer.slice(bytes.byteOffset + 8 * count, bytes.byteOffset + bytes.length));
     const length = steps.length / count;
     const all = [];
     for (let c = 0; c < count; c++) {
@@ -88,7 +89,7 @@
   };
 
   const tags = reel.walks.map((walk) => {
-    const tag = make("div", { className: "tag" }, walk.label);
+    const tag = make("div", { className: reel.walks.length > CROWD ? "tag small" : "tag" }, walk.label);
     tag.style.setProperty("--colour", walk.colour);
     return tag;
   });
@@ -145,7 +146,7 @@
 
   function tell() {
     reel.walks.forEach((walk, number) => {
-      ways[number].textContent = `${(at(firstPath + 3 * number, state.time) - walk.start).toFixed(2)} m`;
+      ways[number].textContent = `${(at(firstPath + 3 * number, state.time) - walk.start + 0).toFixed(2).replace(/^-(0\.00)$/, "$1")} m`;
     });
     slider.value = state.time;
     slider.ariaValueText = clock.textContent = `${state.time.toFixed(2)} s`;
@@ -156,26 +157,26 @@
 
   // ------------------------------------------------------------------------------------------------ what is done
 
-  let before = null;
+  let before = null, next = 0;
   function frame(now) {
     if (!state.playing) return;
     state.time += before === null ? 0 : Math.min((now - before) / 1000, 0.2) * state.speed;
     before = now;
     if (state.time >= reel.seconds) {
-      if (state.loop) { state.time %= reel.seconds; state.last = null; if (state.camera === "free") state.camera = reel.camera; }
+      if (state.loop) state.time %= reel.seconds;
       else { state.time = reel.seconds; pause(); }
     }
     draw();
-    requestAnimationFrame(frame);
+    next = requestAnimationFrame(frame);
   }
   function play() {
     if (state.playing) return;
     if (state.time >= reel.seconds) state.time = 0;
     state.playing = true;
     before = null;
-    requestAnimationFrame(frame);
+    next = requestAnimationFrame(frame);
   }
-  function pause() { state.playing = false; tell(); }
+  function pause() { state.playing = false; cancelAnimationFrame(next); tell(); }
   function seek(time) { state.time = Math.min(Math.max(time, 0), reel.seconds); draw(); }
   function look(camera) { state.camera = camera; state.last = null; draw(); }
   const free = () => { if (state.camera !== "free") { state.camera = "free"; state.last = several(firstPath, 3, state.time); tell(); } };

@@ -10,10 +10,9 @@ from matplotlib.figure import Figure
 from walkerlab.plots.bodies import add_body, stride
 from walkerlab.plots.style import alt_text
 from walkerlab.settings import Settings
-from walkerlab.shapes import skins
+from walkerlab.shapes import n_sound, skins
 from walkerlab.viewer.meshes import tint
 from walkerlab.viewer.stage import Walk
-from walkerlab.viewer.tracks import before_it_broke
 
 ROWS = 8  # walks of a race that are drawn, the farthest on top
 WIDTH = 7.2  # inches
@@ -37,7 +36,8 @@ def _finish(axes: Axes, walks: Sequence[Walk]) -> None:
     ranked = sorted(walks, key=lambda walk: -np.nan_to_num(walk.rollout.distance, nan=-np.inf))[:ROWS]
     floor, levels, words = 0.0, list[float](), list[str]()
     for walk in ranked:
-        parts = skins(walk.scene, before_it_broke(walk.rollout.poses)[-1])
+        sound = n_sound(walk.scene, walk.rollout.poses)
+        parts = skins(walk.scene, walk.rollout.poses[sound - 1] if sound else walk.scene.start)
         low, high = (float(end([end(skin[:, 2]) for skin, _ in parts])) for end in (min, max))
         floor -= 1.25 * (high - low)
         painted = [(skin, tint(colour, walk.colour)) if walk.colour else (skin, colour) for skin, colour in parts]

@@ -13,7 +13,7 @@ import base64
 import html
 import json
 import re
-from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -22,26 +22,22 @@ from typing import Any
 import anywidget
 import numpy as np
 import traitlets
-from matplotlib.colors import to_hex, to_rgb
+from matplotlib.colors import to_hex
 
-from walkerlab.choices import Camera, Structure
-from walkerlab.fitness import distance, label, score, velocity
-from walkerlab.genome import Genome
+from walkerlab.choices import Camera
+from walkerlab.fitness import label, score
 from walkerlab.ground import height
-from walkerlab.judge import VERDICTS
-from walkerlab.plots.style import RUNS
-from walkerlab.rollout import simulate
-from walkerlab.scene import compile_scene
+from walkerlab.judge import UNSTABLE, VERDICTS
 from walkerlab.settings import Settings, Terrain
-from walkerlab.shapes import skins
+from walkerlab.store import RunFileError
+from walkerlab.viewer.cast import line_up
 from walkerlab.viewer.meshes import BESIDE
 from walkerlab.viewer.poster import poster
-from walkerlab.viewer.stage import MARKS, Stage, Walk, set_up
+from walkerlab.viewer.stage import Stage, Walk, edges_of, set_up
 from walkerlab.viewer.tracks import pack
 
 HERE = Path(__file__).parent
 NATURAL = "#e69f00"  # the colour of a trunk
-GAP = 0.35  # m between the lanes of a race
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,19 +119,23 @@ class Replay:
             "camera": self.camera.name,
             "cameras": [{"name": view.name, "up": stage.ups[view]} for view in Camera],
             "walks": [self._facts(walk) for walk in self.walks],
-            "marks": _marks(self.settings.terrain, self.walks),
+            "marks": _marks(self.settings.terrain, edges_of(list(self.walks))[0], stage.marks),
         }
 
     def _facts(self, walk: Walk) -> dict[str, Any]:
         """What the board says of a walk."""
         rollout, body = walk.rollout, walk.rollout.phenotype
+        whole = rollout.verdict != UNSTABLE  # or its last numbers are nonsense
+        facts = [
+            ("way forward", f"{rollout.distance + 0.0:.2f} m" if whole else "–"),
+            ("speed", f"{rollout.velocity:.2f} m/s" if whole else "–"),
+        ]
         name, unit = label(self.settings.algorithm.fitness)
-        facts = [("way forward", f"{distance(rollout):.2f} m"), ("speed", f"{velocity(rollout):.2f} m/s")]
-        if name not in ("distance", "velocity") and rollout.counts:
-            facts.append((name, f"{score(rollout, self.settings.algorithm.fitness):.3g} {unit}".strip()))
-        n_legs = sum(2 for segment in body.segments if segment.legs)
+        if name not in ("distance", "velocity"):
+            with suppress(RunFileError):  # of a fitness of the user's own, a run file knows the name only
+                facts.append((name, f"{score(rollout, self.settings.algorithm.fitness):.3g} {unit}".strip()))
         facts += [
-            ("body", f"{len(body.segments)} segment{'s' * (len(body.segments) > 1)}, {n_legs} legs"),
+            ("body", f"{len(body.segments)} segment{'s' * (len(body.segments) > 1)}, {body.n_legs} legs"),
             ("length", f"{body.body_length:.2f} m"),
             ("weight", f"{body.weight:.1f} kg"),
         ]
@@ -145,7 +145,7 @@ class Replay:
             "colour": to_hex(walk.colour) if walk.colour else NATURAL,
             "counts": rollout.counts,
             "verdict": VERDICTS["ok"] if rollout.counts else void,
-            "facts": [fact for fact in facts if "nan" not in fact[1]],
+            "facts": facts,
             "start": float(np.nan_to_num(rollout.com[0, 0])),
         }
 
@@ -170,52 +170,17 @@ def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | s
     settings = Settings() if settings is None else settings
     if camera is not None:
         settings = settings.with_(camera=camera)
-    named = _named(walkers)
-    if not named:
-        raise ValueError("there is nobody to walk: give replay a genome, or several")
-    scenes = [compile_scene(genome, settings, scenery=True) for genome in named.values()]
-    rollouts = [simulate(genome, settings) for genome in named.values()]
-    first = int(np.argmax([np.nan_to_num(distance(rollout), nan=-np.inf) for rollout in rollouts]))
-    race = len(named) > 1
-    lanes = _lanes(scenes, settings.terrain) if race else [0.0]
-    walks = [
-        Walk(name, scene, rollout, to_rgb(RUNS[i % len(RUNS)]) if race else None, lanes[i], loose=i == first)
-        for i, (name, scene, rollout) in enumerate(zip(named, scenes, rollouts, strict=True))
-    ]
-    return Replay(tuple(walks), settings, settings.simulation.camera)
+    return Replay(line_up(walkers, settings), settings, settings.simulation.camera)
 
 
-def _named(walkers: Any) -> dict[str, Genome]:
-    """Give every walker a name."""
-    if isinstance(walkers, Settings):
-        raise TypeError("first comes who walks, and then the settings: wl.replay(genome, settings)")
-    walkers = getattr(walkers, "champion", walkers)  # of a run
-    if isinstance(walkers, Mapping):
-        return {str(name): Genome.of(getattr(one, "genome", one)) for name, one in walkers.items()}
-    if isinstance(walkers, str | Genome) or hasattr(walkers, "genome") or getattr(walkers, "ndim", 0) == 1:
-        walkers = [walkers]
-    several = list[Any](walkers)
-    names = [
-        f"robot {one.individual}" if hasattr(one, "individual") else f"robot {number}" if len(several) > 1 else "robot"
-        for number, one in enumerate(several, start=1)
-    ]
-    return _named(dict(zip(names, several, strict=True)))
-
-
-def _lanes(scenes: Sequence[Any], terrain: Terrain) -> list[float]:
-    """Return how far to the left each walks: side by side if the ground is the same everywhere across the way."""
-    if terrain.structure == Structure.rough or terrain.n_pieces or terrain.obstacle:
-        return [0.0] * len(scenes)
-    widths = [2 * max(np.abs(skin[:, 1]).max() for skin, _ in skins(scene, scene.start)) + GAP for scene in scenes]
-    middles = np.cumsum(widths) - np.array(widths) / 2
-    return (middles[::-1] - middles.mean()).tolist()
-
-
-def _marks(terrain: Terrain, walks: Sequence[Walk]) -> list[dict[str, Any]]:
+def _marks(terrain: Terrain, edge: float, along: list[float]) -> list[dict[str, Any]]:
     """Number the metres along the way, on the near side of all lanes."""
-    x, y = np.arange(MARKS + 1.0), min(walk.lane for walk in walks) - BESIDE
-    z = height(terrain, x, np.full_like(x, y)) + 0.02
-    return [{"at": [along, y, up], "text": f"{along:g} m"} for along, up in zip(x.tolist(), z.tolist(), strict=True)]
+    x = np.array([0.0, *along])
+    y = np.full_like(x, edge - BESIDE)
+    return [
+        {"at": list(spot), "text": f"{spot[0]:g} m"}
+        for spot in zip(x.tolist(), y.tolist(), (height(terrain, x, y) + 0.02).tolist(), strict=True)
+    ]
 
 
 # ---------------------------------------------------------------------------------------------- in a notebook
@@ -229,14 +194,13 @@ class Frame(anywidget.AnyWidget):
     alt = traitlets.Unicode("").tag(sync=True)
 
     def __init__(self, shown: Replay) -> None:
-        super().__init__(
-            poster=f"data:image/png;base64,{base64.b64encode(poster(shown.walks, shown.settings)).decode('ascii')}"
-        )
-        walks = "; ".join(f"{walk.label}, {distance(walk.rollout):.2f} m forward" for walk in shown.walks)
-        self.alt = f"Replay of {walks}. Press to play."
-        self._shown = shown
+        picture = base64.b64encode(poster(shown.walks, shown.settings)).decode("ascii")
+        walks = "; ".join(f"{walk.label}, {walk.rollout.distance:.2f} m forward" for walk in shown.walks)
+        super().__init__(poster=f"data:image/png;base64,{picture}", alt=f"Replay of {walks}. Press to play.")
+        # A notebook keeps every widget, so this one keeps who walked and not the walks, which are the same every time.
+        self._walkers, self._settings = {walk.label: walk.scene.genome for walk in shown.walks}, shown.settings
         self.on_msg(self._answer)
 
     def _answer(self, _: Any, message: Any, __: Any) -> None:
         if message == "open":
-            self.send("page", buffers=[self._shown.page.encode("utf-8")])
+            self.send("page", buffers=[replay(self._walkers, self._settings).page.encode("utf-8")])

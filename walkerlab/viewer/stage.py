@@ -1,11 +1,13 @@
 """The stage: what is to be seen of recorded walks, and the numbers that move it."""
 
 import math
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from anywidget import AnyWidget
 
 from walkerlab.cameras import aim
 from walkerlab.choices import Camera
@@ -13,11 +15,11 @@ from walkerlab.genes import Floats
 from walkerlab.ground import height, slope
 from walkerlab.rollout import Rollout
 from walkerlab.scene import Scene
-from walkerlab.shapes import rotate, surfaces
+from walkerlab.shapes import ENDLESS, Surface, rotate, surfaces
 from walkerlab.viewer import meshes
-from walkerlab.viewer.tracks import FINEST, Tracks, before_it_broke, follow
+from walkerlab.viewer.tracks import FINEST, Tracks, follow, moments
 
-MARKS = 30  # metres along the way that are marked
+MOST_MARKS = 200  # metres along the way that are marked at most
 SEEN = 1e-3  # m, to which cameras and centres of mass are rounded
 
 
@@ -31,6 +33,7 @@ class Walk:
         rollout: with its poses.
         colour: that the robot is painted in, or None for its natural ones.
         lane: how far to the left of the others' way it is shown [m].
+        reach: how far the robot reaches to either side at the start [m].
         loose: whether what lies about is shown, as it moved it.
     """
 
@@ -39,6 +42,7 @@ class Walk:
     rollout: Rollout
     colour: meshes.RGB | None = None
     lane: float = 0.0
+    reach: float = 0.0
     loose: bool = True
 
 
@@ -54,6 +58,7 @@ class Stage:
         finest: (c,) to what each is rounded.
         ups: which way is up for each camera.
         seconds: how long the longest walk is.
+        marks: the metres along the way that are marked.
     """
 
     plot: Any
@@ -62,42 +67,42 @@ class Stage:
     finest: Floats
     ups: dict[Camera, tuple[float, float, float]]
     seconds: float
+    marks: list[float]
 
     def strike(self) -> None:
         """Close it: a notebook would keep all meshes as the widgets that they are."""
         for one in (*self.plot.objects, self.plot):
-            one.close()
+            one.layout.close()
+            AnyWidget.close(one)  # K3D's own closes but the outputs of a plot
 
 
 def set_up(walks: list[Walk], name: str) -> Stage:
     """Build the stage for one walk, or for several at once on the ground of the first."""
-    first = walks[0]
-    recorded = [before_it_broke(walk.rollout.poses) for walk in walks]
-    time = np.arange(max(2, *map(len, recorded))) * (first.rollout.time[1] - first.rollout.time[0])
-    plot = meshes.empty_plot(first.scene, name)
-    for mesh in meshes.scenery(first.scene, list(surfaces(first.scene.model))):
-        plot += mesh
-    terrain, lanes = first.scene.settings.terrain, [walk.lane for walk in walks]
-    plot += meshes.lines(terrain, lanes, np.zeros(1), *meshes.START)
-    plot += meshes.lines(terrain, lanes, np.arange(1.0, MARKS + 1), *meshes.METRE)
-    things, channels = list[int](), list[Floats]()
-    for walk, poses in zip(walks, recorded, strict=True):
-        for mesh, track in _cast(walk, follow(walk.scene, poses)):
-            plot += mesh
-            if track is not None:
-                things.append(mesh.id)
-                channels.append(_lasting(track, len(time)).T)
-                channels[-1][1] += walk.lane
-    aside = np.array([(0, walk.lane, 0) for walk in walks])
-    paths = np.array([_lasting(np.nan_to_num(walk.rollout.com), len(time)) for walk in walks]) + aside[:, np.newaxis]
+    first = walks[0].scene
+    terrain, time = first.settings.terrain, moments(max(float(walk.rollout.time[-1]) for walk in walks))
+    tracks = [follow(walk.scene, walk.rollout) for walk in walks]
+    aside = [np.array([0, walk.lane, 0]) for walk in walks]
+    paths = [_lasting(track.com, len(time)) + lane for track, lane in zip(tracks, aside, strict=True)]
     loads = [
-        _lasting(walk.rollout.load, len(time)) + side
-        for walk, side in zip(walks, aside, strict=True)
-        if walk.scene.rope
+        _lasting(track.load, len(time)) + lane for track, lane in zip(tracks, aside, strict=True) if len(track.load)
     ]
+    far = float(np.abs(paths).max())
+    plot = meshes.empty_plot(first, name)
+    for mesh in meshes.scenery(first, list(surfaces(first.model, far + ENDLESS))):
+        plot += mesh
+    edges = edges_of(walks)
+    plot += meshes.lines(terrain, edges, np.zeros(1), *meshes.START)
+    plot += meshes.lines(terrain, edges, marks_for(paths), *meshes.METRE)
+    things, channels = list[int](), list[Floats]()
+    for walk, track in zip(walks, tracks, strict=True):
+        for mesh, places in _cast(walk, track):
+            plot += mesh
+            if places is not None:
+                things.append(mesh.id)
+                channels.append(_lasting(places, len(time)).T)
+                channels[-1][1] += walk.lane
     size = max(walk.scene.phenotype.body_length for walk in walks)
-    around, pitch = np.array([*paths, *loads]), slope(first.scene.settings.terrain)
-    shots = {camera: aim(camera, time, around, size, pitch) for camera in Camera}
+    shots = {camera: aim(camera, time, np.array([*paths, *loads]), size, slope(terrain)) for camera in Camera}
     for shot in shots.values():
         channels += [shot.eye.T, shot.target.T]
     channels += [path.T for path in paths]
@@ -108,14 +113,28 @@ def set_up(walks: list[Walk], name: str) -> Stage:
         finest=np.array(len(things) * FINEST + (SEEN,) * (6 * len(Camera) + 3 * len(walks))),
         ups={camera: shot.up for camera, shot in shots.items()},
         seconds=float(time[-1]),
+        marks=marks_for(paths).tolist(),
     )
+
+
+def edges_of(walks: list[Walk]) -> tuple[float, float]:
+    """Return from where to where across the way [m] the walks need room."""
+    return min(walk.lane - walk.reach for walk in walks), max(walk.lane + walk.reach for walk in walks)
+
+
+def marks_for(paths: list[Floats]) -> Floats:
+    """Return the metres along the way that are marked: beyond the farthest that anyone comes."""
+    return np.arange(1.0, min(max(10, max(float(path[:, 0].max()) for path in paths) + 5), MOST_MARKS))
 
 
 def _cast(walk: Walk, tracks: Tracks) -> Iterator[tuple[Any, Floats | None]]:
     """Yield each mesh of a walk with its track, (n, 8), or None if it stays where it is: bodies, shadows, rope."""
     model, roots = walk.scene.model, walk.scene.roots
+    parts_of = defaultdict[int, list[Surface]](list)
+    for one in surfaces(model):
+        parts_of[one.body].append(one)
     for body in range(1, model.nbody):
-        parts = [one for one in surfaces(model) if one.body == body]
+        parts = parts_of[body]
         if not parts or not (walk.loose or model.body_rootid[body] in roots):
             continue
         if walk.colour and model.body_rootid[body] == 1 and "pack" not in model.body(body).name:
@@ -127,18 +146,18 @@ def _cast(walk: Walk, tracks: Tracks) -> Iterator[tuple[Any, Floats | None]]:
             yield meshes.placed(mesh, tracks.still[body]), None
     for number, segment in enumerate(walk.scene.phenotype.segments, start=1):
         trunk = tracks.moving.index(int(model.geom(f"walker/trunk{number}").bodyid[0]))
-        yield meshes.shadow(segment.length), _below(walk.scene, tracks.places[trunk], segment.length)
+        yield meshes.shadow(segment.length), below(walk.scene, tracks.places[trunk], segment.length)
     if len(tracks.rope):
         yield meshes.rope(walk.scene), tracks.rope
 
 
-def _below(scene: Scene, place: Floats, length: float) -> Floats:
+def below(scene: Scene, place: Floats, length: float) -> Floats:
     """Follow the spot of ground below a segment's middle, turned with it and laid along the slope."""
     terrain, turns = scene.settings.terrain, place[:, 3:7]
     x, y, _ = (place[:, :3] + rotate(turns, np.array([-length / 2, 0, 0]))).T
     ahead = rotate(turns, np.array([1.0, 0, 0]))
     yaw, pitch = np.arctan2(ahead[:, 1], ahead[:, 0]) / 2, -slope(terrain) / 2
-    lean = [-math.sin(pitch) * np.sin(yaw), math.sin(pitch) * np.cos(yaw)]
+    lean = [math.sin(pitch) * np.sin(yaw), math.sin(pitch) * np.cos(yaw)]
     turned = [math.cos(pitch) * np.cos(yaw), *lean, math.cos(pitch) * np.sin(yaw)]
     return np.stack([x, y, height(terrain, x, y) + meshes.LIFT, *turned, np.ones_like(x)], axis=1)
 

@@ -6,53 +6,75 @@ from dataclasses import dataclass
 import numpy as np
 
 from walkerlab.genes import Floats
+from walkerlab.rollout import Rollout
 from walkerlab.scene import Scene
-from walkerlab.shapes import placements, rope_ends
+from walkerlab.shapes import n_sound, placements, rope_ends
 
+TICK = 0.02  # s from one moment of a replay to the next: that of the gait's clock
 FINEST = (1e-4,) * 3 + (1 / 30000,) * 4 + (1e-4,)  # m, parts of a unit quaternion, m: to what tracks are rounded
 STILL = 5e-4  # m, and parts of a quaternion, within which a part stays all the time
-LEAP = 3.0  # m from one moment to the next, beyond which a world has blown up
 
 
 @dataclass(frozen=True, eq=False)
 class Tracks:
-    """Where the parts of one recorded walk are.
+    """Where the parts of one recorded walk are, until its numbers ran away, if they did.
 
     Attributes:
         moving: (k,) the bodies that move, of the scene's model.
         places: (k, n, 8) where each of them is: position [m], unit quaternion (w, x, y, z), and 1.
         rope: (n, 8) the rope as a rod: its middle, the turn of its axis from z, its length [m]; (0, 8) without one.
         still: (nbody, 7) where each body is at the start.
+        com: (n, 3) centre of mass of the robot [m].
+        load: (n, 3) where a sledge is [m]; (0, 3) without one.
     """
 
     moving: list[int]
     places: Floats
     rope: Floats
     still: Floats
+    com: Floats
+    load: Floats
 
 
-def follow(scene: Scene, poses: Floats) -> Tracks:
-    """Follow every body of a walk, and the rope."""
+def moments(duration: float) -> Floats:
+    """Divide a walk [s] evenly, in steps of a ``TICK`` or nearly so."""
+    return np.linspace(0, duration, round(duration / TICK) + 1)
+
+
+def follow(scene: Scene, rollout: Rollout) -> Tracks:
+    """Follow every body of a walk, its rope and its centre of mass, at even moments."""
+    sound = max(1, n_sound(scene, rollout.poses))
+    poses = rollout.poses[:sound] if np.isfinite(rollout.poses[0]).all() else scene.start[np.newaxis]
+    time = rollout.time[:sound]
+    grid = moments(float(rollout.time[-1]))
+    grid = grid[: max(1, int(np.searchsorted(grid, time[-1] + 1e-9)))]
     placed = placements(scene, poses)
     for i in range(1, len(placed)):  # a quaternion and its negative are the same turn: take the one nearer to the last
         placed[i, :, 3:] *= np.where((placed[i, :, 3:] * placed[i - 1, :, 3:]).sum(axis=1) < 0, -1, 1)[:, np.newaxis]
+    ends, placed = (resample(grid, time, track) for track in (rope_ends(scene, placed), placed))
+    placed[:, :, 3:] /= np.linalg.norm(placed[:, :, 3:], axis=2, keepdims=True)
     moves = np.abs(placed - placed[0]).max(axis=(0, 2)) > STILL
     moving = np.flatnonzero(moves | (scene.model.body_rootid == 1)).tolist()
     whole = np.ones((len(moving), len(placed), 1))
     return Tracks(
         moving=moving,
         places=np.concatenate([placed[:, moving].transpose(1, 0, 2), whole], axis=2),
-        rope=_rod(rope_ends(scene, placed)),
+        rope=_rod(ends),
         still=placed[0],
+        com=resample(grid, time, np.nan_to_num(rollout.com[:sound])),
+        load=resample(grid, time, np.nan_to_num(rollout.load[:sound])) if scene.rope else np.empty((0, 3)),
     )
 
 
-def before_it_broke(poses: Floats) -> Floats:
-    """Return the poses up to the moment at which the numbers ran away, if they did; the first one in any case."""
-    wild = ~np.isfinite(poses).all(axis=1)
-    whole = poses[: int(np.argmax(wild))] if wild.any() else poses
-    leaps = np.abs(np.diff(whole[:, :3], axis=0)).max(axis=1, initial=0) > LEAP
-    return poses[: max(1, int(np.argmax(leaps)) + 1 if leaps.any() else len(whole))]
+def resample(grid: Floats, time: Floats, track: Floats) -> Floats:
+    """Return a track, (n, …) at (n,) times, at the (m,) times of a grid: between two of its rows, what lies between."""
+    after = np.clip(np.searchsorted(time, grid - 1e-9), 1, max(len(time) - 1, 1))
+    if len(time) == 1:
+        return np.repeat(track, len(grid), axis=0)
+    before = after - 1
+    part = np.clip((grid - time[before]) / (time[after] - time[before]), 0, 1)
+    part = part.reshape(-1, *[1] * (track.ndim - 1))
+    return track[before] * (1 - part) + track[after] * part
 
 
 def pack(channels: Floats, finest: Floats) -> bytes:
@@ -63,13 +85,12 @@ def pack(channels: Floats, finest: Floats) -> bytes:
         finest: (c,) the unit to which each is rounded.
 
     Returns:
-        zlib of c float64 firsts and c × (n - 1) int16 steps, little-endian.
+        zlib of c float64 firsts and c × (n - 1) int32 steps, little-endian.
     """
     units = np.rint(channels / finest[:, np.newaxis])
     steps = np.diff(units, axis=1)
-    assert np.abs(steps).max(initial=0) < 2**15
     firsts = (units[:, 0] * finest).astype("<f8").tobytes()
-    return zlib.compress(firsts + steps.astype("<i2").tobytes(), 9)
+    return zlib.compress(firsts + steps.astype("<i4").tobytes(), 9)
 
 
 def _rod(ends: Floats) -> Floats:
