@@ -7,11 +7,27 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from walkerlab.cameras import FIELD_OF_VIEW, NEAREST, aim
+from walkerlab.cameras import CALM, FIELD_OF_VIEW, NEAREST, aim
 from walkerlab.choices import Camera
 
 TIME = np.arange(401) * 0.02
 ASPECT = 4 / 3  # of a picture that is narrow
+
+
+RIGHT = {
+    Camera.side: "forward", Camera.front: "left", Camera.top: "forward", Camera.chase: "right", Camera.orbit: "forward",
+}  # fmt: skip
+ABOVE = {
+    Camera.side: "up", Camera.front: "up", Camera.top: "left", Camera.chase: "up", Camera.orbit: "up",
+}  # fmt: skip
+NEARER = {
+    Camera.side: "right", Camera.front: "forward", Camera.top: "up", Camera.chase: "back", Camera.orbit: "right",
+}  # fmt: skip
+"""What lies to the right in each camera's picture at the start, what above, and what towards the viewer."""
+
+WAYS = {
+    "forward": (1, 0, 0), "back": (-1, 0, 0), "left": (0, 1, 0), "right": (0, -1, 0), "up": (0, 0, 1),
+}  # fmt: skip
 
 
 def wander(rng, n, speed):
@@ -68,3 +84,56 @@ def test_each_looks_where_its_name_says():
     assert eye[Camera.chase][0] < -1
     around = aim(Camera.orbit, TIME, path, NEAREST)
     assert np.ptp(around.azimuth) > 180
+
+
+def by_up(shot):
+    """Return the ways right, above and towards the viewer in a picture, as one who is told which way is up sees it."""
+    ahead = (shot.target - shot.eye)[0] / shot.distance[0]
+    right = np.cross(ahead, shot.up)
+    right /= np.linalg.norm(right)
+    return right, np.cross(right, ahead), -ahead
+
+
+def by_azimuth(shot):
+    """Return the same as MuJoCo sees it: its camera turns to the azimuth, and then looks up or down."""
+    turn, tilt = math.radians(shot.azimuth[0]), math.radians(shot.elevation[0])
+    right, level = np.array([math.sin(turn), -math.cos(turn), 0]), np.array([math.cos(turn), math.sin(turn), 0])
+    ahead = math.cos(tilt) * level + math.sin(tilt) * np.array([0, 0, 1])
+    return right, np.cross(right, ahead), -ahead
+
+
+@pytest.mark.parametrize("seen", [by_up, by_azimuth])
+@pytest.mark.parametrize("camera", list(Camera))
+def test_forward_left_and_up_are_where_they_belong_in_the_picture(camera, seen):
+    """In a replay as in a film; but for the tilt and the turn of some cameras, which are 20 degrees at most."""
+    shown = seen(aim(camera, TIME, np.zeros((1, len(TIME), 3)), NEAREST))
+    for way, name in zip(shown, (RIGHT[camera], ABOVE[camera], NEARER[camera]), strict=True):
+        assert way @ WAYS[name] > math.cos(math.radians(30))
+    if camera == Camera.top:
+        np.testing.assert_allclose(shown, [WAYS["forward"], WAYS["left"], WAYS["up"]], atol=1e-9)
+
+
+@pytest.mark.parametrize("camera", list(Camera))
+@given(seed=st.integers(0, 999))
+def test_it_does_not_matter_how_the_moments_are_spaced(camera, seed):
+    rng = np.random.default_rng(seed)
+    uneven = np.unique(np.concatenate([[0, 8], rng.uniform(0, 8, 900)]))
+
+    def shot(time):
+        forward = np.stack([0.4 * time, 0.2 * np.sin(2 * time), 0.3 + 0.02 * np.sin(9 * time)], axis=1)
+        return aim(camera, time, np.stack([forward, forward * [0.5, -1, 1]]), 1.0)
+
+    even, other = shot(TIME), shot(uneven)
+    for of, near in (("target", 5e-3), ("distance", 5e-3), ("azimuth", 0.05), ("elevation", 0.05)):  # m, degrees
+        wanted, got = (getattr(one, of).reshape(len(time), -1) for one, time in ((even, TIME), (other, uneven)))
+        for one, two in zip(wanted.T, got.T, strict=True):
+            np.testing.assert_allclose(np.interp(TIME, uneven, two), one, atol=near)
+
+
+def test_bobbing_is_evened_out_over_the_same_time_however_often_it_is_recorded():
+    for step in (0.005, 0.02, 0.025):
+        time = np.arange(round(8 / step) + 1) * step
+        bobbing = np.stack([0 * time, 0 * time, 0.1 * np.sin(2 * time)], axis=1)
+        height = aim(Camera.side, time, bobbing[np.newaxis], NEAREST).target[:, 2]
+        middle = (time > 2) & (time < 6)
+        assert height[middle].max() == pytest.approx(0.1 * math.exp(-((2 * CALM) ** 2) / 2), rel=0.02)

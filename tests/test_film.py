@@ -1,6 +1,5 @@
 import json
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -10,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import av
+import mujoco
 import numpy as np
 import pandas as pd
 import pytest
@@ -19,12 +19,13 @@ from walkerlab.choices import Camera
 from walkerlab.cinema import Film, FilmError, crew, film, timelapse
 from walkerlab.cinema.job import Act, Job
 from walkerlab.cinema.reel import record
-from walkerlab.cinema.studio import Pieces, cameras_at, lasting, pose_at
+from walkerlab.cinema.studio import Pieces, cameras_at, frames, lasting, pose_at
 from walkerlab.cinema.titles import Titles
 from walkerlab.commands.worlds import GENOME
+from walkerlab.fitness import distance, poorest_walk
 from walkerlab.rollout import simulate
 from walkerlab.run import Run
-from walkerlab.scene import compile_scene
+from walkerlab.scene import compile_scene, ticks
 from walkerlab.settings import Settings
 
 SHORT = Settings().with_(duration=1)
@@ -149,11 +150,113 @@ def test_between_two_recorded_poses_things_are_on_their_way():
     np.testing.assert_array_equal(pose_at(scene.model, rollout.time, rollout.poses, 99.0), rollout.poses[-1])
 
 
-def test_what_broke_down_stays_as_it_was_last_seen():
-    track = np.array([[0.0, 1.0], [2.0, 3.0], [np.nan, 4.0], [5.0, 6.0]])
-    np.testing.assert_array_equal(lasting(track, np.zeros(2))[:, 0], [0, 2, 2, 2])
-    np.testing.assert_array_equal(lasting(track[2:], np.ones(2)), np.ones((2, 2)))
-    assert lasting(track[:2], np.zeros(2)) is not None
+@pytest.fixture
+def drawn(monkeypatch):
+    """Have nothing drawn, but see what would be: the pose, and the camera, of each frame."""
+    seen = []
+
+    class Renderer:
+        def __init__(self, model, height, width):
+            self._picture = np.zeros((height, width, 3), dtype=np.uint8)
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            return None
+
+        def update_scene(self, data, camera):
+            seen.append((data.qpos.copy(), data.subtree_com[1].copy(), camera))
+
+        def render(self):
+            return self._picture
+
+    monkeypatch.setattr(mujoco, "Renderer", Renderer)
+    return seen
+
+
+def draw(genome, settings, *, fps=10, seconds=1.0):
+    """Go through the frames of a film of one walk."""
+    for _ in frames(Job((Act(genome, seconds),), settings, (128, 96), fps, ".mp4"), sketch=True):
+        pass
+
+
+@pytest.mark.parametrize("fps", [10, 24, 25, 50, 60])
+def test_at_any_rate_a_frame_shows_the_robot_where_it_was_at_its_moment(drawn, fps):
+    draw(GENOME, SHORT, fps=fps)
+    rollout = simulate(GENOME, SHORT)
+    assert len(drawn) == fps
+    recorded = [np.interp(np.arange(fps) / fps, rollout.time, column) for column in rollout.com.T]
+    np.testing.assert_allclose([com for _, com, _ in drawn], np.transpose(recorded), atol=2e-3)
+    assert np.linalg.norm(drawn[-1][1] - drawn[0][1]) > 0.02  # it went on, by much more than that
+
+
+@pytest.mark.parametrize("seconds", [0.5, 2.0])
+def test_a_film_shows_the_poorest_of_several_starts(drawn, seconds):
+    settings = SHORT.with_(n_starts=4, duration=2, wind=(3, 1, 0))
+    counted = poorest_walk(GENOME, settings)
+    assert distance(counted) < distance(simulate(GENOME, settings)) - 1e-6  # it is another walk
+    draw(GENOME, settings, seconds=seconds)
+    np.testing.assert_array_equal([pose for pose, _, _ in drawn], counted.poses[: int(50 * seconds) : 5])
+
+
+def broken(rollout, at, bad):
+    """Have the numbers of a walk run away from a moment on."""
+    poses, com, load = rollout.poses.copy(), rollout.com.copy(), rollout.load.copy()
+    poses[at:, 0] = com[at:, 0] = bad
+    if len(load):
+        load[at:, 0] = bad
+    return replace(rollout, poses=poses, com=com, load=load)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e9])
+@pytest.mark.parametrize("loads", [{}, {"drag_weight": 3}])
+def test_a_walk_that_breaks_down_is_held_as_it_was_last_seen(bad, loads):
+    scene, rollout = compile_scene(GENOME, SHORT.with_(**loads)), simulate(GENOME, SHORT.with_(**loads))
+    assert lasting(scene, rollout) is rollout
+    held = lasting(scene, broken(rollout, 20, bad))
+    for of in ("poses", "com", *(["load"] if loads else [])):
+        shown, recorded = getattr(held, of), getattr(rollout, of)
+        np.testing.assert_array_equal(shown[:20], recorded[:20])
+        np.testing.assert_array_equal(shown[20:], np.tile(recorded[19], (len(recorded) - 20, 1)))
+    assert len(held.load) == len(rollout.load)
+
+
+@pytest.mark.parametrize("loads", [{}, {"drag_weight": 3}])
+def test_a_walk_that_never_held_is_its_start(loads):
+    settings = SHORT.with_(**loads)
+    scene, rollout = compile_scene(GENOME, settings), simulate(GENOME, settings)
+    held = lasting(scene, broken(rollout, 0, np.nan))
+    assert (held.poses == scene.start).all()
+    for of in ("com", *(["load"] if loads else [])):
+        shown = getattr(held, of)
+        assert not np.ptp(shown, axis=0).any()
+        np.testing.assert_allclose(shown[0], getattr(rollout, of)[0], atol=0.2)  # it has yet to settle
+
+
+def test_neither_robot_nor_camera_leaves_when_the_numbers_run_away(drawn, monkeypatch):
+    monkeypatch.setattr("walkerlab.cinema.studio.poorest_walk", lambda *given: broken(poorest_walk(*given), 20, 1e9))
+    draw(GENOME, SHORT)
+    for pose, _, camera in drawn:
+        assert np.abs(pose[:3]).max() < 5
+        assert np.abs(camera.lookat).max() < 5
+        assert 1 < camera.distance < 10
+
+
+@pytest.mark.parametrize("timestep", [0.0005, 0.0013, 0.003, 0.007, 0.009, 0.01])
+def test_the_camera_is_the_same_at_any_timestep(timestep):
+    scene, rollout = compile_scene(GENOME, SHORT), simulate(GENOME, SHORT)
+    moments = np.arange(0, 2, 0.04)
+
+    def cameras(step):
+        """Film a robot that walks and bobs, recorded as ``walk`` does."""
+        n_steps = round(2 / step) + 1
+        time = np.union1d(ticks(n_steps, step)[0], n_steps - 1) * step
+        com = np.stack([0.5 * time, 0.1 * np.sin(3 * time), 0.3 + 0.02 * np.sin(12 * time)], axis=1)
+        shot = cameras_at(moments, scene, replace(rollout, time=time, com=com), 4 / 3)
+        return np.array([[*one.lookat, one.distance, one.azimuth, one.elevation] for one in shot])
+
+    np.testing.assert_allclose(cameras(timestep), cameras(0.005), atol=3e-3)
 
 
 def test_a_sledge_is_in_the_picture_and_a_narrow_picture_is_taken_from_farther_away():
@@ -192,10 +295,28 @@ def test_every_kind_of_film_has_all_its_frames_in_their_colours(tmp_path, suffix
     record(iter(drawn), tmp_path / "film", suffix, (128, 96), 10)
     shown = pictures(tmp_path / "film")
     assert shown.shape == (4, 96, 128, 3)
-    if suffix == ".gif":
-        drawn = drawn[:2]  # the colours are those of the first frame
-    for one, other in zip(shown, drawn, strict=False):
+    for one, other in zip(shown, drawn, strict=True):
         np.testing.assert_allclose(one[8:40, 8:120].mean(axis=(0, 1)), other[8:40, 8:120].mean(axis=(0, 1)), atol=8)
+
+
+def test_what_stands_still_in_a_gif_does_not_flicker(tmp_path):
+    ground = np.random.default_rng(0).integers(0, 255, (96, 128, 3), dtype=np.uint8)  # more colours than it can have
+    drawn = [ground.copy() for _ in range(5)]
+    for number, picture in enumerate(drawn):
+        picture[40:60, 20 * number : 20 * number + 20] = 250, 0, 0
+    record(iter(drawn), tmp_path / "film", ".gif", (128, 96), 10)
+    shown = pictures(tmp_path / "film")
+    assert not np.ptp(shown[:, :40], axis=0).any()
+
+
+@pytest.mark.parametrize("fps", [10, 25, 50])
+@pytest.mark.parametrize("suffix", [".mp4", ".webm", ".gif"])
+def test_every_kind_of_film_plays_at_its_speed(tmp_path, suffix, fps):
+    drawn = np.random.default_rng(0).integers(0, 255, (fps // 2, 96, 128, 3), dtype=np.uint8)
+    record(iter(drawn), tmp_path / "film", suffix, (128, 96), fps)
+    with av.open(str(tmp_path / "film")) as file:
+        shown = [frame.time for frame in file.decode(video=0)]
+    np.testing.assert_allclose(shown, np.arange(fps // 2) / fps, atol=2e-3)
 
 
 # -------------------------------------------------------------------------------------------------- what is written
@@ -307,6 +428,8 @@ def test_a_time_lapse_is_made(gl, tmp_path):
         ({"size": 480}, ["size is 480", "two even whole numbers"]),
         ({"fps": 0}, ["fps is 0", "1 to 60", "frames"]),
         ({"fps": 12.5}, ["fps is 12.5", "whole"]),
+        ({"fps": True}, ["fps is True", "whole"]),
+        ({"size": (128.0, 96.0)}, ["size is (128.0, 96.0)", "two even whole numbers"]),
         ({"camera": "sid"}, ["Simulation.camera is 'sid'", "side"]),
         ({"path": "walk.avi"}, ["'.avi'", ".mp4", ".webm", ".gif"]),
         ({"path": "walk"}, ["path ends in ''"]),
@@ -319,12 +442,55 @@ def test_what_no_film_can_be_is_refused_before_anything_starts(jobs, wrong, word
     assert not jobs
 
 
-@pytest.mark.parametrize(("wrong", "word"), [({"seconds": 0}, "seconds is 0"), ({"at_most": 1}, "at_most is 1")])
+@pytest.mark.parametrize(
+    ("wrong", "word"),
+    [
+        ({"seconds": 0}, "seconds is 0; it must be a number over 0"),
+        ({"seconds": "2"}, "seconds is '2'; it must be a number over 0"),
+        ({"seconds": None}, "seconds is None; it must be a number over 0"),
+        ({"seconds": float("nan")}, "seconds is nan; it must be a number over 0"),
+        ({"at_most": 1}, "at_most is 1; it must be a whole number, 2 to 1000"),
+        ({"at_most": 2.5}, "at_most is 2.5; it must be a whole number, 2 to 1000"),
+        ({"at_most": "7"}, "at_most is '7'; it must be a whole number, 2 to 1000"),
+    ],
+)
 def test_what_no_time_lapse_can_be_is_refused(jobs, wrong, word):
     with pytest.raises(ValueError, match=word):
         timelapse(run_of([1]), "lapse.mp4", **wrong)
     with pytest.raises(ValueError, match="no robot has walked"):
         timelapse(Run(SHORT, records.join([])), "lapse.mp4")
+
+
+def test_numbers_of_numpy_are_numbers(jobs):
+    size, fps = (np.int64(128), np.int32(96)), np.int16(10)
+    film(GENOME, SHORT, "walk.mp4", size=size, fps=fps)
+    timelapse(run_of([1, 2]), "lapse.mp4", size=size, fps=fps, seconds=np.float32(0.5), at_most=np.int64(2))
+    for job in jobs:
+        assert Job.from_json(job.to_json(Path("film.mp4")))[0] == job
+        assert (job.size, job.fps) == ((128, 96), 10)
+
+
+def test_a_champion_is_filmed_as_its_genome_is(jobs):
+    run = run_of([1])
+    film(run.champion, SHORT, "walk.mp4")
+    film(GENOME, SHORT, "walk.mp4")
+    assert jobs[0].acts == jobs[1].acts
+    with pytest.raises(TypeError, match=r"give run\.champion"):
+        film(run, SHORT, "walk.mp4")
+    with pytest.raises(TypeError, match="its column genome"):
+        film(run.records, SHORT, "walk.mp4")
+
+
+def test_a_name_as_long_as_names_can_be_will_do_and_a_longer_one_is_refused_at_once(monkeypatch, tmp_path):
+    monkeypatch.setattr(crew, "_draw", lambda job, part, on_frame: part.write_bytes(b"film"))
+    for length in (244, 255):
+        made = film(GENOME, SHORT, tmp_path / f"{'w' * (length - 4)}.mp4", progress=False)
+        assert made.path.read_bytes() == b"film"
+    assert len(list(tmp_path.iterdir())) == 2
+    monkeypatch.setattr(crew, "_draw", None)
+    with pytest.raises(FilmError, match="cannot be written to"):
+        film(GENOME, SHORT, tmp_path / f"{'w' * 252}.mp4", progress=False)
+    assert len(list(tmp_path.iterdir())) == 2
 
 
 def test_a_place_where_nothing_can_be_written_is_refused_before_anything_starts(monkeypatch, tmp_path):
@@ -446,27 +612,24 @@ def test_a_large_film_is_linked_to_and_a_gif_is_a_picture(tmp_path, monkeypatch)
     assert f'href="{path.as_posix()}"' in shown._repr_html_()
 
 
-def test_it_plays_in_a_browser(made, tmp_path):
-    try:
-        from playwright.sync_api import sync_playwright
-    except ImportError:
-        missing("playwright")
-    if not (browser := shutil.which("chromium")):
-        missing("a chromium on the PATH")
+def test_it_plays_in_a_browser(made, page, tmp_path):
+    page.set_default_timeout(120_000)  # ms: the machine may be busy
     page_file = tmp_path / "film.html"
     page_file.write_text(f"<!doctype html><meta charset=utf-8>{made._repr_html_()}", encoding="utf-8")
-    flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-    with sync_playwright() as on:
-        chromium = on.chromium.launch(executable_path=browser, args=flags)
-        page = chromium.new_page()
-        page.goto(page_file.as_uri())
-        page.evaluate("document.querySelector('video').loop = false")
-        page.evaluate("document.querySelector('video').play()")
-        page.wait_for_function(
-            "document.querySelector('video').ended || document.querySelector('video').error", timeout=20_000
-        )
-        seen = page.evaluate(
-            "(v => [v.error, v.currentTime, v.videoWidth, v.videoHeight])(document.querySelector('video'))"
-        )
-        chromium.close()
-    assert seen == [None, pytest.approx(1.0, abs=0.05), 128, 96]
+    page.goto(page_file.as_uri())
+    page.evaluate(PLAY)
+    assert page.wait_for_function("window.cameTo").json_value() == "its end"
+    seen = page.evaluate("(v => [v.currentTime, v.videoWidth, v.videoHeight])(document.querySelector('video'))")
+    assert seen == [pytest.approx(1.0, abs=0.05), 128, 96]
+
+
+PLAY = """() => {
+    const video = document.querySelector("video");
+    const fail = (error) => { window.cameTo ??= String(error?.message ?? video.error?.message ?? error); };
+    video.loop = false;
+    video.addEventListener("ended", () => { window.cameTo ??= "its end"; });
+    video.addEventListener("error", () => fail(video.error));
+    if (video.error) fail(video.error);
+    video.play().catch(fail);
+}"""
+"""Returns at once, and leaves in ``cameTo`` what it came to: nothing waits without a limit."""

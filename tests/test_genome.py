@@ -5,15 +5,20 @@ from collections import Counter
 from itertools import pairwise
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
+from walkerlab import records
 from walkerlab.algorithm import crossover_population, generate_robot_population, mutate_population
+from walkerlab.evaluation import Evaluation
 from walkerlab.genome import Genome, GenomeError, read_genomes
 from walkerlab.limits import gene_table, genes_of, repair
 from walkerlab.phenotype import express
+from walkerlab.rollout import simulate
+from walkerlab.run import Run
 from walkerlab.settings import Algorithm, Crossover, Feature, Mutation, Robot, Settings
 
 from .strategies import finite, genomes, robots, tables
@@ -149,9 +154,48 @@ def test_what_is_not_even_numbers_is_refused_in_words():
             Genome.parse(bad)
 
 
+def test_an_individual_stands_for_its_genome():
+    genome = Genome.random(Robot(), rng=rng(0))
+    run = run_of_one(genome)
+    evaluation = evaluation_of(genome)
+    for one in (run.champion, evaluation, run.records.iloc[0], *run.records.itertuples()):
+        assert Genome.of(one) == genome
+    assert read_genomes([run.champion, evaluation]) == [genome, genome]
+    assert read_genomes(run.records.genome) == [genome]
+    settings = Settings().with_(duration=1)
+    assert simulate(run.champion, settings).distance == simulate(genome, settings).distance
+
+
+@pytest.mark.parametrize("read", [Genome.of, read_genomes])
+def test_what_is_given_in_place_of_a_genome_is_told_the_mend(read):
+    run = run_of_one(Genome.random(Robot(), rng=rng(0)))
+    for wrong, mend in (
+        (run, r"^this is a run, .*; give run\.champion$"),
+        (run.records, r"^this is a table, .*; give a cell of its column genome: table\.genome\[0\]$"),
+        (run.records[["fitness"]], "^this is a table"),
+        (Settings(), "^these are settings, .*it comes first"),
+    ):
+        with pytest.raises(TypeError, match=mend):
+            read(wrong)
+
+
+def evaluation_of(genome):
+    return Evaluation(
+        genome=genome, fitness=1.0, verdict="ok", reason="", distance=1.0, velocity=0.1, n_segments=2, n_legs=2,
+        weight=5.0, body_length=0.6,
+    )  # fmt: skip
+
+
+def run_of_one(genome):
+    """Make a run in which one robot walked."""
+    row = {"generation": 0, "individual": 1, "born": 0, "parents": "", "operators": "random"}
+    table = pd.DataFrame([{**row, **vars(evaluation_of(genome)), "genome": str(genome)}])
+    return Run(Settings(), records.tidy(table))
+
+
 def test_a_single_genome_is_not_taken_for_several():
     genome = Genome.random(Robot(), rng=rng(0))
-    for single in (genome, str(genome), genome.values):
+    for single in (genome, str(genome), genome.values, run_of_one(genome).champion):
         with pytest.raises(ValueError, match="put it in a list"):
             read_genomes(single)
     for nobody in ([], (), np.array([]), np.empty((0, 50))):

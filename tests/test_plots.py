@@ -1,5 +1,6 @@
 """A picture shows the numbers of the table or of the walk, and says what they are."""
 
+import io
 import math
 import re
 import struct
@@ -18,9 +19,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import StepPatch
 
 import walkerlab as wl
+from walkerlab import story
 from walkerlab.algorithm import generate_robot_population, operators
 from walkerlab.choices import Obstacle, Structure
 from walkerlab.evaluation import Evaluation
+from walkerlab.fitness import poorest_walk
 from walkerlab.footfalls import feet, footfalls
 from walkerlab.ga.loop import first_population, next_population
 from walkerlab.ground import height
@@ -162,6 +165,95 @@ def words_of(path):
     return plain.decode("utf-16") if plain.startswith(b"\xfe\xff") else plain.decode("latin-1")
 
 
+STRANGE = ["dark_background", {"text.color": "lime", "font.size": 22, "xtick.direction": "in", "lines.linewidth": 9}]
+
+
+def pixels(figure):
+    figure.savefig(file := io.BytesIO(), format="png")
+    return file.getvalue()
+
+
+def test_whatever_the_style_our_own_figures_look_the_same(records, tmp_path):
+    for name, draw in every(records).items():
+        with pyplot.style.context(STRANGE):
+            axes = draw(None)
+            wl.plots.save(axes, tmp_path / "strange.svg")
+            strange = pixels(axes.figure)
+            assert mpl.rcParams["lines.linewidth"] == 9, "the user's style stays as it was"
+        plain = draw(None)
+        wl.plots.save(plain, tmp_path / "plain.svg")
+        assert strange == pixels(plain.figure), name
+        assert (tmp_path / "strange.svg").read_bytes() == (tmp_path / "plain.svg").read_bytes(), name
+        pyplot.close("all")
+
+
+def test_a_second_run_on_a_figure_of_ours_keeps_its_look(records):
+    def twice():
+        axes = wl.plots.fitness_curve(records, label="a")
+        return pixels(wl.plots.fitness_curve(records, axes, label="b").figure)
+
+    with pyplot.style.context(STRANGE):
+        strange = twice()
+    assert strange == twice()
+    pyplot.close("all")
+
+
+def test_on_dark_axes_of_a_user_nothing_is_lost(records):
+    def light(colour):
+        return float(np.dot(mpl.colors.to_rgb(colour), (0.3, 0.6, 0.1)))
+
+    with pyplot.style.context("dark_background"):
+        for name, draw in every(records).items():
+            axes = draw(Figure().add_subplot())
+            texts = [text for text in axes.findobj(mpl.text.Text) if text.get_text().strip()]
+            assert all(light(text.get_color()) > 0.3 for text in texts), name
+        bars = wl.plots.gait(GENOME, SETTINGS, Figure().add_subplot()).collections
+        assert all(light(bar.get_facecolor()[0]) > 0.9 for bar in bars)
+        body = wl.plots.body(GENOME, Figure().add_subplot())
+        assert all(light(line.get_color()) > 0.4 for line in body.lines)
+        stride = wl.plots.stride(GENOME, SETTINGS, Figure().add_subplot())
+        caught = [one for one in stride.collections if type(one) is PolyCollection]
+        assert light(caught[0].get_edgecolor()[0]) < light(caught[-1].get_edgecolor()[0])
+
+
+def test_axes_that_are_not_plain_are_refused_in_a_sentence(records):
+    for kind, name in (("polar", "PolarAxes"), ("3d", "Axes3D")):
+        axes = Figure().add_subplot(projection=kind)
+        for draw in every(records).values():
+            with pytest.raises(TypeError, match=rf"needs plain axes, as of figure.add_subplot\(\); got {name}"):
+                draw(axes)
+    with pytest.raises(TypeError, match="got ndarray"):
+        wl.plots.fitness_curve(records, np.array([1]))
+
+
+@pytest.mark.parametrize("label", ["cost $5 to $6", r"$\foo$", "_mine", r"\$1 of $2"])
+def test_a_text_of_the_user_is_shown_as_it_stands(label, ax, tmp_path):
+    records = bred(3, 6)
+    records.loc[records.index[-1], "verdict"] = label
+    name_fitness(records, label, "$")
+    drawn = [
+        wl.plots.fitness_curve(records, ax, label=label),
+        wl.plots.trait(records.assign(**{label: 1.5}), label, Figure().add_subplot(), label=label),
+        wl.plots.diversity(records, Figure().add_subplot(), label=label),
+        wl.plots.distance_over_time(wl.simulate(GENOME, SETTINGS), Figure().add_subplot(), label=label),
+        wl.plots.verdicts(records, Figure().add_subplot()),
+        wl.plots.family_tree(records, Figure().add_subplot(), individual=int(records.individual.iloc[-1])),
+    ]
+    for axes in drawn:
+        wl.plots.save(axes, tmp_path / "a.svg")
+        words = " ".join(
+            "".join(one.itertext()) for one in ElementTree.parse(tmp_path / "a.svg").iter() if is_text(one)
+        )
+        assert label in words.replace("\N{ZERO WIDTH SPACE}", "")
+        if axes.get_legend():
+            said = " ".join(text.get_text() for text in axes.get_legend().get_texts())
+            assert label.replace("$", r"\$") in said
+
+
+def is_text(element):
+    return element.tag.endswith("}text")
+
+
 def test_text_stays_text_in_svg_and_the_same_picture_is_the_same_file(tmp_path):
     for path in (tmp_path / "a.svg", tmp_path / "b.svg"):
         wl.plots.save(wl.plots.fitness_curve(made_up(), Figure().add_subplot()), path, str(tmp_path / "a.png"))
@@ -262,11 +354,20 @@ def test_a_trait_is_median_and_best_robot_with_its_unit(records, ax, name):
     for generation, all_of_it in records.groupby("generation"):
         counted = all_of_it[all_of_it.verdict == "ok"]
         place = lines["median"].get_xdata().tolist().index(generation)
-        assert lines["median"].get_ydata()[place] == pytest.approx(np.median((counted if walked else all_of_it)[name]))
+        how = "lower" if name.startswith("n_") else "linear"
+        middle = np.quantile((counted if walked else all_of_it)[name], 0.5, method=how)
+        assert lines["median"].get_ydata()[place] == pytest.approx(middle)
         fittest = counted.loc[counted.fitness.idxmax()]
         assert lines["best robot"].get_ydata()[place] == fittest[name]
     unit = records.attrs["units"].get(name)
     assert ax.get_ylabel().endswith(f"[{unit}]" if unit else "s")
+
+
+def test_the_median_of_legs_is_a_number_of_legs_that_a_robot_has(ax):
+    records = made_up(4).assign(n_legs=[2, 2, 4, 4] * 5)
+    wl.plots.trait(records, "n_legs", ax)
+    lines = {line.get_label(): line.get_ydata() for line in ax.lines}
+    assert set(lines["median"]) == {2}
 
 
 @pytest.mark.parametrize("name", ["verdict", "wieght", "generation"])
@@ -292,6 +393,15 @@ def test_bars_add_up_to_the_population_and_there_is_one_for_each_verdict_that_oc
         n = (records.verdict == ("ok" if label == "counts" else label)).sum()
         assert (heights[label] * together).sum() == pytest.approx(n)
     assert [text.get_text() for text in ax.get_legend().get_texts()] == list(bars)[::-1]
+
+
+def test_where_generations_are_missing_there_is_no_bar(ax):
+    records = bred(6, 8)
+    wl.plots.verdicts(records[records.generation.isin([0, 1, 5])], ax)
+    drawn = sum(np.nan_to_num(bar.get_data().values - bar.get_data().baseline) for bar in ax.patches)
+    assert drawn.tolist() == [8, 8, 0, 0, 0, 8]
+    assert ax.get_xlim() == (-0.5, 5.5)
+    render(ax)
 
 
 def test_no_two_verdicts_look_alike(ax):
@@ -430,6 +540,53 @@ def test_a_robot_that_never_walked_has_no_tree(records):
         wl.plots.family_tree(records, Figure().add_subplot(), individual=999)
 
 
+def read_back(records, path, **options):
+    records.to_csv(path, index=False)
+    return pd.read_csv(path, **options)
+
+
+def tables_that_users_make(records, folder):
+    return {
+        "read from CSV": read_back(records, folder / "a.csv"),
+        "read as it is": read_back(records, folder / "a.csv", keep_default_na=False),
+        "from generation 3 on": records[records.generation >= 3],
+        "every second generation": records[records.generation % 2 == 0],
+        "the last generation": records[records.generation == records.generation.max()],
+        "CSV from 3 on": read_back(records[records.generation >= 3], folder / "b.csv"),
+        "shuffled": records.sample(frac=1, random_state=0),
+    }
+
+
+@pytest.mark.parametrize("crossover", ["paired", "none"])
+def test_descent_is_told_as_far_as_a_table_goes(crossover, tmp_path):
+    records = bred(8, 8, crossover=crossover)
+    for name, table in tables_that_users_make(records, tmp_path).items():
+        axes, best = Figure().add_subplot(), wl.Run(wl.Settings(), table).champion
+        wl.plots.family_tree(table, axes)
+        render(axes)
+        own = table.drop_duplicates("individual").set_index("individual")
+        assert best.individual in bodies(axes) <= set(own.index), name
+        assert {(parent, best.individual) for parent in best.parents if parent in own.index} <= edges(axes), name
+        found = wl.Run(wl.Settings(), table).lineage(best.individual)
+        assert best.individual in set(found.individual) <= set(own.index), name
+        assert str(best.individual) in story.descent(table, best.individual), name
+        assert story.summary(table, wl.Settings().model_dump()), name
+        assert "nan" not in found.parents.str.cat() + best.reason, name
+    whole, later = Figure().add_subplot(), Figure().add_subplot()
+    youngest = int(records.individual.max())
+    wl.plots.family_tree(records, whole, individual=youngest)
+    wl.plots.family_tree(records[records.generation >= 3], later, individual=youngest)
+    assert "begins with generation" not in whole.get_title(loc="left")
+    assert "the table begins with generation 3" in later.get_title(loc="left")
+
+
+@pytest.mark.parametrize(
+    ("cell", "numbers"), [("3 17", (3, 17)), ("", ()), (math.nan, ()), (None, ()), (5.0, (5,)), (np.int64(5), (5,))]
+)
+def test_a_cell_of_parents_is_read_however_pandas_has_it(cell, numbers):
+    assert parent_numbers(cell) == numbers
+
+
 # -------------------------------------------------------------------------------------------------------------- walks
 
 
@@ -469,6 +626,30 @@ def test_bars_of_a_gait_are_its_footfalls(ax):
     assert shares == [f"{share:.0%}" for share in down.mean(axis=0)]
 
 
+def test_of_a_long_walk_the_gait_shows_the_last_ten_seconds(ax):
+    wl.plots.gait(GENOME, wl.Settings().with_(duration=12), ax)
+    assert ax.get_xlim() == pytest.approx((2, 12), abs=0.03)
+    assert "in a walk of 12 s" in wl.plots.alt_text(ax)
+
+
+def test_of_several_starts_the_walk_that_counted_is_drawn():
+    settings = SETTINGS.with_(n_starts=4)
+    counted, first = poorest_walk(GENOME, settings), wl.simulate(GENOME, settings)
+    assert counted.distance != first.distance, "or this shows nothing"
+    shown = wl.plots.gait(GENOME, settings, Figure().add_subplot())
+    shares = [label.get_text() for label in shown.child_axes[0].get_yticklabels()]
+    down = footfalls(wl.compile_scene(GENOME, settings), counted.poses)
+    assert shares == [f"{share:.0%}" for share in down.mean(axis=0)]
+    start, end = arrow(wl.plots.stride(GENOME, settings, Figure().add_subplot()))
+    assert (start, end) == pytest.approx(counted.com[[0, -1], 0])
+
+
+def arrow(axes):
+    found = {(note.xyann[0], note.xy[0]) for note in axes.texts if getattr(note, "arrow_patch", None)}
+    (span,) = found
+    return span
+
+
 # ------------------------------------------------------------------------------------------------------------- bodies
 
 
@@ -487,6 +668,14 @@ def test_a_body_is_drawn_to_scale_on_the_ground_and_its_measures_are_told(seed, 
     told = [len(robot.segments), robot.n_legs, robot.weight, robot.body_length]
     assert numbers(wl.plots.alt_text(ax)) == pytest.approx(told, abs=0.006)
     assert ax.get_title() in wl.plots.alt_text(ax)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_bar_beside_a_body_is_as_long_as_it_says(seed, ax):
+    wl.plots.body(wl.Genome.random(wl.Robot(), rng=np.random.default_rng(seed)), ax)
+    bar, label = ax.lines[-1], ax.texts[-1]
+    assert label.get_text().endswith(" m")
+    assert [np.ptp(bar.get_xdata())] == pytest.approx(numbers(label.get_text()))
 
 
 def test_a_body_can_be_put_anywhere_at_any_size_and_reports_where_it_is(ax):
@@ -550,6 +739,33 @@ class TestStride:
         wl.plots.stride(self.genome, torn, ax)
         assert any(type(child) is PolyCollection for child in ax.collections)
         assert "does not count: unstable" in wl.plots.alt_text(ax)
+
+    def test_a_walk_is_drawn_until_its_numbers_ran_away(self, ax, monkeypatch):
+        rollout = wl.simulate(self.genome, self.settings)
+        poses = rollout.poses.copy()
+        poses[60:, 0] += 500
+        torn = replace(rollout, poses=poses, verdict="unstable", reason="it flew apart")
+        monkeypatch.setattr("walkerlab.plots.bodies.poorest_walk", lambda *_: torn)
+        wl.plots.stride(self.genome, self.settings, ax)
+        assert ax.get_xlim()[1] < 10
+        assert f"after {rollout.time[59]:.2f}".rstrip("0") + " s" in wl.plots.alt_text(ax)
+
+    def test_it_grows_darker_with_time_and_the_arrow_is_the_way_it_came(self, ax):
+        walks = {seed: wl.Genome.random(wl.Robot(), rng=np.random.default_rng(seed)) for seed in range(8)}
+        genome = max(walks.values(), key=lambda one: wl.simulate(one, self.settings).distance)
+        rollout = wl.simulate(genome, self.settings)
+        wl.plots.stride(genome, self.settings, ax)
+        caught = [child for child in ax.collections if type(child) is PolyCollection]
+        assert len(caught) > 1, "or this shows nothing"
+        edges = [float(body.get_edgecolor()[0, 0]) for body in caught]
+        assert edges == sorted(edges, reverse=True)
+        assert len(set(edges)) == len(edges)
+        forward = np.sign(rollout.distance)
+        places = [np.concatenate([path.vertices for path in body.get_paths()])[:, 0].mean() for body in caught]
+        assert forward * places[0] < forward * places[-1]
+        assert arrow(ax) == pytest.approx(rollout.com[[0, -1], 0])
+        (words,) = [text.get_text() for text in ax.texts if " in " in text.get_text()]
+        assert numbers(words) == pytest.approx([rollout.com[-1, 0] - rollout.com[0, 0], rollout.time[-1]], abs=0.006)
 
     @pytest.mark.parametrize("obstacle", [kind for kind in Obstacle if kind])
     def test_a_skin_reaches_as_far_as_the_thing_whichever_way(self, obstacle):

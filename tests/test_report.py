@@ -8,14 +8,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib import pyplot
 
 import walkerlab as wl
 from tests.test_display import hostile_function
 from tests.test_markup import HOSTILE, assert_harmless
+from walkerlab import report
+from walkerlab.confirmation import Confirmation
 from walkerlab.fitness import distance
 from walkerlab.ga.selection import tournament
 from walkerlab.records import COLUMNS, join
-from walkerlab.report.page import as_python
+from walkerlab.report.code import as_python
 from walkerlab.report.pictures import KINDS, PICTURES
 
 TINY = wl.Settings().with_(
@@ -102,6 +105,48 @@ def test_its_tables_are_the_numbers_of_the_run(run, path):
     assert generations.robots.tolist() == [6, 6, 6]
     walk = pd.read_csv(path.parent / "tables" / "champion.csv")
     assert walk.x.iloc[-1] - walk.x.iloc[0] == pytest.approx(run.champion.fitness)
+
+
+def test_the_tables_of_the_page_are_in_the_order_of_their_heads(run, path):
+    text = path.read_text(encoding="utf-8")
+    rows = rows_under(text, "Fitness of the walks that count")
+    assert [cell.partition(" ")[0] for cell in rows[0]] == ["generation", "best", "median", "counted", "robots"]
+    for row, (generation, table) in zip(rows[1:], run.records.groupby("generation"), strict=True):
+        counted = table.fitness[table.verdict == "ok"]
+        assert row == [str(generation), f"{counted.max():.3f}", f"{counted.median():.3f}", f"{len(counted)}", "6"]
+    confirmed = run.confirm()
+    kept = [row[1] for row in rows_under(text, "when it walks again")[1:3]]
+    assert kept == [f"{confirmed.kept_finer:.0%}", f"{confirmed.kept_nudged:.0%}"]
+    confirmation = Confirmation(2.0, 1.0, (0.2, 0.5, 0.6), ("ok",) * 4, "distance m")
+    shown = rows_under(str(confirmation.table()), "when it walks again")
+    assert [row[1] for row in shown[1:]] == ["50%", "25%", "10%"]
+
+
+def rows_under(page, caption):
+    """Read the rows of the table whose caption has these words."""
+    (table,) = [found for found in re.findall("<table.*?</table>", page, re.S) if caption in found]
+    rows = re.findall("<tr.*?</tr>", table, re.S)
+    return [[re.sub("<.*?>", "", cell).strip() for cell in re.findall(r"<t[hd].*?</t[hd]>", row, re.S)] for row in rows]
+
+
+def test_the_share_of_walks_that_count_is_taken_over_births(run, tmp_path):
+    records = run.records.copy()
+    elite = records[records.generation > records.born].individual.iloc[0]
+    records.loc[records.individual != elite, ["verdict", "fitness"]] = ["fell", -np.inf]
+    n_walks, n_rows = records.individual.nunique(), len(records)
+    text = report.save(TINY, records, tmp_path, files=False).read_text(encoding="utf-8")
+    assert f"{1 / n_walks:.0%}" != f"{(records.verdict == 'ok').sum() / n_rows:.0%}", "or this shows nothing"
+    assert f"<b>{1 / n_walks:.0%}</b>" in text
+    assert f"<b>{n_walks}</b>" in text
+
+
+def test_a_table_read_from_csv_that_begins_later_is_reported_in_our_look(run, tmp_path):
+    run.records[run.records.born >= 1].to_csv(tmp_path / "records.csv", index=False)
+    later = wl.Run(TINY, pd.read_csv(tmp_path / "records.csv"))
+    plain = report.save(TINY, later.records, tmp_path / "plain", files=False).read_bytes()
+    assert b"the table begins with generation 1" in plain
+    with pyplot.style.context("dark_background"):
+        assert report.save(TINY, later.records, tmp_path / "dark", files=False).read_bytes() == plain
 
 
 def my_mutation(genomes, genes, *, rng, strength=1.0):

@@ -11,6 +11,7 @@ from walkerlab.genes import Floats
 
 FIELD_OF_VIEW = 45.0  # degrees from the lower to the upper edge of the picture
 CALM = 0.4  # s over which a camera evens out the bobbing of what it follows
+STEP = 0.02  # s between the moments from which that is reckoned
 NEAREST = 1.2  # m, as if what it looks at were at least as large
 MARGIN = 1.3  # m farther away for each m between those in the picture
 RISE = 14.0  # degrees by which level cameras look from higher up for each m between lanes, which would hide each other
@@ -62,19 +63,26 @@ def aim(camera: Camera, time: Floats, paths: Floats, size: float, slope: float =
 
     Args:
         camera: which view.
-        time: (n,) s, evenly spaced.
+        time: (n,) s, in order; the steps may differ.
         paths: (k, n, 3) the centre of mass of each walker, and where loads are that it drags [m].
         size: of the largest of them [m].
         slope: pitch of the ground [rad], so as not to look from below it; positive is uphill.
     """
     azimuth, elevation, far = VIEWS[camera]
-    width = CALM / (time[1] - time[0])
     low, high = paths.min(axis=0), paths.max(axis=0)
-    target = gaussian_filter1d((low + high) / 2, width, axis=0, mode="nearest")
-    spread = gaussian_filter1d((high - low).max(axis=1), width, mode="nearest")
+    target = _calmed(time, (low + high) / 2)
+    spread = _calmed(time, (high - low).max(axis=1))
     around = TURN * (time - time[0]) * (camera == Camera.orbit)
     looks = azimuth + around
-    lanes = np.minimum(gaussian_filter1d(np.ptp(paths[:, :, 1], axis=0), width, mode="nearest"), 1.5)
+    lanes = np.minimum(_calmed(time, np.ptp(paths[:, :, 1], axis=0)), 1.5)
     above = RISE * lanes * (camera in (Camera.side, Camera.front))
     tilt = math.degrees(slope) * np.cos(np.radians(looks)) * (elevation > DOWN)
     return Shot(target, far * max(size, NEAREST) + MARGIN * spread, looks, elevation + tilt - above)
+
+
+def _calmed(time: Floats, track: Floats) -> Floats:
+    """Even out a track, (n,) or (n, k), over ``CALM`` seconds, however its moments, (n,), are spaced."""
+    columns = track.reshape(len(time), -1).T
+    even = np.linspace(time[0], time[-1], max(2, round((time[-1] - time[0]) / STEP) + 1))
+    calm = (gaussian_filter1d(np.interp(even, time, column), CALM / STEP, mode="nearest") for column in columns)
+    return np.stack([np.interp(time, even, column) for column in calm], axis=1).reshape(track.shape)

@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 from numpy.random import Generator
@@ -20,11 +20,20 @@ from walkerlab.choices import Feature
 from walkerlab.genes import Floats
 from walkerlab.limits import MAX_SEGMENTS, PART, WHOLE, genes_of, repair
 from walkerlab.markup import Html, code, details, join, shown, table, tag
-from walkerlab.settings import Robot
+from walkerlab.settings import Robot, Settings
 
 
 class GenomeError(ValueError):
     """A text that is no genome; it says where, and what was expected there."""
+
+
+class HasGenome(Protocol):
+    """What stands for its genome wherever one is asked for: an ``Individual``, an ``Evaluation``."""
+
+    @property
+    def genome(self) -> "Genome | str":
+        """Its genome, or the text of it."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,20 +78,20 @@ class Genome:
         return cls(repair(np.where(genes.is_count, whole, drawn)[np.newaxis], robot)[0])
 
     @classmethod
-    def of(cls, given: "Genome | str | ArrayLike") -> "Genome":
-        """Take a genome as it is, or read it from its text or its (n_genes,) values.
+    def of(cls, given: "Genome | str | ArrayLike | HasGenome") -> "Genome":
+        """Take a genome as it is, or that of an individual, or read it from its text or its (n_genes,) values.
 
         Raises:
             GenomeError: if a text is no genome.
             ValueError: if values are no genome.
+            TypeError: if it is a run, a table or settings.
         """
-        match given:
-            case Genome():
-                return given
-            case str():
-                return cls.parse(given)
-            case _:
-                return cls(given)  # type: ignore[arg-type]
+        if isinstance(given, Genome):
+            return given
+        if isinstance(given, str):
+            return cls.parse(given)
+        _refuse_what_has_none(given)
+        return cls.of(given.genome) if hasattr(given, "genome") else cls(given)  # type: ignore[arg-type,union-attr]
 
     @classmethod
     def parse(cls, text: str) -> Self:
@@ -123,6 +132,16 @@ class Genome:
         whole, parts = self.values[: len(WHOLE)], self.values[len(WHOLE) :].reshape(self.n_parts, -1)
         parts = parts[np.minimum(np.arange(robot.segments[1]), self.n_parts - 1)]
         return type(self)(repair(np.concatenate([whole, parts.ravel()])[np.newaxis], robot)[0])
+
+
+def _refuse_what_has_none(given: Any) -> None:
+    """Name the mend for what is often given in place of a genome."""
+    if hasattr(given, "columns"):  # before it is asked for its genome: it has a column of that name
+        raise TypeError("this is a table, and a genome is wanted; give a cell of its column genome: table.genome[0]")
+    if hasattr(given, "champion"):
+        raise TypeError("this is a run, and a genome is wanted, of one robot; give run.champion")
+    if isinstance(given, Settings):
+        raise TypeError("these are settings, and a genome is wanted; it comes first, and then the settings")
 
 
 def in_words(genome: Genome) -> Html:
@@ -173,15 +192,17 @@ def _number(value: float) -> str:
     return f"{value:.3f}" if abs(value) < 1e6 else f"{value:.3g}"
 
 
-def read_genomes(given: Iterable[Genome | str | ArrayLike]) -> list[Genome]:
+def read_genomes(given: Iterable[Genome | str | ArrayLike | HasGenome]) -> list[Genome]:
     """Read several genomes, each as ``Genome.of`` does.
 
     Raises:
         GenomeError: if a text is no genome.
         ValueError: if values are no genome, or a single one is given, which has parts that could be taken for several.
+        TypeError: if it is a run, a table or settings.
     """
     is_row = isinstance(given, np.ndarray) and given.ndim == 1 and given.dtype.kind in "fiu" and given.size
-    if is_row or isinstance(given, Genome | str):
+    _refuse_what_has_none(given)
+    if is_row or isinstance(given, Genome | str) or hasattr(given, "genome"):
         raise ValueError("this takes several genomes, and got a single one; put it in a list: [genome]")
     return [Genome.of(one) for one in given]
 

@@ -1,7 +1,7 @@
 """The tidy table: a row for each individual and generation. What is written, shown and plotted is this table."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 import pandas as pd
@@ -98,9 +98,28 @@ def last_population(records: pd.DataFrame) -> Population[Evaluation]:
     )
 
 
-def parent_numbers(parents: str) -> tuple[int, ...]:
-    """Read a cell of the ``parents`` column."""
-    return tuple(map(int, parents.split()))
+def parent_numbers(parents: object) -> tuple[int, ...]:
+    """Read a cell of the ``parents`` column: text, or the number or NaN that ``read_csv`` makes of it."""
+    if isinstance(parents, str):
+        return tuple(map(int, parents.split()))
+    return () if pd.isna(cast(Any, parents)) else (int(cast(Any, parents)),)
+
+
+def births(records: pd.DataFrame) -> pd.DataFrame:
+    """Return the first row of each individual that a table has, by its number; an elite's others are left out."""
+    first = records.sort_values("generation", kind="stable").drop_duplicates("individual")
+    parents = [" ".join(map(str, parent_numbers(cell))) for cell in first.parents]
+    reason = first.reason.astype(object).where(first.reason.notna(), "")
+    return first.assign(parents=parents, reason=reason).set_index("individual", drop=False)
+
+
+def fitter_line(born: pd.DataFrame, individual: int) -> list[int]:
+    """Name an individual, its fitter parent, that one's and so on, as far back as a table of ``births`` goes."""
+    parents, fitness = born.parents.to_dict(), born.fitness.to_dict()
+    line = [individual]
+    while known := [one for one in parent_numbers(parents[line[-1]]) if one in parents]:
+        line.append(max(known, key=lambda one: float(fitness[one])))
+    return line
 
 
 @dataclass(frozen=True)
@@ -150,7 +169,7 @@ def champion(records: pd.DataFrame) -> Individual:
         genome=Genome.parse(row.genome),
         fitness=float(row.fitness),
         verdict=row.verdict,
-        reason=row.reason,
+        reason="" if pd.isna(row.reason) else row.reason,
         generation=int(row.born),
         parents=parent_numbers(row.parents),
     )
@@ -159,21 +178,19 @@ def champion(records: pd.DataFrame) -> Individual:
 def lineage(records: pd.DataFrame, individual: int) -> pd.DataFrame:
     """Return the rows of an individual and all its ancestors, youngest first, each at its birth.
 
+    A parent that the table does not have ends the line there.
+
     Raises:
         ValueError: if no such individual has walked.
     """
-    births = records[records.generation == records.born].set_index("individual", drop=False)
-    if individual not in births.index:
-        raise ValueError(f"individual {individual} is not in this run; its numbers go from 0 to {births.index.max()}")
-    parents = dict(zip(births.index.tolist(), map(parent_numbers, births.parents), strict=True))
-
-    def ancestors(number: int) -> Iterator[int]:
-        waiting, seen = [number], {number}
-        while waiting:
-            yield (one := waiting.pop())
-            fresh = [parent for parent in parents[one] if parent not in seen]
-            seen.update(fresh)
-            waiting += fresh
-
-    found = births.loc[sorted(ancestors(individual), reverse=True)]
-    return tidy(found.reset_index(drop=True))
+    born = births(records)
+    if individual not in born.index:
+        low, high = born.index.min(), born.index.max()
+        raise ValueError(f"individual {individual} is not in this run; its numbers go from {low} to {high}")
+    parents = {one: parent_numbers(cell) for one, cell in born.parents.items()}
+    waiting, found = [individual], {individual}
+    while waiting:
+        fresh = {one for one in parents[waiting.pop()] if one in parents} - found
+        found |= fresh
+        waiting += fresh
+    return tidy(born.loc[sorted(found, reverse=True)].reset_index(drop=True))

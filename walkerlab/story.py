@@ -1,6 +1,6 @@
 """A run in words: what it reached, how it got there, and whom its champion descends from."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any, cast
 
 import pandas as pd
@@ -8,7 +8,7 @@ import pandas as pd
 from walkerlab.fitness import UNITS
 from walkerlab.judge import VERDICTS
 from walkerlab.phenotype import express
-from walkerlab.records import Individual, champion, parent_numbers
+from walkerlab.records import Individual, births, champion, fitter_line
 from walkerlab.settings import Settings
 
 ROWS = 12  # of a table by generation, however long the run
@@ -31,14 +31,14 @@ def summary(records: pd.DataFrame, settings: Plain) -> str:
     if records.empty:
         return "No generation is done yet, so there is nothing to tell."
     generations, best = int(records.generation.nunique()), champion(records)
-    robots = _count(int((records.generation == 0).sum()), "robot")
+    start = int(records.generation.min())
+    robots = _count(int((records.generation == start).sum()), "robot")
     ran = f"{_count(generations, 'generation')} of {robots}"
     if best.verdict != "ok":
         return f"{ran}; no walk counted, so there is no champion to speak of."
-    first = records.fitness[(records.generation == 0) & (records.verdict == "ok")]
-    began = (
-        f", from {_with_unit(first.max(), settings)} in the random generation" if generations > 1 and len(first) else ""
-    )
+    first = records.fitness[(records.generation == start) & (records.verdict == "ok")]
+    at_first = f"generation {start}" if start else "the random generation"
+    began = f", from {_with_unit(first.max(), settings)} in {at_first}" if generations > 1 and len(first) else ""
     return (
         f"{ran}. The champion, robot {best.individual} of generation {best.generation}, reached a "
         f"{_fitness_name(settings)} of {_with_unit(best.fitness, settings)}{began}."
@@ -48,7 +48,7 @@ def summary(records: pd.DataFrame, settings: Plain) -> str:
 def champion_story(records: pd.DataFrame, settings: Plain) -> str:
     """Tell what the champion can do, and what it looks like."""
     best = champion(records)
-    row: Any = _births(records).loc[best.individual]
+    row: Any = births(records).loc[best.individual]
     if best.verdict != "ok":
         return (
             f"No walk counted, so there is no champion to speak of. Of robot {best.individual}, the judge says: "
@@ -124,7 +124,7 @@ def round_steps(last: int) -> list[int]:
 
 def verdict_counts(records: pd.DataFrame) -> str:
     """Count the verdicts, each walk once: an elite is in the table again, but walked when it was born."""
-    n_walks = len(_births(records))
+    n_walks = len(births(records))
     elites = ", for elites do not walk again" if n_walks < len(records) else ""
     title = f"Verdicts of {_count(n_walks, 'walk')} ({_count(len(records), 'row')} in the table{elites}):"
     return "\n".join([title, *(f"  {n:6}  {verdict}: {meaning}" for verdict, n, meaning in verdicts(records))])
@@ -132,7 +132,7 @@ def verdict_counts(records: pd.DataFrame) -> str:
 
 def verdicts(records: pd.DataFrame) -> list[tuple[str, int, str]]:
     """Return each verdict that there was, how many walks got it, and what it means; the commonest first."""
-    counts = _births(records).verdict.value_counts()
+    counts = births(records).verdict.value_counts()
     return [(str(one), int(n), VERDICTS.get(str(one), "No verdict of ours.")) for one, n in counts.items()]
 
 
@@ -154,24 +154,11 @@ def ancestors(records: pd.DataFrame, individual: int) -> list[tuple[Any, int]]:
     Returns:
         Rows of the table with the number 0, and in the place of those that are passed over, None with theirs.
     """
-    line = list(_fitter_line(records, individual))
+    born: Any = births(records)
+    line: list[Any] = list(born.loc[fitter_line(born, individual)].itertuples())
     if len(line) <= ANCESTORS:
         return [(one, 0) for one in line]
     return [*((one, 0) for one in line[: ANCESTORS - 2]), (None, len(line) - ANCESTORS + 1), (line[-1], 0)]
-
-
-def _fitter_line(records: pd.DataFrame, individual: int) -> Iterator[Any]:
-    births: Any = _births(records).assign(individual=lambda table: table.index).itertuples()
-    rows: dict[int, Any] = {row.individual: row for row in births}
-    yield rows[individual]
-    while parents := parent_numbers(str(rows[individual].parents)):
-        individual = max(parents, key=lambda parent: float(rows[parent].fitness))
-        yield rows[individual]
-
-
-def _births(records: pd.DataFrame) -> pd.DataFrame:
-    """One row for each individual: that of its first walk."""
-    return records[records.generation == records.born].set_index("individual")
 
 
 def _fitness_name(settings: Plain) -> str:

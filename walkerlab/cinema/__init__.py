@@ -1,6 +1,6 @@
 """Films: one walk, or a whole evolution in time-lapse, drawn with sky and sun and written to a video file.
 
-    wl.film(run.champion.genome, run.settings, "champion.mp4")
+    wl.film(run.champion, run.settings, "champion.mp4")
     wl.timelapse(run, "evolution.mp4")
 
 A kernel has usually imported MuJoCo before anybody thinks of a GL, so a film is drawn in a process of its own. That
@@ -8,6 +8,7 @@ process comes in by this door as well, which therefore loads nothing that loads 
 """
 
 from itertools import groupby
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
@@ -15,10 +16,10 @@ import numpy as np
 
 from walkerlab.choices import Camera
 from walkerlab.cinema.crew import make
-from walkerlab.cinema.job import Act, FilmError, Job
+from walkerlab.cinema.job import Act, FilmError, Job, is_whole
 from walkerlab.cinema.result import Film
 from walkerlab.genes import Floats
-from walkerlab.genome import Genome
+from walkerlab.genome import Genome, HasGenome
 from walkerlab.settings import Settings
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ class Evolved(Protocol):
 
 
 def film(
-    genome: Genome | str | Floats,
+    genome: Genome | str | Floats | HasGenome,
     settings: Settings,
     path: str | Path,
     *,
@@ -60,10 +61,11 @@ def film(
 ) -> Film:
     """Film one walk.
 
-    It is the walk that ``simulate`` records, seen by the camera of a replay. In a notebook the answer plays.
+    It is the walk that counts: from several starts the poorest, as judged by the fitness that settings have unless
+    told otherwise, whatever fitness these name. In a notebook the answer plays.
 
     Args:
-        genome: a genome, its text or its (n_genes,) values.
+        genome: a genome, its text or its (n_genes,) values, or an individual.
         settings: of terrain, robot and simulation.
         path: the file to be made: .mp4, .webm or .gif. One that is there is replaced once the film is whole.
         camera: which view; the settings' own if None.
@@ -75,6 +77,7 @@ def film(
     Raises:
         GenomeError: if a text is no genome.
         ValueError: if camera, size, fps or the ending of the path will not do.
+        TypeError: if a run, a table or settings are given in place of a genome.
         FilmError: if there is no GL that draws without a screen, or the film cannot be written.
     """
     text, seen = str(Genome.of(genome)), _seen(settings, camera)
@@ -115,16 +118,19 @@ def timelapse(
     """
     settings, table = _seen(run.settings, camera), run.records
     longest = settings.simulation.duration
-    if not 0 < seconds < float("inf"):
-        raise ValueError(f"seconds is {seconds!r}; it must be over 0. It is for how long each champion is shown.")
-    if not ACTS[0] <= at_most <= ACTS[1]:
+    if not isinstance(seconds, Real) or isinstance(seconds, bool) or not 0 < seconds < float("inf"):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ValueError(
-            f"at_most is {at_most!r}; it must be {ACTS[0]} to {ACTS[1]}. It is how many champions are shown."
+            f"seconds is {seconds!r}; it must be a number over 0. It is for how long each champion is shown."
+        )
+    if not (is_whole(at_most) and ACTS[0] <= at_most <= ACTS[1]):
+        raise ValueError(
+            f"at_most is {at_most!r}; it must be a whole number, {ACTS[0]} to {ACTS[1]}. "
+            "It is how many champions are shown."
         )
     unit = table.attrs.get("units", {}).get("fitness", "")
     reigns = _thinned(_reigns(table), at_most)
     acts = tuple(
-        Act(str(best.genome), min(seconds, longest), _caption(best, first, last, unit), last)
+        Act(str(best.genome), min(float(seconds), longest), _caption(best, first, last, unit), last)
         for best, first, last in reigns
     )
     ruler = (int(table.generation.min()), int(table.generation.max()))

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
 from uuid import uuid4
@@ -40,12 +41,14 @@ def make(job: Job, path: Path, *, progress: bool) -> None:
 
 def _claim(path: Path) -> Path:
     """Make an empty file beside the path, to be written into."""
-    part = path.with_name(f".{path.name}.{uuid4().hex[:8]}.part")
+    part = path.with_name(f".{uuid4().hex[:8]}.part")  # short: the film's own name may be as long as names can be
     try:
         if not path.parent.is_dir():
             raise FilmError(f"there is no folder {path.parent}; make it first. It is where the film {path.name} goes.")
         if path.is_dir():
             raise FilmError(f"{path} is a folder; path must name a file, which will be the film.")
+        with suppress(FileNotFoundError):
+            path.lstat()  # complains if the name is too long
         part.touch(exist_ok=False)
     except OSError as error:
         raise FilmError(f"the film {path.name} cannot be written to {path.parent}: {error.strerror}.") from error

@@ -6,6 +6,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
+
 from walkerlab.settings import Settings
 
 SIDES = (64, 4096)  # pixels that a film may be wide or high
@@ -62,18 +64,20 @@ class Job:
             ValueError: naming what, its value, its range and what it is for.
         """
         low, high = SIDES
-        wrong = not (isinstance(self.size, tuple | list) and len(self.size) == 2 and all(map(_is_whole, self.size)))  # pyright: ignore[reportUnnecessaryIsInstance]
+        wrong = not (isinstance(self.size, tuple | list) and len(self.size) == 2 and all(map(is_whole, self.size)))  # pyright: ignore[reportUnnecessaryIsInstance]
         if wrong or any(side % 2 or not low <= side <= high for side in self.size):
             raise ValueError(
                 f"size is {self.size!r}; it must be two even whole numbers, {low} to {high} pixels, as in (480, 360). "
                 "It is the width and height of the film; video knows no odd ones."
             )
         low, high = RATES
-        if not (_is_whole(self.fps) and low <= self.fps <= high):
+        if not (is_whole(self.fps) and low <= self.fps <= high):
             raise ValueError(
                 f"fps is {self.fps!r}; it must be a whole number, {low} to {high}. "
                 "It is how many frames the film has for each second."
             )
+        object.__setattr__(self, "size", tuple(map(int, self.size)))  # numpy's numbers cannot be written as JSON
+        object.__setattr__(self, "fps", int(self.fps))
         if self.suffix not in FORMATS:
             raise ValueError(
                 f"path ends in {self.suffix!r}; it must end in {', '.join(FORMATS)}. It decides the kind of film: "
@@ -105,8 +109,10 @@ class Job:
         plain: dict[str, Any] = json.loads(text)
         path, acts = Path(plain.pop("path")), tuple(Act(**act) for act in plain.pop("acts"))
         size, settings = tuple(plain.pop("size")), Settings(**plain.pop("settings"))
-        return cls(acts=acts, settings=settings, size=size, **plain), path
+        ruler = tuple(plain.pop("ruler") or ()) or None
+        return cls(acts=acts, settings=settings, size=size, ruler=ruler, **plain), path
 
 
-def _is_whole(number: object) -> bool:
-    return isinstance(number, int) and not isinstance(number, bool)
+def is_whole(number: object) -> bool:
+    """Say whether it is a whole number, Python's own or numpy's."""
+    return isinstance(number, int | np.integer) and not isinstance(number, bool)

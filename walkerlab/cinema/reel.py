@@ -15,7 +15,9 @@ CODECS: dict[str, tuple[str, dict[str, str], dict[str, str]]] = {
 """Of each kind of video, the encoder, its options, and those of the file."""
 
 BT709, STUDIO_RANGE = 1, 1  # how colours are written: as every player assumes of what is not old television
-SHARED = 128  # colours of a GIF
+SHARED = 128  # colours of a GIF at a time
+OFF = 24  # of 255, by which a colour must be off to be seen
+FEW = 0.005  # share of a picture that may be so
 
 
 def record(pictures: Iterable[NDArray[np.uint8]], path: Path, suffix: str, size: tuple[int, int], fps: int) -> None:
@@ -56,12 +58,35 @@ def _record_video(
 
 
 def _record_gif(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: int) -> None:
-    """Write a GIF, all its frames in the colours of the first, so that what stands still does not flicker."""
+    """Write a GIF, each frame in the colours of the last while they will do: what stands still must not flicker."""
     images = map(Image.fromarray, pictures)
-    first = next(images).quantize(SHARED, dither=Image.Dither.NONE)
+    start = next(images)
+    first = _painted(start, _colours(start))
 
     def rest() -> Iterator[Image.Image]:
+        colours = first
         for image in images:
-            yield image.quantize(palette=first, dither=Image.Dither.NONE)
+            shown = _painted(image, colours)
+            if (off := _share_off(image, shown)) > FEW:
+                own = _painted(image, _colours(image))
+                if _share_off(image, own) < off / 2:
+                    colours = shown = own
+            yield shown
 
     first.save(path, "GIF", save_all=True, append_images=rest(), duration=1000 / fps, loop=0)
+
+
+def _colours(image: Image.Image) -> Image.Image:
+    """Choose the colours of an image: those of the one that is returned."""
+    return image.quantize(SHARED, dither=Image.Dither.NONE)
+
+
+def _painted(image: Image.Image, colours: Image.Image) -> Image.Image:
+    """Give each pixel the nearest colour; ``quantize`` alone does not, and the next frame would differ."""
+    return image.quantize(palette=colours, dither=Image.Dither.NONE)
+
+
+def _share_off(image: Image.Image, shown: Image.Image) -> float:
+    """Return the share of an image whose colours are not as they should be."""
+    off = np.abs(np.asarray(image, dtype=np.int16) - np.asarray(shown.convert("RGB"), dtype=np.int16))
+    return float((off.max(axis=2) > OFF).mean())

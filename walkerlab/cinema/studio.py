@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import mujoco
@@ -11,10 +12,12 @@ from numpy.typing import NDArray
 from walkerlab.cameras import FIELD_OF_VIEW, aim
 from walkerlab.cinema.job import Act, Job
 from walkerlab.cinema.titles import Picture, Titles
+from walkerlab.fitness import poorest_walk
 from walkerlab.genes import Floats
 from walkerlab.ground import slope
-from walkerlab.rollout import Rollout, simulate
+from walkerlab.rollout import Rollout
 from walkerlab.scene import Scene, compile_scene
+from walkerlab.shapes import n_sound
 
 SHAPE = 4 / 3  # width over height of a picture in which a camera's distance is right; from narrower ones it steps back
 SHORTEST = 1.0  # s of a walk that settings allow
@@ -45,14 +48,15 @@ def frames(job: Job, *, sketch: bool) -> Iterator[Picture]:
 
 def _act(act: Act, job: Job, *, sketch: bool) -> Iterator[Picture]:
     """Let a robot walk as it is recorded to, and draw that."""
-    duration = min(job.settings.simulation.duration, max(SHORTEST, act.seconds))
-    settings = job.settings.with_(duration=duration)
-    scene, rollout = compile_scene(act.genome, settings, scenery=True), simulate(act.genome, settings)
+    settings = job.settings
+    if settings.simulation.n_starts == 1:  # of several, only the whole walks tell which is the poorest
+        settings = settings.with_(duration=min(settings.simulation.duration, max(SHORTEST, act.seconds)))
+    scene = compile_scene(act.genome, settings, scenery=True)
+    rollout = lasting(scene, poorest_walk(act.genome, settings))
     moments = np.arange(job.frames_of(act)) / job.fps
     (width, height), model, data = job.size, scene.model, mujoco.MjData(scene.model)
     model.vis.global_.offwidth, model.vis.global_.offheight = width, height
     model.vis.global_.fovy = FIELD_OF_VIEW
-    poses = lasting(rollout.poses, scene.start)
     cameras, pieces = cameras_at(moments, scene, rollout, width / height), Pieces(scene, width / height, sketch=sketch)
     quality = (ROUNDISH if sketch and len(pieces) > CROWD else ROUND) | (SKETCH if sketch else {})
     for name, value in quality.items():
@@ -60,7 +64,7 @@ def _act(act: Act, job: Job, *, sketch: bool) -> Iterator[Picture]:
     model.vis.map.shadowclip = SHADOWS * max(camera.distance for camera in cameras) / model.stat.extent
     with mujoco.Renderer(model, height, width) as renderer:
         for moment, camera in zip(moments.tolist(), cameras, strict=True):
-            data.qpos[:] = pose_at(model, rollout.time, poses, moment)
+            data.qpos[:] = pose_at(model, rollout.time, rollout.poses, moment)
             _pose(model, data)
             pieces.show(camera)
             renderer.update_scene(data, camera)
@@ -96,13 +100,23 @@ def pose_at(model: mujoco.MjModel, time: Floats, poses: Floats, moment: float) -
     return pose
 
 
-def lasting(track: Floats, first: Floats) -> Floats:
-    """Hold the last row of a track, (n, k), before the physics broke down; if it never held, a row given, (k,)."""
-    broken = ~np.isfinite(track).all(axis=1)
-    if not broken.any():
-        return track
-    good = int(np.argmax(broken))
-    return track[np.minimum(np.arange(len(track)), good - 1)] if good else np.tile(first, (len(track), 1))
+def lasting(scene: Scene, rollout: Rollout) -> Rollout:
+    """Hold the last moment of a walk before its numbers ran away, if they did; the start, if there was none."""
+    n = n_sound(scene, rollout.poses)
+    if n == len(rollout.poses):
+        return rollout
+    poses, com, load = (rollout.poses[:n], rollout.com[:n], rollout.load[:n]) if n else _start(scene)
+    held = np.minimum(np.arange(len(rollout.time)), max(n, 1) - 1)
+    return replace(rollout, poses=poses[held], com=com[held], load=load[held] if scene.rope else rollout.load)
+
+
+def _start(scene: Scene) -> tuple[Floats, Floats, Floats]:
+    """Return the pose of the start, (1, nq), and where robot and load are in it, (1, 3) each."""
+    data = mujoco.MjData(scene.model)
+    data.qpos[:] = scene.start
+    _pose(scene.model, data)
+    robot, load = data.subtree_com[[scene.roots[0], scene.roots[-1]]]
+    return data.qpos[np.newaxis], robot[np.newaxis], load[np.newaxis]
 
 
 def cameras_at(moments: Floats, scene: Scene, rollout: Rollout, shape: float) -> list[Any]:
@@ -111,16 +125,15 @@ def cameras_at(moments: Floats, scene: Scene, rollout: Rollout, shape: float) ->
     Args:
         moments: (n,) s.
         scene: in which the robot walks.
-        rollout: of its walk.
+        rollout: of its walk, whose numbers did not run away.
         shape: width over height of the picture.
 
     Returns:
         An ``mjvCamera`` for each moment.
     """
     paths = [rollout.com, *([rollout.load] if len(rollout.load) else [])]  # its sledge is in the picture as well
-    whole = np.array([lasting(path, np.zeros(3)) for path in paths])
     simulation, pitch = scene.settings.simulation, slope(scene.settings.terrain)
-    shot = aim(simulation.camera, rollout.time, whole, scene.phenotype.body_length, pitch)
+    shot = aim(simulation.camera, rollout.time, np.array(paths), scene.phenotype.body_length, pitch)
     rows = np.column_stack([shot.target, shot.distance, shot.azimuth, shot.elevation])
     cameras: list[Any] = []
     for row in np.column_stack([np.interp(moments, rollout.time, column) for column in rows.T]):

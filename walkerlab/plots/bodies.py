@@ -8,16 +8,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
+from walkerlab.fitness import poorest_walk
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.ground import height
-from walkerlab.judge import UNSTABLE
 from walkerlab.phenotype import Phenotype
-from walkerlab.plots.style import QUIET, count, describe, new_axes, with_unit
-from walkerlab.rollout import walk
+from walkerlab.plots.look import ink, new_axes, picture
+from walkerlab.plots.style import QUIET, count, describe, with_unit
 from walkerlab.scene import Scene, compile_scene, scene_of
 from walkerlab.settings import Settings
-from walkerlab.shapes import skins
+from walkerlab.shapes import n_sound, skins
 
 MARGIN = 0.2  # m of ground that is seen before and behind all that stands on it
 MOST, APART = 5, 1.3  # times at most that a robot is drawn on its way; body lengths between two of them at least
@@ -33,6 +33,7 @@ Parts = Sequence[tuple[Floats, Floats]]
 """As ``skins`` lays them out: (k, 3) points each, and their colour."""
 
 
+@picture
 def body(genome: Genome | str, ax: Axes | None = None, settings: Settings | None = None) -> Axes:
     """Draw a robot from the side in its pose of rest, to scale, with its measures; it walks to the right.
 
@@ -53,10 +54,10 @@ def body(genome: Genome | str, ax: Axes | None = None, settings: Settings | None
     scene = at_rest(genome, settings)
     left, right, _, top = add_body(axes, skins(scene, scene.start), slant=SLANT)
     wide = right - left
-    axes.plot([left - 0.05 * wide, right + 0.05 * wide], [0, 0], color="0.5", lw=1)
+    axes.plot([left - 0.05 * wide, right + 0.05 * wide], [0, 0], color=ink(axes, 0.5), lw=1)
     bar = _round_length(wide / 3)
     below = -0.06 * wide
-    axes.plot([left, left + bar], [below, below], color="k", lw=2.5, solid_capstyle="butt")
+    axes.plot([left, left + bar], [below, below], color=ink(axes), lw=2.5, solid_capstyle="butt")
     axes.text(left + bar + 0.02 * wide, below, f"{bar:g} m", va="center", fontsize=8)
     axes.set_xlim(left - 0.06 * wide, right + 0.06 * wide)
     axes.set_ylim(below - 0.05 * wide, top + 0.03 * wide)
@@ -68,10 +69,12 @@ def body(genome: Genome | str, ax: Axes | None = None, settings: Settings | None
     return axes
 
 
+@picture
 def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Axes:
     """Draw a robot from the side, to scale, at the start, on its way and at the end, ever darker; needs no GL.
 
     An arrow shows how far its centre of mass has come. What lies about is drawn as it lies at the end.
+    Of several starts, the poorest walk is drawn: the one that counted. If its numbers ran away, it ends before that.
 
     Args:
         genome: a genome or its text.
@@ -83,11 +86,9 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     """
     axes = ax or new_axes()
     scene = compile_scene(genome, settings)
-    rollout = walk(scene)
-    time, com, poses = rollout.time, rollout.com, rollout.poses
-    if rollout.verdict == UNSTABLE:  # of which the start alone is worth looking at
-        time, poses = time[:1], scene.start[np.newaxis]
-        com = poses[:, :3]
+    rollout = poorest_walk(genome, settings)
+    n = max(1, n_sound(scene, rollout.poses))
+    time, com, poses = rollout.time[:n], rollout.com[:n], rollout.poses[:n]
     way, length = float(com[-1, 0] - com[0, 0]), rollout.phenotype.body_length
     n_caught = min(len(time), 2 + int(np.clip(abs(way) / (APART * length) - 1, 0, MOST - 2)))
     moments = np.linspace(0, len(time) - 1, n_caught).astype(int)
@@ -102,7 +103,7 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     shades = np.linspace(0.25, 1.0, n_caught).tolist() if n_caught > 1 else [1.0]
     top = max(add_body(axes, parts, strength=shade)[3] for shade, parts in zip(shades, caught, strict=True))
     ground = height(settings.terrain, x)
-    axes.fill_between(x, ground, ground.min() - 0.08, color="0.8", lw=0)
+    axes.fill_between(x, ground, ground.min() - 0.08, color=ink(axes, 0.2), lw=0)
     axes.set_xlim(x[0], x[-1])
     axes.set_aspect("equal")
     axes.set_xlabel("way forward [m]")
@@ -125,13 +126,13 @@ def _measure(axes: Axes, start: float, end: float, level: float, words: str) -> 
     look: dict[str, Any] = {
         "arrowstyle": "|-|,widthA=0.25,widthB=0",
         "lw": 0.8,
-        "color": QUIET,
+        "color": ink(axes, QUIET),
         "shrinkA": 0,
         "shrinkB": 0,
     }
     for style in (look, look | {"arrowstyle": "-|>"}):
         axes.annotate("", (end, level), (start, level), arrowprops=style)
-    above: dict[str, Any] = {"ha": "center", "va": "bottom", "fontsize": 8, "color": QUIET}
+    above: dict[str, Any] = {"ha": "center", "va": "bottom", "fontsize": 8, "color": ink(axes, QUIET)}
     axes.annotate(words, ((start + end) / 2, level), (0, 2), textcoords="offset points", **above)
 
 
@@ -166,7 +167,7 @@ def add_body(
         parts: as ``skins`` lays them out.
         at: where its origin goes, in data coordinates.
         scale: data units per metre.
-        strength: 1 for its own colours; towards 0 they fade to white.
+        strength: 1 for its own colours; towards 0 they fade into the ground.
         slant: m to the right for each m to the left of it, that is, away from who looks.
         gid: its id in SVG.
 
@@ -176,9 +177,10 @@ def add_body(
     ordered = sorted(parts, key=lambda part: -part[0][:, 1].mean())  # the far side first
     view = np.array([(1.0, 0.0), (slant, 0.0), (0.0, 1.0)])
     outlines = [_outline(points @ view) * scale + at for points, _ in ordered]
-    fills = [1 - strength * (1 - colour[:3]) for _, colour in ordered]
+    ground = np.array(ink(axes, 0))
+    fills = [ground + strength * (colour[:3] - ground) for _, colour in ordered]
     is_rope = [len(points) == ROPE for points, _ in ordered]
-    edge = np.full(3, 1 - strength)
+    edge = ink(axes, strength)
     edges = [fill if rope else edge for fill, rope in zip(fills, is_rope, strict=True)]
     widths = [1.0 if rope else 0.4 for rope in is_rope]
     axes.add_collection(PolyCollection(outlines, facecolors=fills, edgecolors=edges, linewidths=widths, gid=gid))

@@ -8,7 +8,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from walkerlab.judge import VERDICTS
-from walkerlab.plots.style import count, describe, new_axes, nothing, over_generations, round_steps, table_of
+from walkerlab.plots.look import new_axes, picture
+from walkerlab.plots.style import count, describe, literal, nothing, over_generations, round_steps, table_of
 
 COUNTED = ("#BFE3D6", "")
 LOOKS = (
@@ -29,6 +30,7 @@ LOOKS = (
 MOST_BARS = 60
 
 
+@picture
 def verdicts(records: pd.DataFrame, ax: Axes | None = None) -> Axes:
     """Draw how many robots of each generation walked so that it counts, and why the walks of others do not.
 
@@ -47,10 +49,12 @@ def verdicts(records: pd.DataFrame, ax: Axes | None = None) -> Axes:
     known = [verdict for verdict in VERDICTS if verdict in table]
     table = table[[*known, *(verdict for verdict in table if verdict not in VERDICTS)]]
     describe(axes, "Verdicts of each generation", _in_words(table))
-    together = math.ceil(len(table) / MOST_BARS)
+    together = 1
     if table.empty:
         nothing(axes, "no robot has walked yet")
     else:
+        table = table.reindex(range(table.index[0], table.index[-1] + 1))  # what is not there leaves a gap
+        together = math.ceil(len(table) / MOST_BARS)
         _stack(axes, table, together)
     axes.set_ylabel("robots")
     axes.yaxis.set_major_locator(round_steps())
@@ -72,9 +76,9 @@ def _stack(axes: Axes, table: Any, together: int) -> None:
         colour, hatch = COUNTED if verdict == "ok" else LOOKS[_place(str(verdict)) % len(LOOKS)]
         top = below + means[verdict].to_numpy()
         look: dict[str, Any] = {"fc": colour, "hatch": hatch, "ec": "0.15", "lw": 0.5}
-        said = "counts" if verdict == "ok" else str(verdict)
+        said = "counts" if verdict == "ok" else literal(verdict)
         axes.stairs(top, edges, baseline=below, fill=True, **look, label=said, gid=f"verdict-{verdict}")
-        below = top
+        below = np.nan_to_num(top)
     handles, labels = axes.get_legend_handles_labels()  # in the order in which they are stacked
     place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.01, 1), "borderaxespad": 0.0}
     axes.legend(handles[::-1], labels[::-1], frameon=False, handleheight=1.6, **place)

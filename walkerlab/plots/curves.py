@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from walkerlab.plots.look import ink, new_axes, picture
 from walkerlab.plots.style import (
     MARKS,
     MOST_MARKS,
@@ -15,8 +16,8 @@ from walkerlab.plots.style import (
     course,
     describe,
     key,
+    literal,
     n_drawn,
-    new_axes,
     nothing,
     over_generations,
     round_steps,
@@ -31,6 +32,7 @@ WALKED = ("fitness", "distance", "velocity")
 """What a walk brings forth: of those that do not count, it means nothing."""
 
 
+@picture
 def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "") -> Axes:
     """Draw the best (solid), the median (dashed) and the middle half of each generation's fitness.
 
@@ -54,7 +56,7 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     colour, mark = RUNS[run % len(RUNS)], MARKS[run % len(MARKS)]
     before = f"{label}: " if label else ""
     every = math.ceil(len(best) / MOST_MARKS) or None
-    axes.plot(best.index, best, lw=2, color=colour, marker=mark, ms=4, markevery=every, label=f"{before}best")
+    axes.plot(best.index, best, lw=2, color=colour, marker=mark, ms=4, markevery=every, label=literal(f"{before}best"))
     middle = _middle(axes, counted, "fitness", (colour, mark), before)
     if best.empty:
         nothing(axes, "no walk counted")
@@ -72,6 +74,7 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     return axes
 
 
+@picture
 def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: str = "") -> Axes:
     """Draw how a trait changes: its median (dashed), its middle half, and the best robot of each generation.
 
@@ -106,8 +109,14 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
     run, n_generations = n_drawn(axes, title), records.generation.nunique()
     colour, mark = RUNS[run % len(RUNS)], MARKS[run % len(MARKS)]
     before = f"{label}: " if label else ""
-    marks: dict[str, Any] = {"marker": mark, "ms": 5 if len(best) <= 60 else 3, "mfc": "white", "mec": colour, "ls": ""}
-    axes.plot(best.index, best, **marks, label=f"{before}best robot", zorder=3)
+    marks: dict[str, Any] = {
+        "marker": mark,
+        "ms": 5 if len(best) <= 60 else 3,
+        "mfc": ink(axes, 0),
+        "mec": colour,
+        "ls": "",
+    }
+    axes.plot(best.index, best, **marks, label=literal(f"{before}best robot"), zorder=3)
     middle = _middle(axes, known, name, (colour, mark), before)
     if middle.empty:
         nothing(axes, "no walk counted")
@@ -127,14 +136,16 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
 def _middle(axes: Axes, records: pd.DataFrame, name: str, look: tuple[str, str], before: str) -> pd.Series:
     """Draw median and middle half of a column in a colour, with a mark; return the median of each generation."""
     colour, mark = look
-    grouped: Any = records.groupby("generation")[name].quantile(QUARTILES).unstack()
+    counts = pd.api.types.is_integer_dtype(records[name])  # of which no robot has two and a half
+    between = "lower" if counts else "linear"
+    grouped: Any = records.groupby("generation")[name].quantile(QUARTILES, interpolation=between).unstack()
     quartiles = grouped.reindex(columns=QUARTILES)
     low, median, high = (quartiles[share] for share in QUARTILES)
     axes.fill_between(quartiles.index, low, high, color=colour, alpha=0.18, lw=0, label="" if before else "middle half")
-    line: dict[str, Any] = {"lw": 1.4, "ls": (0, (4, 2)), "color": colour, "label": f"{before}median"}
+    line: dict[str, Any] = {"lw": 1.4, "ls": (0, (4, 2)), "color": colour, "label": literal(f"{before}median")}
     axes.plot(median.index, median, **line, marker=mark, ms=2.5, markevery=math.ceil(len(median) / MOST_MARKS) or None)
     return median
 
 
 def _with_brackets(name: str, unit: str) -> str:
-    return f"{name} [{unit}]" if unit else name
+    return literal(f"{name} [{unit}]" if unit else name)

@@ -1,6 +1,5 @@
 """The family tree of a robot."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -12,8 +11,9 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.path import Path
 
 from walkerlab.plots.bodies import SLANT, Parts, add_body, at_rest
-from walkerlab.plots.style import QUIET, RUNS, count, describe, new_axes, nothing, table_of, unit_of, with_unit
-from walkerlab.records import champion, lineage, parent_numbers
+from walkerlab.plots.look import ink, new_axes, picture
+from walkerlab.plots.style import QUIET, RUNS, count, describe, literal, nothing, table_of, unit_of, with_unit
+from walkerlab.records import champion, fitter_line, lineage, parent_numbers
 from walkerlab.settings import Settings
 from walkerlab.shapes import skins
 
@@ -54,6 +54,7 @@ class _Node:
         return self.bottom + self.high / 2
 
 
+@picture
 def family_tree(
     records: pd.DataFrame, ax: Axes | None = None, individual: int | None = None, settings: Settings | None = None
 ) -> Axes:
@@ -62,7 +63,7 @@ def family_tree(
     Time runs downward. A thick line joins the fitter parent to its child, a thin one the other parent; a dashed one
     stands for ancestors that are left out, and says how many: of a line of more than sixteen, the first, the last few,
     and some in between are drawn, twelve in all. Where a child has many parents, as after randomized crossover, the
-    fittest two are drawn. All bodies are drawn to one scale.
+    fittest two are drawn. All bodies are drawn to one scale. A parent that the table does not have ends the line there.
 
     Args:
         records: the tidy table of a run, or the run.
@@ -86,11 +87,12 @@ def family_tree(
         return axes
     number = champion(records).individual if individual is None else individual
     births = lineage(records, number).set_index("individual", drop=False)
-    line = list(_line(births, number))
+    line = fitter_line(births, number)[::-1]
     drawn = _sample(len(line))
     members = [line[place] for place in drawn]
     mates = _mates(births, line, drawn)
-    parts = {one: _parts(births.genome[one], settings) for one in [*members, *mates.values()]}
+    scenes = {one: at_rest(births.genome[one], settings) for one in [*members, *mates.values()]}
+    parts: dict[int, Parts] = {one: skins(scene, scene.start) for one, scene in scenes.items()}
     nodes, wide, high = _stand(births, members, mates, parts)
 
     text = TEXT / BODY * wide  # m, as all that follows
@@ -127,32 +129,28 @@ def family_tree(
     story = f"Descent of robot {number}: the fitter parents (thick), the others (thin), and the {name} of each;"
     left_out = f"{len(line) - len(drawn)} of {len(line)} in the line left out, " if len(line) > len(drawn) else ""
     shown = f"{left_out}{len(nodes)} of a family of {len(births)} drawn"
-    axes.set_title(f"{story}\n{shown}", loc="left", fontsize=0.9 * size, color=QUIET)
-    describe(axes, title, _in_words(births, line, len(nodes), unit))
+    first = int(records.generation.min())
+    why = f"the table begins with generation {first}" if first else f"the table lacks the parents of robot {line[0]}"
+    begins = f"; {why}" if parent_numbers(births.parents[line[0]]) else ""
+    said = literal(f"{story}\n{shown}{begins}")
+    axes.set_title(said, loc="left", fontsize=0.9 * size, color=ink(axes, QUIET))
+    describe(axes, title, _in_words(births, line, len(nodes), unit, begins))
     return axes
 
 
-def _in_words(births: pd.DataFrame, line: list[int], n_drawn: int, unit: str) -> str:
+def _in_words(births: pd.DataFrame, line: list[int], n_drawn: int, unit: str, begins: str) -> str:
     first, last = births.loc[line[0]], births.loc[line[-1]]
-    n_parents = len(parent_numbers(str(last.parents)))
+    n_parents = len(parent_numbers(last.parents))
     return (
         f"Family tree of robot {last.individual}, born in generation {last.born} with "
         f"{count(n_parents, 'parent') if n_parents else 'no parents'}: fitness {_fitness(last, unit)}. Its line of "
         f"descent through the fitter parent has {count(len(line), 'robot')} and begins with robot {first.individual} "
-        f"of generation {first.born}: fitness {_fitness(first, unit)}. It has {count(len(births) - 1, 'ancestor')} in "
-        f"all; {n_drawn - 1} of them are drawn."
+        f"of generation {first.born}: fitness {_fitness(first, unit)}{begins}. It has "
+        f"{count(len(births) - 1, 'ancestor')} in all; {n_drawn - 1} of them are drawn."
     )
 
 
 # ---------------------------------------------------------------------------------------------------- who is drawn
-
-
-def _line(births: pd.DataFrame, number: int) -> Iterator[int]:
-    """Yield the line of descent through the fitter parent, oldest first."""
-    line = [number]
-    while parents := parent_numbers(births.parents[line[-1]]):
-        line.append(max(parents, key=lambda parent: float(births.fitness[parent])))
-    yield from reversed(line)
 
 
 def _sample(n: int) -> list[int]:
@@ -172,7 +170,8 @@ def _mates(births: pd.DataFrame, line: list[int], drawn: list[int]) -> dict[int,
     found: dict[int, int] = {}
     members = {line[place] for place in drawn}
     for place in drawn[1:]:
-        others = [one for one in parent_numbers(births.parents[line[place]]) if one != line[place - 1]]
+        others = [one for one in parent_numbers(births.parents[line[place]]) if one in births.index]
+        others = [one for one in others if one != line[place - 1]]
         if others:
             fittest = max(others, key=lambda parent: float(births.fitness[parent]))
             if fittest not in members and fittest not in found.values():
@@ -181,11 +180,6 @@ def _mates(births: pd.DataFrame, line: list[int], drawn: list[int]) -> dict[int,
 
 
 # --------------------------------------------------------------------------------------------------- how it is drawn
-
-
-def _parts(genome: str, settings: Settings | None) -> Parts:
-    scene = at_rest(genome, settings)
-    return skins(scene, scene.start)
 
 
 def _extent(parts: Parts) -> tuple[float, float, float]:
@@ -225,15 +219,14 @@ def _label(axes: Axes, node: _Node, last: int, unit: str, size: float, *, is_mem
     born = int(node.birth.born)
     lived = f"generation {born}" if last == born else f"generations {born}–{last}"
     side, weight = ("right", "bold") if is_member else ("left", "normal")
-    axes.text(x, node.middle, _fitness(node.birth, unit), ha=side, va="bottom", fontsize=size, weight=weight)
+    axes.text(x, node.middle, literal(_fitness(node.birth, unit)), ha=side, va="bottom", fontsize=size, weight=weight)
     who = f"robot {node.birth.individual}\n{lived}"
-    axes.text(x, node.middle, who, ha=side, va="top", fontsize=0.87 * size, color=QUIET, linespacing=1.15)
+    axes.text(x, node.middle, who, ha=side, va="top", fontsize=0.87 * size, color=ink(axes, QUIET), linespacing=1.15)
 
 
 def _descend(axes: Axes, parent: _Node, child: _Node) -> None:
     """Draw the thick line from the fitter parent, straight down."""
-    x = child.centre
-    path = Path([(x, parent.bottom), (x, child.top)])
+    path = Path([(child.centre, parent.bottom), (child.centre, child.top)])
     _arrow(axes, path, parent, child, lw=2.2, color=RUNS[0], mutation_scale=11)
 
 
@@ -246,7 +239,7 @@ def _join(axes: Axes, parent: _Node, child: _Node, gutter: tuple[float, float], 
     leave, arrive = parent.bottom + 0.3 * parent.high, child.bottom + 0.75 * child.high
     points = [(start, leave), (way, leave), (way, arrive), (end, arrive)]
     path = Path(points, [Path.MOVETO, Path.CURVE4, Path.CURVE4, Path.CURVE4])
-    look: dict[str, Any] = {"lw": 1.2, "color": "0.3"} if is_beside else {"lw": 0.8, "color": "0.6"}
+    look: dict[str, Any] = {"lw": 1.2, "color": ink(axes, 0.7)} if is_beside else {"lw": 0.8, "color": ink(axes, 0.4)}
     _arrow(axes, path, parent, child, mutation_scale=7, **look)
 
 
@@ -259,7 +252,7 @@ def _skip(axes: Axes, older: _Node, younger: _Node, n: int, size: float) -> None
     """Draw the dashed line that stands for ancestors that are left out, and say how many."""
     x, y = younger.centre, (younger.top + older.bottom) / 2
     axes.plot([x, x], [older.bottom, younger.top], ls=(0, (2, 1.5)), lw=2.2, color=RUNS[0], zorder=0.5)
-    axes.text(x, y, f"   {n} left out", va="center", fontsize=0.87 * size, color=QUIET)
+    axes.text(x, y, f"   {n} left out", va="center", fontsize=0.87 * size, color=ink(axes, QUIET))
 
 
 def _fitness(birth: Any, unit: str) -> str:

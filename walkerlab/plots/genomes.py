@@ -13,6 +13,7 @@ from walkerlab.choices import Feature
 from walkerlab.genes import Floats, Genes
 from walkerlab.genome import Genome
 from walkerlab.limits import PART, WHOLE, genes_of
+from walkerlab.plots.look import new_axes, picture
 from walkerlab.plots.style import (
     MARKS,
     MOST_MARKS,
@@ -21,8 +22,8 @@ from walkerlab.plots.style import (
     course,
     describe,
     key,
+    literal,
     n_drawn,
-    new_axes,
     nothing,
     over_generations,
     round_steps,
@@ -34,6 +35,7 @@ KEPT = 32_768  # genomes, some 20 MB, so that a run that is drawn while it grows
 OF_ANY_BODY = (Feature.length, Feature.mass, Feature.legs)  # a grown segment's genes that it needs no legs for
 
 
+@picture
 def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "") -> Axes:
     """Draw how different the genomes of each generation are: the typical distance of two robots in a gene.
 
@@ -59,7 +61,7 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
     run = n_drawn(axes, title)
     every = math.ceil(len(found) / MOST_MARKS) or None
     colour, mark = RUNS[run % len(RUNS)], MARKS[run % len(MARKS)]
-    axes.plot(found.index, found, lw=2, color=colour, marker=mark, ms=4, markevery=every, label=label)
+    axes.plot(found.index, found, lw=2, color=colour, marker=mark, ms=4, markevery=every, label=literal(label))
     if found.empty:
         nothing(axes, "no robot has walked yet")
         describe(axes, title, "No robot has walked yet.")
@@ -76,6 +78,7 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
     return axes
 
 
+@picture
 def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | None = None) -> Axes:
     """Draw all genes of one population as a map: a row for each robot, the fittest on top; a column for each gene.
 

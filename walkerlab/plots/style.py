@@ -16,6 +16,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
+from walkerlab.plots.look import REAL_TEXT, OwnFigure, ink, own_look
+
 RUNS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Colours of runs, in turn: those of Okabe and Ito that are dark enough for a line on white."""
 
@@ -23,10 +25,13 @@ MARKS = ("o", "s", "^", "D", "v", "P")
 """Marks of runs, in turn, which tell them apart in black and white."""
 
 MOST_MARKS = 25  # on a line, however long
-QUIET = "0.35"  # of text that is not the first to be read
+QUIET = 0.65  # strength of the ink of text that is not the first to be read
 
-REAL_TEXT: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "svg.hashsalt": "walkerlab"}
-"""Text that can be searched and edited, and the same picture, byte for byte, every time."""
+
+def literal(text: object) -> str:
+    """Write a user's text as it stands: without formulas between $, and in the legend even if it begins with _."""
+    said = str(text).replace("$", r"\$")
+    return f"\N{ZERO WIDTH SPACE}{said}" if said.startswith("_") else said
 
 
 class _Description(Artist):
@@ -89,7 +94,8 @@ def save(axes: Axes, *paths: str | os.PathLike[str]) -> None:
     }
     to_scale = all(each.get_aspect() != "auto" for each in figure.axes)
     crop = "tight" if to_scale else None  # a drawing to scale may leave much of its figure empty
-    with mpl.rc_context(REAL_TEXT), _laid_out(figure):
+    look = own_look() if isinstance(figure, OwnFigure) else mpl.rc_context(REAL_TEXT)
+    with look, _laid_out(figure):
         for path in map(Path, paths):
             told: Any = metadata.get(path.suffix.lower())
             if path.suffix.lower() != ".svg":
@@ -118,14 +124,6 @@ def _laid_out(figure: Figure) -> Generator[None]:
 def _heard(svg: str, text: str) -> str:
     """Write the description where screen readers look for it: matplotlib writes it where catalogues do."""
     return svg.replace("<svg ", '<svg role="img" ', 1).replace("</title>", f"</title>\n <desc>{escape(text)}</desc>", 1)
-
-
-def new_axes(width: float = 7.2, height: float = 4.0) -> Axes:
-    """Open a figure [inches] that a notebook shows below its cell, white whatever the notebook's theme is."""
-    from matplotlib import pyplot
-
-    figure = pyplot.figure(figsize=(width, height), layout="constrained", facecolor="white")
-    return figure.add_subplot()
 
 
 def over_generations(axes: Axes, n_generations: int) -> None:
@@ -161,7 +159,7 @@ def key(axes: Axes, columns: int) -> None:
 
 def nothing(axes: Axes, why: str) -> None:
     """Say why there is nothing to be seen."""
-    axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center", color=QUIET)
+    axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center", color=ink(axes, QUIET))
 
 
 def table_of(records: Any) -> pd.DataFrame:

@@ -3,11 +3,13 @@
 import numpy as np
 from matplotlib.axes import Axes
 
+from walkerlab.fitness import poorest_walk
 from walkerlab.footfalls import feet, footfalls
 from walkerlab.genome import Genome
 from walkerlab.judge import VERDICTS
-from walkerlab.plots.style import QUIET, RUNS, count, describe, key, n_drawn, new_axes, nothing, plain, with_unit
-from walkerlab.rollout import Rollout, walk
+from walkerlab.plots.look import ink, new_axes, picture
+from walkerlab.plots.style import QUIET, RUNS, count, describe, key, literal, n_drawn, nothing, plain, with_unit
+from walkerlab.rollout import Rollout
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
 
@@ -16,6 +18,7 @@ DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (1, 1)), (0, (
 """Lines of walks, in turn, which tell them apart in black and white."""
 
 
+@picture
 def distance_over_time(rollout: Rollout, ax: Axes | None = None, *, label: str = "") -> Axes:
     """Draw how far forward the centre of mass is, moment by moment; if the walk does not count, it is said.
 
@@ -41,7 +44,9 @@ def distance_over_time(rollout: Rollout, ax: Axes | None = None, *, label: str =
     why = "" if rollout.counts else f"does not count: {rollout.verdict}"
     said = f"{label} ({why})" if label and why else label or why
     colour = RUNS[run % len(RUNS)]
-    axes.plot(rollout.time[finite], way[finite], lw=1.8, color=colour, ls=DASHES[run % len(DASHES)], label=said)
+    axes.plot(
+        rollout.time[finite], way[finite], lw=1.8, color=colour, ls=DASHES[run % len(DASHES)], label=literal(said)
+    )
     if finite.any():
         end = int(np.flatnonzero(finite)[-1])
         axes.plot(rollout.time[end], way[end], marker="o" if rollout.counts else "X", ms=7, color=colour, clip_on=False)
@@ -59,11 +64,13 @@ def distance_over_time(rollout: Rollout, ax: Axes | None = None, *, label: str =
     return axes
 
 
+@picture
 def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Axes:
-    """Draw the gait of a robot after Hildebrand: a row for each foot, black while it is on the ground.
+    """Draw the gait of a robot after Hildebrand: a row for each foot, a bar while it is on the ground.
 
     At the right of each row stands its duty factor: the share of the whole walk that the foot is on the ground, or on
     what lies there. Of a long walk, the last ten seconds are shown.
+    Of several starts, the poorest walk is drawn: the one that counted.
 
     Args:
         genome: a genome or its text.
@@ -77,19 +84,19 @@ def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Ax
         GenomeError: if a text is no genome.
     """
     scene = compile_scene(genome, settings)
-    rollout, names = walk(scene), feet(scene)
+    rollout, names = poorest_walk(genome, settings), feet(scene)
     down = footfalls(scene, rollout.poses)
     axes = ax or new_axes(height=1.3 + 0.32 * len(names))
     duty = down.mean(axis=0)
     until = np.append(rollout.time[1:], rollout.time[-1])
     pairs = range(0, len(names), 2)
     for row in pairs[1::2]:  # each second pair is shaded, so that pairs can be told apart
-        axes.axhspan(row - 0.5, row + 1.5, color="0.93", lw=0)
+        axes.axhspan(row - 0.5, row + 1.5, color=ink(axes, 0.07), lw=0)
     for row, on_ground in enumerate(down.T):
         edges = np.flatnonzero(np.diff(on_ground, prepend=False, append=False))
         start, end = rollout.time[edges[::2]], until[edges[1::2] - 1]
         bars = list(zip(start, end - start, strict=True))
-        axes.broken_barh(bars, (row - 0.36, 0.72), fc="black", lw=0, gid=names[row])
+        axes.broken_barh(bars, (row - 0.36, 0.72), fc=ink(axes), lw=0, gid=names[row])
     axes.set_yticks(range(len(names)), [_spoken(name) for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
     last = float(rollout.time[-1])
@@ -99,11 +106,11 @@ def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Ax
     right.set_yticks(range(len(names)), [f"{share:.0%}" for share in duty])
     right.tick_params(length=0)
     right.spines["right"].set_visible(False)
-    right.set_ylabel("time on the ground", fontsize=9, color=QUIET)
+    right.set_ylabel("time on the ground", fontsize=9, color=ink(axes, QUIET))
     axes.spines[["top", "right", "left"]].set_visible(False)
     axes.tick_params(axis="y", length=0)
     judged = "" if rollout.counts else f"this walk does not count: {rollout.verdict}"
-    axes.set_title("black: the foot is on the ground" + (f"; {judged}" if judged else ""), loc="left", fontsize=9)
+    axes.set_title("a bar: the foot is on the ground" + (f"; {judged}" if judged else ""), loc="left", fontsize=9)
     shares = ", ".join(f"{name} {share:.0%}" for name, share in zip(names, duty, strict=True))
     void = f" It does not count: {VERDICTS.get(rollout.verdict, rollout.verdict)}" if judged else ""
     describe(

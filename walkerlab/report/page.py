@@ -5,7 +5,6 @@ import platform
 import re
 from collections.abc import Mapping
 from contextlib import suppress
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -13,12 +12,12 @@ from typing import Any
 import pandas as pd
 
 from walkerlab import genome, store, story
-from walkerlab.algorithm import in_turn
 from walkerlab.choices import Structure
 from walkerlab.confirmation import confirm
 from walkerlab.glossary import glossary, rows_of
 from walkerlab.markup import Html, code, details, facts, join, page, table, tag
-from walkerlab.quantity import function_name
+from walkerlab.records import births
+from walkerlab.report.code import STEPS, as_python, own_functions
 from walkerlab.report.pictures import FOLDER, KINDS, Picture, Subject, draw_all
 from walkerlab.rollout import Rollout
 from walkerlab.settings import Settings
@@ -29,8 +28,6 @@ HERE = Path(__file__).parent
 NAME = "report.html"
 REPLAY = "replay.html"
 TABLES = "tables"
-STEPS = ("fitness", "selection", "crossover", "mutation")
-OURS = ("walkerlab.fitness", "walkerlab.ga.")
 ROWS = ", a row for every robot and generation. "
 FILES = (
     f"In {FOLDER} is each picture as SVG, PDF and PNG; in {TABLES}, the generations and the champion's walk over time."
@@ -129,8 +126,8 @@ def _figure(picture: Picture, shown: Html, files: bool) -> Html:
 
 
 def _in_short(run: Subject, drawn: Mapping[str, Html]) -> Html:
-    plain, births = run.settings.model_dump(), run.records[run.records.generation == run.records.born]
-    row: Any = births.set_index("individual").loc[run.champion.individual]
+    plain, born = run.settings.model_dump(), births(run.records)
+    row: Any = born.loc[run.champion.individual]
     seconds, pace = run.settings.simulation.duration, row.velocity / row.body_length
     reached = [
         (f"{row.distance:.2f} m", f"forward in {seconds:g} s"),
@@ -138,8 +135,8 @@ def _in_short(run: Subject, drawn: Mapping[str, Html]) -> Html:
     ]
     figures = [
         *(reached if run.champion.verdict == "ok" else []),
-        (f"{len(births)}", "robots have walked"),
-        (f"{(births.verdict == 'ok').mean():.0%}", "of these walks count"),
+        (f"{len(born)}", "robots have walked"),
+        (f"{(born.verdict == 'ok').mean():.0%}", "of these walks count"),
     ]
     cards = (tag("div", tag("b", figure), tag("span", about)) for figure, about in figures)
     watch = tag("p", tag("a", "Watch it walk, in 3D", href=REPLAY, class_="watch"))
@@ -229,7 +226,7 @@ def _descent(run: Subject, drawn: Mapping[str, Html]) -> Html:
 
 
 def _again(run: Subject, versions: Mapping[str, str], files: bool) -> Html:
-    own = _own_functions(run.settings)
+    own = own_functions(run.settings)
     note = f"The functions {', '.join(own)} are somebody's own: their code belongs above this." if own else ""
     return join(
         tag("p", "With the same versions, this gives the same table to the last digit, on any number of cores."),
@@ -238,28 +235,6 @@ def _again(run: Subject, versions: Mapping[str, str], files: bool) -> Html:
         facts("Made with", versions.items()),
         tag("p", "Beside this page lies ", tag("a", "records.csv", href="records.csv"), ROWS, FILES if files else MORE),
     )
-
-
-def as_python(settings: Settings) -> str:
-    """Write the code that repeats a run of these settings; a user's own functions are named, and not defined."""
-    imports = {f"from {home} import {name}" for home, name in _functions(settings) if home.startswith(OURS)}
-    imports |= {"from functools import partial"} if any(isinstance(one, partial) for one in _slots(settings)) else set()
-    made = [f"settings = {settings.as_python()}", "run = wl.evolve(settings)"]
-    return "\n".join([*sorted(imports), "import walkerlab as wl", "", *made])
-
-
-def _own_functions(settings: Settings) -> list[str]:
-    return [name for home, name in _functions(settings) if not home.startswith(OURS)]
-
-
-def _functions(settings: Settings) -> list[tuple[str, str]]:
-    """Name the functions in the slots, each with the module that it is from."""
-    inside = (one.func if isinstance(one, partial) else one for one in _slots(settings))
-    return [(str(getattr(one, "__module__", "")), function_name(one)) for one in inside if callable(one)]
-
-
-def _slots(settings: Settings) -> list[Any]:
-    return [one for slot in STEPS for one in in_turn(getattr(settings.algorithm, slot))]
 
 
 def _facts(path: Path | None) -> dict[str, str]:

@@ -9,11 +9,11 @@ from zlib import crc32
 
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from walkerlab import plots, story
 from walkerlab.fitness import poorest_walk
 from walkerlab.markup import Html, inline_svg, tag
+from walkerlab.plots.look import paper
 from walkerlab.records import Individual, champion
 from walkerlab.rollout import Rollout
 from walkerlab.settings import Settings
@@ -61,7 +61,7 @@ class Picture:
     def axes(self, run: Subject) -> Axes:
         """Open a figure of its size."""
         width, height = self.size
-        return Figure(figsize=(width, self.height(run) if self.height else height), layout="constrained").add_subplot()
+        return paper(width, self.height(run) if self.height else height)
 
 
 def _of_a_family(run: Subject) -> float:
@@ -173,7 +173,7 @@ def draw_all(run: Subject, folder: Path | None) -> Iterator[tuple[Picture, Html]
 
 def inline(draw: Callable[[Axes], object], size: tuple[float, float]) -> Html:
     """Draw a picture for a notebook, and keep no file of it."""
-    axes = Figure(figsize=size, layout="constrained").add_subplot()
+    axes = paper(*size)
     draw(axes)
     with TemporaryDirectory() as passing:
         path = Path(passing) / "picture.svg"

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from walkerlab.plots.bodies import add_body, stride
-from walkerlab.plots.style import alt_text
+from walkerlab.plots.look import own_look, paper
+from walkerlab.plots.style import literal
 from walkerlab.settings import Settings
 from walkerlab.shapes import n_sound, skins
 from walkerlab.viewer.meshes import tint
@@ -20,14 +20,14 @@ WIDTH = 7.2  # inches
 
 def poster(walks: Sequence[Walk], settings: Settings) -> bytes:
     """Draw what a replay is about, as PNG."""
-    figure = Figure(figsize=(WIDTH, WIDTH), dpi=100, layout="constrained")
-    axes = figure.add_subplot()
-    if len(walks) == 1:
-        stride(walks[0].scene.genome, settings, axes)
-    else:
-        _finish(axes, walks)
-    file = io.BytesIO()
-    figure.savefig(file, format="png", bbox_inches="tight", metadata={"Description": alt_text(axes)})
+    axes = paper(WIDTH, WIDTH)
+    with own_look():
+        if len(walks) == 1:
+            stride(walks[0].scene.genome, settings, axes)
+        else:
+            _finish(axes, walks)
+        file = io.BytesIO()
+        axes.figure.savefig(file, format="png", dpi=100, bbox_inches="tight")
     return file.getvalue()
 
 
@@ -45,7 +45,7 @@ def _finish(axes: Axes, walks: Sequence[Walk]) -> None:
         axes.plot([0, max(right, 0.0)], [floor, floor], lw=1, color=walk.colour, zorder=0)
         judged = "" if walk.rollout.counts else f"\ndoes not count: {walk.rollout.verdict}"
         levels.append(floor + (high - low) / 2)
-        words.append(f"{walk.label}\n{walk.rollout.distance:.2f} m{judged}")
+        words.append(f"{literal(walk.label)}\n{walk.rollout.distance:.2f} m{judged}")
     axes.axvline(0, lw=1, ls=":", color="0.4")
     axes.autoscale_view()
     axes.set_aspect("equal")
