@@ -27,7 +27,9 @@ def poster(walks: Sequence[Walk], settings: Settings) -> bytes:
         else:
             _finish(axes, walks)
         file = io.BytesIO()
-        axes.figure.savefig(file, format="png", dpi=100, bbox_inches="tight")
+        figure = axes.get_figure(root=True)
+        assert figure
+        figure.savefig(file, format="png", dpi=100, bbox_inches="tight")
     return file.getvalue()
 
 
