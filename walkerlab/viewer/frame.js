@@ -46,10 +46,8 @@ function render({ model, el }) {
 
   const watch = new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || pause()); // scrolled away
   watch.observe(box);
-  const hear = (message, buffers) => { if (message === "page") show(new TextDecoder().decode(buffers[0])); };
-  model.on("msg:custom", hear);
   say("Play in 3D");
-  cover.onclick = () => { say("one moment …"); model.send("open"); };
-  return () => { model.off("msg:custom", hear); watch.disconnect(); close(); };
+  cover.onclick = () => show(new TextDecoder().decode(model.get("page")));
+  return () => { watch.disconnect(); close(); };
 }
 export default { render };

@@ -5,8 +5,8 @@ The page is K3D's own snapshot of the stage, with the player (player.js) added. 
     things, walks, cameras, marks    what moves, who walks, from where it is seen, what is written on the ground
     channels, finest, seconds        all positions over time, packed by ``tracks.pack``
 
-In a notebook a picture comes first; the page is fetched from the kernel when it is clicked, and thrown away when it is
-closed, for browsers keep few WebGL contexts.
+In a notebook a picture comes first; pressed, it becomes the page, and a picture again when that is closed, for
+browsers keep few WebGL contexts.
 """
 
 import base64
@@ -187,20 +187,22 @@ def _marks(terrain: Terrain, edge: float, along: list[float]) -> list[dict[str, 
 
 
 class Frame(anywidget.AnyWidget):
-    """A picture in a notebook; clicked, it becomes the page, and closed it is a picture again."""
+    """A picture in a notebook; pressed, it becomes the page, and closed it is a picture again.
+
+    It has the page from the start, so that it plays while the kernel is busy, or gone. A notebook keeps every widget:
+    this one holds nothing else of the walks.
+    """
 
     _esm = HERE / "frame.js"
     poster = traitlets.Unicode("").tag(sync=True)
     alt = traitlets.Unicode("").tag(sync=True)
+    page = traitlets.Bytes(b"").tag(sync=True)
 
     def __init__(self, shown: Replay) -> None:
         picture = base64.b64encode(poster(shown.walks, shown.settings)).decode("ascii")
         walks = "; ".join(f"{walk.label}, {walk.rollout.distance:.2f} m forward" for walk in shown.walks)
-        super().__init__(poster=f"data:image/png;base64,{picture}", alt=f"Replay of {walks}. Press to play.")
-        # A notebook keeps every widget, so this one keeps who walked and not the walks, which are the same every time.
-        self._walkers, self._settings = {walk.label: walk.scene.genome for walk in shown.walks}, shown.settings
-        self.on_msg(self._answer)
-
-    def _answer(self, _: Any, message: Any, __: Any) -> None:
-        if message == "open":
-            self.send("page", buffers=[replay(self._walkers, self._settings).page.encode("utf-8")])
+        super().__init__(
+            poster=f"data:image/png;base64,{picture}",
+            alt=f"Replay of {walks}. Press to play.",
+            page=shown.page.encode("utf-8"),
+        )
