@@ -31,7 +31,7 @@ from walkerlab.judge import VERDICTS
 from walkerlab.limits import genes_of, repair
 from walkerlab.plots.bodies import add_body, at_rest
 from walkerlab.plots.family import MOST, SOME
-from walkerlab.records import COLUMNS, join, name_fitness, parent_numbers, tabulate, tidy
+from walkerlab.records import COLUMNS, births, fitter_line, join, name_fitness, parent_numbers, tabulate, tidy
 from walkerlab.shapes import skins
 
 
@@ -555,6 +555,13 @@ def tables_that_users_make(records, folder):
         "CSV from 3 on": read_back(records[records.generation >= 3], folder / "b.csv"),
         "shuffled": records.sample(frac=1, random_state=0),
     }
+
+
+def test_a_robot_that_is_its_own_ancestor_ends_the_line_of_descent(records):
+    looped = records.copy()
+    last = int(looped.individual.max())
+    looped.loc[looped.individual == last, "parents"] = f"{last} {last + 1}"
+    assert fitter_line(births(looped), last) == [last]
 
 
 @pytest.mark.parametrize("crossover", ["paired", "none"])

@@ -114,10 +114,13 @@ def births(records: pd.DataFrame) -> pd.DataFrame:
 
 
 def fitter_line(born: pd.DataFrame, individual: int) -> list[int]:
-    """Name an individual, its fitter parent, that one's and so on, as far back as a table of ``births`` goes."""
+    """Name an individual, its fitter parent, that one's and so on, as far back as a table of ``births`` goes.
+
+    Parents have lower numbers than their children; in a table that says otherwise the line ends there.
+    """
     parents, fitness = born.parents.to_dict(), born.fitness.to_dict()
     line = [individual]
-    while known := [one for one in parent_numbers(parents[line[-1]]) if one in parents]:
+    while known := [one for one in parent_numbers(parents[line[-1]]) if one in parents and one < line[-1]]:
         line.append(max(known, key=lambda one: float(fitness[one])))
     return line
 
