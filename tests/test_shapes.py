@@ -25,7 +25,7 @@ def volume(surface):
 def test_every_moving_surface_is_closed_and_encloses_its_volume(obstacle):
     settings = wl.Settings().with_(obstacle=obstacle, carry_weight=2, drag_weight=2)
     model = wl.compile_scene(GENOME, settings).model
-    found = [surface for surface in surfaces(model) if surface.body]
+    found = list(surfaces(model, bodies=True))
     kinds = [(i, GEOM(model.geom_type[i])) for i in range(model.ngeom) if model.geom_bodyid[i]]
     for surface, (i, kind) in zip(found, kinds, strict=True):
         a, b, c = model.geom_size[i]
@@ -42,7 +42,9 @@ def test_every_moving_surface_is_closed_and_encloses_its_volume(obstacle):
 
 def test_the_hills_that_are_drawn_are_those_that_are_walked_on():
     settings = wl.Settings().with_(structure=Structure.rough, hill_height=0.5)
-    (hills,) = [one for one in surfaces(wl.compile_scene(GENOME, settings).model) if len(one.points) > 1000]
+    (hills,) = [
+        one for one in surfaces(wl.compile_scene(GENOME, settings).model, bodies=False) if len(one.points) > 1000
+    ]
     x, y, z = hills.points.T
     assert np.allclose(z, height(settings.terrain, x, y), atol=1e-3)
 

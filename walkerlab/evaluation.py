@@ -15,7 +15,7 @@ from walkerlab.genes import Floats
 from walkerlab.genome import Genome, read_genomes
 from walkerlab.interrupts import interrupts_held
 from walkerlab.limits import genes_of, repair
-from walkerlab.rollout import Rollout, nudge, walk
+from walkerlab.rollout import Rollout, from_every_start
 from walkerlab.scene import scene_of
 from walkerlab.settings import Algorithm, Robot, Settings
 
@@ -146,9 +146,7 @@ def _within(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Geno
 
 def _walk_all(genomes: Sequence[Genome], settings: Settings) -> list[list[Rollout]]:
     """Let each walk from every start, in a worker."""
-    starts = range(settings.simulation.n_starts)
-    scenes = (scene_of(genome, settings) for genome in genomes)
-    return [[walk(scene, nudge=nudge(scene, start), poses=False) for start in starts] for scene in scenes]
+    return [from_every_start(scene_of(genome, settings), poses=False) for genome in genomes]
 
 
 def _rate(genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Evaluation:

@@ -13,7 +13,7 @@ from walkerlab.ga.slots import OperatorError
 from walkerlab.genome import Genome
 from walkerlab.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.quantity import function_name
-from walkerlab.rollout import Rollout, nudge, walk
+from walkerlab.rollout import Rollout, from_every_start
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
 
@@ -83,9 +83,7 @@ def poorest_walk(genome: Genome | str, settings: Settings, *, poses: bool = True
     Raises:
         GenomeError: if a text is no genome.
     """
-    scene = compile_scene(genome, settings)
-    starts = range(settings.simulation.n_starts)
-    rollouts = [walk(scene, nudge=nudge(scene, start), poses=poses) for start in starts]
+    rollouts = from_every_start(compile_scene(genome, settings), poses=poses)
     return rollouts[0] if len(rollouts) == 1 else min(rollouts, key=lambda one: score(one, settings.algorithm.fitness))
 
 

@@ -20,6 +20,7 @@ from walkerlab.choices import Feature
 from walkerlab.genes import Floats
 from walkerlab.limits import MAX_SEGMENTS, PART, WHOLE, genes_of, repair
 from walkerlab.markup import Html, code, details, join, shown, table, tag
+from walkerlab.quantity import count
 from walkerlab.settings import Robot, Settings
 
 
@@ -149,18 +150,18 @@ def in_words(genome: Genome) -> Html:
 
     What is not grown is faint: whole segments, and the legs of those that have none.
     """
-    count, frequency = genome.values[: len(WHOLE)].tolist()
+    n_meant, frequency = genome.values[: len(WHOLE)].tolist()
     parts = genome.values[len(WHOLE) :].reshape(genome.n_parts, -1).tolist()
     genes = [dict(zip(PART, values, strict=True)) for values in parts]
-    n_grown = sum(place < count for place in range(genome.n_parts))
-    kinds = ["" if place < count else "faint" for place in range(genome.n_parts)]
+    n_grown = sum(place < n_meant for place in range(genome.n_parts))
+    kinds = ["" if place < n_meant else "faint" for place in range(genome.n_parts)]
 
     def rows(features: tuple[Feature, ...]) -> Iterator[list[object]]:
         for place, gene in enumerate(genes):
             cells = (_cell(feature, gene[feature], expressed=gene[Feature.legs] != 0) for feature in features)
             yield [f"{place + 1}{' (not grown)' if kinds[place] else ''}", *cells]
 
-    segments = f"{genome.n_parts} segment{'' if genome.n_parts == 1 else 's'}"
+    segments = count(genome.n_parts, "segment")
     body = table(
         f"Body: {f'{n_grown} of {segments} grown' if n_grown < genome.n_parts else segments}",
         ["seg", "length [m]", "mass [kg]", "legs", "length [m]", "force [N·m]"],

@@ -389,6 +389,11 @@ def did_you_mean(name: object, known: Iterable[str]) -> str:
     return f" Did you mean {close[0]!r}?" if close else ""
 
 
+def count(number: int, thing: str) -> str:
+    """Count things in words: 1 leg, 2 legs."""
+    return f"{number} {thing}{'' if number == 1 else 's'}"
+
+
 def shown_numbers(numbers: tuple[float, ...]) -> str:
     """Show a vector, without needless zeros."""
     return f"({', '.join(f'{number:.10g}' for number in numbers)})"

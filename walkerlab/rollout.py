@@ -15,6 +15,7 @@ from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.judge import VERDICTS, Trace, judge
 from walkerlab.markup import facts, shown
+from walkerlab.quantity import count
 from walkerlab.randomness import stream
 from walkerlab.scene import Scene, compile_scene, ticks
 from walkerlab.settings import Settings
@@ -66,8 +67,8 @@ class Rollout(Trace):
 
     def _repr_html_(self) -> str:
         robot, speed = self.phenotype, self.velocity
-        n_segments = f"{len(robot.segments)} segment{'' if len(robot.segments) == 1 else 's'}"
-        body = f"{n_segments}, {robot.n_legs} legs, {robot.weight:.1f} kg, {robot.body_length:.2f} m long"
+        grown = f"{count(len(robot.segments), 'segment')}, {count(robot.n_legs, 'leg')}"
+        body = f"{grown}, {robot.weight:.1f} kg, {robot.body_length:.2f} m long"
         known = (
             ("verdict", f"{self.verdict}: {VERDICTS.get(self.verdict, '')}"),
             *([("reason", self.reason)] if self.reason else []),
@@ -141,6 +142,12 @@ def walk(scene: Scene, *, nudge: Floats | None = None, poses: bool = True) -> Ro
         values.setflags(write=False)
     verdict, reason = judge(trace, scene.settings)
     return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=record)
+
+
+def from_every_start(scene: Scene, *, poses: bool) -> list[Rollout]:
+    """Let a robot walk as evolution does: from each of its starts, the poorest of which counts."""
+    starts = range(scene.settings.simulation.n_starts)
+    return [walk(scene, nudge=nudge(scene, start), poses=poses) for start in starts]
 
 
 def nudge(scene: Scene, number: int) -> Floats | None:

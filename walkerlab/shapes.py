@@ -37,18 +37,19 @@ class Surface:
     is_ball: bool
 
 
-def surfaces(model: mujoco.MjModel, far: float = ENDLESS) -> Iterator[Surface]:
+def surfaces(model: mujoco.MjModel, *, bodies: bool, far: float = ENDLESS) -> Iterator[Surface]:
     """Yield what is to be seen of a world, geom by geom and site by site; not the rope, which is neither.
 
     Args:
         model: the compiled world.
+        bodies: whether of its bodies, or of the ground, on which there can be thousands of pieces.
         far: to what distance [m] a plane is drawn, to each side.
     """
     for kind in ("geom", "site"):
-        types, sizes, bodies, colours, places, turns, materials = (
+        types, sizes, body, colours, places, turns, materials = (
             getattr(model, f"{kind}_{part}") for part in ("type", "size", "bodyid", "rgba", "pos", "quat", "matid")
         )
-        for i in np.flatnonzero(colours[:, 3]).tolist():
+        for i in np.flatnonzero((colours[:, 3] > 0) & ((body > 0) == bodies)).tolist():
             points, triangles = _surface(model, types[i], sizes[i], int(model.geom_dataid[i]) if kind == "geom" else -1)
             if types[i] == mujoco.mjtGeom.mjGEOM_PLANE:
                 points = points * far
@@ -58,7 +59,7 @@ def surfaces(model: mujoco.MjModel, far: float = ENDLESS) -> Iterator[Surface]:
                 points=places[i] + points @ turn.reshape(3, 3).T,
                 triangles=triangles,
                 colour=colours[i].astype(np.float64),
-                body=int(bodies[i]),
+                body=int(body[i]),
                 material=int(materials[i]),
                 is_ball=types[i] == mujoco.mjtGeom.mjGEOM_SPHERE,
             )
@@ -103,6 +104,12 @@ def n_sound(scene: Scene, poses: Floats) -> int:
     own = np.isin(scene.model.body_rootid, scene.roots)
     steps = np.abs(np.diff(placements(scene, poses[:n_finite])[:, own, :3], axis=0)).max(axis=(1, 2), initial=0)
     return int(np.argmax(steps > LEAP)) + 1 if (steps > LEAP).any() else n_finite
+
+
+def sound_poses(scene: Scene, poses: Floats) -> Floats:
+    """Return the poses before the numbers ran away, (n, nq); that of the start if there is none."""
+    n = n_sound(scene, poses)
+    return poses[:n] if n else scene.start[np.newaxis]
 
 
 def rope_ends(scene: Scene, placed: Floats) -> Floats:

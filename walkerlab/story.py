@@ -8,6 +8,7 @@ import pandas as pd
 from walkerlab.fitness import UNITS
 from walkerlab.judge import VERDICTS
 from walkerlab.phenotype import express
+from walkerlab.quantity import count
 from walkerlab.records import Individual, births, champion, fitter_line
 from walkerlab.settings import Settings
 
@@ -21,9 +22,9 @@ Plain = Mapping[str, Mapping[str, Any]]
 def opening(settings: Settings, n_cores: int, *, done: int = 0) -> str:
     """Say what is about to be evolved, of which some generations may be done already."""
     algorithm = settings.algorithm
-    robots, generations = _count(algorithm.population_size, "robot"), _count(algorithm.generations, "generation")
+    robots, generations = count(algorithm.population_size, "robot"), count(algorithm.generations, "generation")
     already = f" ({done} of them done)" if done else ""
-    return f"{robots}, {generations}{already}, {_count(n_cores, 'core')}. Ctrl-C stops early and keeps what is done."
+    return f"{robots}, {generations}{already}, {count(n_cores, 'core')}. Ctrl-C stops early and keeps what is done."
 
 
 def summary(records: pd.DataFrame, settings: Plain) -> str:
@@ -32,8 +33,8 @@ def summary(records: pd.DataFrame, settings: Plain) -> str:
         return "No generation is done yet, so there is nothing to tell."
     generations, best = int(records.generation.nunique()), champion(records)
     start = int(records.generation.min())
-    robots = _count(int((records.generation == start).sum()), "robot")
-    ran = f"{_count(generations, 'generation')} of {robots}"
+    robots = count(int((records.generation == start).sum()), "robot")
+    ran = f"{count(generations, 'generation')} of {robots}"
     if best.verdict != "ok":
         return f"{ran}; no walk counted, so there is no champion to speak of."
     first = records.fitness[(records.generation == start) & (records.verdict == "ok")]
@@ -59,7 +60,7 @@ def champion_story(records: pd.DataFrame, settings: Plain) -> str:
         f"It went {row.distance:.2f} m forward in {settings['simulation']['duration']:g} s. Over the last two thirds "
         f"of the walk it made {row.velocity:.2f} m/s: {row.velocity / row.body_length:.1f} body lengths a second.\n"
         f"Its fitness ({_fitness_name(settings)}) is {_with_unit(best.fitness, settings)}.\n"
-        f"Its body has {_count(row.n_segments, 'segment')} and {row.n_legs} legs, weighs {row.weight:.1f} kg "
+        f"Its body has {count(row.n_segments, 'segment')} and {row.n_legs} legs, weighs {row.weight:.1f} kg "
         f"and is {row.body_length:.2f} m long."
     )
 
@@ -126,7 +127,7 @@ def verdict_counts(records: pd.DataFrame) -> str:
     """Count the verdicts, each walk once: an elite is in the table again, but walked when it was born."""
     n_walks = len(births(records))
     elites = ", for elites do not walk again" if n_walks < len(records) else ""
-    title = f"Verdicts of {_count(n_walks, 'walk')} ({_count(len(records), 'row')} in the table{elites}):"
+    title = f"Verdicts of {count(n_walks, 'walk')} ({count(len(records), 'row')} in the table{elites}):"
     return "\n".join([title, *(f"  {n:6}  {verdict}: {meaning}" for verdict, n, meaning in verdicts(records))])
 
 
@@ -172,10 +173,6 @@ def _with_unit(fitness: float, settings: Plain) -> str:
 def _unit(settings: Plain) -> str:
     """Return the unit of the fitness; none for a function of the user's own."""
     return {kind.name: unit for kind, unit in UNITS.items()}.get(_fitness_name(settings), "")
-
-
-def _count(n: int, thing: str) -> str:
-    return f"{n} {thing}{'' if n == 1 else 's'}"
 
 
 def _words(value: Any) -> str:

@@ -2,11 +2,10 @@
 
 from pathlib import Path
 
-from matplotlib.figure import Figure
-
 from walkerlab import plots, report
 from walkerlab.evolution import Run
 from walkerlab.export import export_mjcf
+from walkerlab.plots.look import paper
 from walkerlab.store import RUN_FILE
 
 FILES = {
@@ -30,9 +29,8 @@ def write(run: Run, folder: Path) -> None:
         OSError: if a file cannot be written.
     """
     best = run.champion.genome
-    curve, stride = (Figure(figsize=size, layout="constrained").add_subplot() for size in ((8, 4), (9, 3)))
-    plots.save(plots.fitness_curve(run.records, curve), folder / "fitness.svg", folder / "fitness.png")
-    plots.save(plots.stride(best, run.settings, stride), folder / "champion.png")
+    plots.save(plots.fitness_curve(run.records, paper(8, 4)), folder / "fitness.svg", folder / "fitness.png")
+    plots.save(plots.stride(best, run.settings, paper(9, 3)), folder / "champion.png")
     (folder / "champion.txt").write_text(f"{best}\n", encoding="utf-8")
     export_mjcf(best, run.settings, folder, name="champion")
     report.save(run.settings, run.records, folder, run.path, files=False)

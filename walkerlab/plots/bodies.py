@@ -14,10 +14,11 @@ from walkerlab.genome import Genome
 from walkerlab.ground import height
 from walkerlab.phenotype import Phenotype
 from walkerlab.plots.look import ink, new_axes, picture
-from walkerlab.plots.style import QUIET, count, describe, with_unit
+from walkerlab.plots.style import QUIET, describe, with_unit
+from walkerlab.quantity import count
 from walkerlab.scene import Scene, compile_scene, scene_of
 from walkerlab.settings import Settings
-from walkerlab.shapes import n_sound, skins
+from walkerlab.shapes import skins, sound_poses
 
 MARGIN = 0.2  # m of ground that is seen before and behind all that stands on it
 MOST, APART = 5, 1.3  # times at most that a robot is drawn on its way; body lengths between two of them at least
@@ -87,8 +88,8 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     axes = ax or new_axes()
     scene = compile_scene(genome, settings)
     rollout = poorest_walk(genome, settings)
-    n = max(1, n_sound(scene, rollout.poses))
-    time, com, poses = rollout.time[:n], rollout.com[:n], rollout.poses[:n]
+    poses = sound_poses(scene, rollout.poses)
+    time, com = rollout.time[: len(poses)], np.nan_to_num(rollout.com[: len(poses)])
     way, length = float(com[-1, 0] - com[0, 0]), rollout.phenotype.body_length
     n_caught = min(len(time), 2 + int(np.clip(abs(way) / (APART * length) - 1, 0, MOST - 2)))
     moments = np.linspace(0, len(time) - 1, n_caught).astype(int)

@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 
 from walkerlab.judge import VERDICTS
 from walkerlab.plots.look import new_axes, picture
-from walkerlab.plots.style import count, describe, literal, nothing, over_generations, round_steps, table_of
+from walkerlab.plots.style import describe, literal, nothing, over_generations, round_steps, table_of
+from walkerlab.quantity import count
 
 COUNTED = ("#BFE3D6", "")
 LOOKS = (

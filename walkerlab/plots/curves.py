@@ -1,6 +1,5 @@
 """Pictures of the tidy table, generation by generation."""
 
-import math
 from typing import Any
 
 import numpy as np
@@ -9,22 +8,20 @@ from matplotlib.axes import Axes
 
 from walkerlab.plots.look import ink, new_axes, picture
 from walkerlab.plots.style import (
-    MARKS,
-    MOST_MARKS,
-    RUNS,
-    count,
     course,
     describe,
     key,
     literal,
     n_drawn,
+    next_look,
     nothing,
     over_generations,
     round_steps,
+    some,
     table_of,
     unit_of,
 )
-from walkerlab.quantity import did_you_mean
+from walkerlab.quantity import count, did_you_mean
 
 QUARTILES = np.array([0.25, 0.5, 0.75])
 NUMBERS = ("generation", "individual", "born")  # columns that count robots, and measure none
@@ -52,11 +49,10 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     counted: Any = records[records.verdict == "ok"]
     best = counted.groupby("generation").fitness.max()
     name = str(records.attrs.get("fitness", "fitness"))
-    run, n_generations = n_drawn(axes, title), records.generation.nunique()
-    colour, mark = RUNS[run % len(RUNS)], MARKS[run % len(MARKS)]
+    (colour, mark), n_generations = next_look(axes, title), records.generation.nunique()
     before = f"{label}: " if label else ""
-    every = math.ceil(len(best) / MOST_MARKS) or None
-    axes.plot(best.index, best, lw=2, color=colour, marker=mark, ms=4, markevery=every, label=literal(f"{before}best"))
+    line: dict[str, Any] = {"lw": 2, "color": colour, "marker": mark, "ms": 4, "markevery": some(len(best))}
+    axes.plot(best.index, best, **line, label=literal(f"{before}best"))
     middle = _middle(axes, counted, "fitness", (colour, mark), before)
     if best.empty:
         nothing(axes, "no walk counted")
@@ -106,8 +102,7 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
     known = known[np.isfinite(known[name])]
     fittest = counted.sort_values(["generation", "fitness", "individual"], ascending=[True, False, True])
     best = fittest.drop_duplicates("generation").set_index("generation")[name]
-    run, n_generations = n_drawn(axes, title), records.generation.nunique()
-    colour, mark = RUNS[run % len(RUNS)], MARKS[run % len(MARKS)]
+    (colour, mark), n_generations = next_look(axes, title), records.generation.nunique()
     before = f"{label}: " if label else ""
     marks: dict[str, Any] = {
         "marker": mark,
@@ -143,7 +138,7 @@ def _middle(axes: Axes, records: pd.DataFrame, name: str, look: tuple[str, str],
     low, median, high = (quartiles[share] for share in QUARTILES)
     axes.fill_between(quartiles.index, low, high, color=colour, alpha=0.18, lw=0, label="" if before else "middle half")
     line: dict[str, Any] = {"lw": 1.4, "ls": (0, (4, 2)), "color": colour, "label": literal(f"{before}median")}
-    axes.plot(median.index, median, **line, marker=mark, ms=2.5, markevery=math.ceil(len(median) / MOST_MARKS) or None)
+    axes.plot(median.index, median, **line, marker=mark, ms=2.5, markevery=some(len(median)))
     return median
 
 

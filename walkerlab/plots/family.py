@@ -12,7 +12,8 @@ from matplotlib.path import Path
 
 from walkerlab.plots.bodies import SLANT, Parts, add_body, at_rest
 from walkerlab.plots.look import ink, new_axes, picture
-from walkerlab.plots.style import QUIET, RUNS, count, describe, literal, nothing, table_of, unit_of, with_unit
+from walkerlab.plots.style import QUIET, RUNS, describe, literal, nothing, table_of, unit_of, with_unit
+from walkerlab.quantity import count
 from walkerlab.records import champion, fitter_line, lineage, parent_numbers
 from walkerlab.settings import Settings
 from walkerlab.shapes import skins

@@ -3,6 +3,7 @@
 import math
 from functools import lru_cache
 from itertools import groupby
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -15,20 +16,19 @@ from walkerlab.genome import Genome
 from walkerlab.limits import PART, WHOLE, genes_of
 from walkerlab.plots.look import new_axes, picture
 from walkerlab.plots.style import (
-    MARKS,
-    MOST_MARKS,
-    RUNS,
-    count,
     course,
     describe,
     key,
     literal,
     n_drawn,
+    next_look,
     nothing,
     over_generations,
     round_steps,
+    some,
     table_of,
 )
+from walkerlab.quantity import count
 from walkerlab.settings import Robot
 
 KEPT = 32_768  # genomes, some 20 MB, so that a run that is drawn while it grows is read once
@@ -58,10 +58,9 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
     axes = ax or new_axes()
     title = "Genetic diversity of each generation"
     found = pd.Series(_diversity(records), dtype=np.float64)
-    run = n_drawn(axes, title)
-    every = math.ceil(len(found) / MOST_MARKS) or None
-    colour, mark = RUNS[run % len(RUNS)], MARKS[run % len(MARKS)]
-    axes.plot(found.index, found, lw=2, color=colour, marker=mark, ms=4, markevery=every, label=literal(label))
+    colour, mark = next_look(axes, title)
+    line: dict[str, Any] = {"lw": 2, "color": colour, "marker": mark, "ms": 4, "markevery": some(len(found))}
+    axes.plot(found.index, found, **line, label=literal(label))
     if found.empty:
         nothing(axes, "no robot has walked yet")
         describe(axes, title, "No robot has walked yet.")

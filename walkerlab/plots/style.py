@@ -1,6 +1,7 @@
 """How every picture looks, what it says to those who cannot see it, and how it is saved."""
 
 import io
+import math
 import os
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -70,6 +71,17 @@ def alt_text(axes: Axes) -> str:
 def n_drawn(axes: Axes, title: str) -> int:
     """Count the plots of this title on an Axes, so that the next one can look different."""
     return sum(one.title == title for one in _descriptions(axes))
+
+
+def next_look(axes: Axes, title: str) -> tuple[str, str]:
+    """Return colour and mark of the next of several runs on an Axes."""
+    run = n_drawn(axes, title)
+    return RUNS[run % len(RUNS)], MARKS[run % len(MARKS)]
+
+
+def some(points: int) -> int | None:
+    """Say how often a line of so many points is marked, so that it is not crowded."""
+    return math.ceil(points / MOST_MARKS) or None
 
 
 def _descriptions(axes: Axes) -> list[_Description]:
@@ -196,8 +208,3 @@ def course(values: pd.Series, unit: str) -> str:
     if first == last:
         return f"stays at {first}" if values.nunique() == 1 else f"begins and ends at {first}"
     return f"{'rises' if values.iloc[-1] > values.iloc[0] else 'falls'} from {first} to {last}"
-
-
-def count(number: int, thing: str) -> str:
-    """Count things in words: 1 leg, 2 legs."""
-    return f"{number} {thing}{'' if number == 1 else 's'}"

@@ -8,7 +8,8 @@ from walkerlab.footfalls import feet, footfalls
 from walkerlab.genome import Genome
 from walkerlab.judge import VERDICTS
 from walkerlab.plots.look import ink, new_axes, picture
-from walkerlab.plots.style import QUIET, RUNS, count, describe, key, literal, n_drawn, nothing, plain, with_unit
+from walkerlab.plots.style import QUIET, RUNS, describe, key, literal, n_drawn, nothing, plain, with_unit
+from walkerlab.quantity import count
 from walkerlab.rollout import Rollout
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings

@@ -12,7 +12,7 @@ from walkerlab.fitness import poorest_walk
 from walkerlab.genome import Genome
 from walkerlab.ground import bounds
 from walkerlab.plots.style import RUNS
-from walkerlab.scene import Scene, compile_scene
+from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings, Terrain
 from walkerlab.shapes import skins
 from walkerlab.viewer.meshes import RGB
@@ -36,7 +36,7 @@ def line_up(walkers: Any, settings: Settings) -> tuple[Walk, ...]:
     rollouts = [poorest_walk(genome, settings) for _, genome in named]
     farthest = int(np.argmax([np.nan_to_num(rollout.distance, nan=-np.inf) for rollout in rollouts]))
     reaches = [max(float(np.abs(skin[:, 1]).max()) for skin, _ in skins(scene, scene.start)) for scene in scenes]
-    lanes = _lanes(reaches, scenes, settings.terrain)
+    lanes = _lanes(reaches, settings.terrain)
     return tuple(
         Walk(
             label=name,
@@ -74,13 +74,13 @@ def _name(one: Any, number: str) -> str:
     return f"robot {one.individual}" if hasattr(one, "individual") else f"robot{number}"
 
 
-def _lanes(reaches: Sequence[float], scenes: Sequence[Scene], terrain: Terrain) -> list[float]:
+def _lanes(reaches: Sequence[float], terrain: Terrain) -> list[float]:
     """Return how far to the left each walks: side by side if the ground is the same everywhere across the way.
 
     Where the ground is too narrow for all, they come closer to each other.
     """
     if terrain.structure == Structure.rough or terrain.n_pieces or terrain.obstacle:
-        return [0.0] * len(scenes)
+        return [0.0] * len(reaches)
     widths = 2 * np.array(reaches) + GAP
     middles = np.cumsum(widths) - widths / 2
     (_, right), (_, left) = bounds(terrain)

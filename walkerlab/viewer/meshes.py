@@ -2,6 +2,7 @@
 
 import io
 import math
+from collections.abc import Iterable
 from dataclasses import replace
 from itertools import groupby
 from typing import Any
@@ -38,9 +39,9 @@ def empty_plot(scene: Scene, name: str) -> Any:
     )  # fmt: skip
 
 
-def scenery(scene: Scene, seen: list[Surface]) -> list[Any]:
+def scenery(scene: Scene, ground: Iterable[Surface]) -> list[Any]:
     """Make the meshes of all that never moves: one for each paint, one of the rest, and each layer of glass alone."""
-    still = sorted((one for one in seen if one.body == 0), key=lambda one: one.material)
+    still = sorted(ground, key=lambda one: one.material)
     meshes = list[Any]()
     for material, group in groupby(still, key=lambda one: one.material):
         parts = list(group)

@@ -10,7 +10,6 @@ browsers keep few WebGL contexts.
 """
 
 import base64
-import html
 import json
 import re
 from contextlib import suppress
@@ -26,14 +25,14 @@ from matplotlib.colors import to_hex
 
 from walkerlab.choices import Camera
 from walkerlab.fitness import label, score
-from walkerlab.ground import height
 from walkerlab.judge import UNSTABLE, VERDICTS
-from walkerlab.settings import Settings, Terrain
+from walkerlab.markup import Html, join, tag
+from walkerlab.quantity import count
+from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
 from walkerlab.viewer.cast import line_up
-from walkerlab.viewer.meshes import BESIDE
 from walkerlab.viewer.poster import poster
-from walkerlab.viewer.stage import Stage, Walk, edges_of, set_up
+from walkerlab.viewer.stage import Stage, Walk, set_up
 from walkerlab.viewer.tracks import pack
 
 HERE = Path(__file__).parent
@@ -86,10 +85,8 @@ class Replay:
         reel = json.dumps(self._reel(stage)).replace("<", "\\u003c")  # so that no text can end the script that it is in
         page: str = stage.plot.get_snapshot(additional_js_code=f"({player.strip()})(K3DInstance, {reel});")
         stage.strike()
-        head = (
-            f'<meta name="viewport" content="width=device-width">\n<title>{html.escape(self._title)}</title>\n'
-            f"<style>{style}</style>"
-        )
+        head = join(tag("meta", name="viewport", content="width=device-width"), tag("title", self._title))
+        head += tag("style", Html(style))
         page = re.sub(r"<title>.*?</title>", lambda _: head, page, count=1, flags=re.DOTALL)
         excuse = (HERE / "excuse.html").read_text(encoding="utf-8")
         page = page.replace('<div id="canvasTarget"></div>', f'<div id="canvasTarget"></div>\n{excuse}', 1)
@@ -103,7 +100,7 @@ class Replay:
     def _repr_mimebundle_(self, **_: Any) -> Any:
         frame = self.widget
         bundle, *more = frame._repr_mimebundle_()  # type: ignore[misc]
-        picture = f'<img src="{frame.poster}" alt="{html.escape(frame.alt)}" style="max-width: 100%">'
+        picture = tag("img", src=frame.poster, alt=frame.alt, style="max-width: 100%")
         return {**bundle, "text/plain": repr(self), "text/html": picture}, *more
 
     @property
@@ -119,7 +116,7 @@ class Replay:
             "camera": self.camera.name,
             "cameras": [{"name": view.name, "up": stage.ups[view]} for view in Camera],
             "walks": [self._facts(walk) for walk in self.walks],
-            "marks": _marks(self.settings.terrain, edges_of(list(self.walks))[0], stage.marks),
+            "marks": [{"at": spot, "text": f"{spot[0]:g} m"} for spot in stage.marks.tolist()],
         }
 
     def _facts(self, walk: Walk) -> dict[str, Any]:
@@ -135,7 +132,7 @@ class Replay:
             with suppress(RunFileError):  # of a fitness of the user's own, a run file knows the name only
                 facts.append((name, f"{score(rollout, self.settings.algorithm.fitness):.3g} {unit}".strip()))
         facts += [
-            ("body", f"{len(body.segments)} segment{'s' * (len(body.segments) > 1)}, {body.n_legs} legs"),
+            ("body", f"{count(len(body.segments), 'segment')}, {count(body.n_legs, 'leg')}"),
             ("length", f"{body.body_length:.2f} m"),
             ("weight", f"{body.weight:.1f} kg"),
         ]
@@ -171,16 +168,6 @@ def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | s
     if camera is not None:
         settings = settings.with_(camera=camera)
     return Replay(line_up(walkers, settings), settings, settings.simulation.camera)
-
-
-def _marks(terrain: Terrain, edge: float, along: list[float]) -> list[dict[str, Any]]:
-    """Number the metres along the way, on the near side of all lanes."""
-    x = np.array([0.0, *along])
-    y = np.full_like(x, edge - BESIDE)
-    return [
-        {"at": list(spot), "text": f"{spot[0]:g} m"}
-        for spot in zip(x.tolist(), y.tolist(), (height(terrain, x, y) + 0.02).tolist(), strict=True)
-    ]
 
 
 # ---------------------------------------------------------------------------------------------- in a notebook

@@ -58,7 +58,7 @@ class Stage:
         finest: (c,) to what each is rounded.
         ups: which way is up for each camera.
         seconds: how long the longest walk is.
-        marks: the metres along the way that are marked.
+        marks: (k, 3) where the metres along the way are numbered: on the near side of all lanes [m].
     """
 
     plot: Any
@@ -67,7 +67,7 @@ class Stage:
     finest: Floats
     ups: dict[Camera, tuple[float, float, float]]
     seconds: float
-    marks: list[float]
+    marks: Floats
 
     def strike(self) -> None:
         """Close it: a notebook would keep all meshes as the widgets that they are."""
@@ -88,11 +88,12 @@ def set_up(walks: list[Walk], name: str) -> Stage:
     ]
     far = float(np.abs(paths).max())
     plot = meshes.empty_plot(first, name)
-    for mesh in meshes.scenery(first, list(surfaces(first.model, far + ENDLESS))):
+    for mesh in meshes.scenery(first, surfaces(first.model, bodies=False, far=far + ENDLESS)):
         plot += mesh
-    edges = edges_of(walks)
-    plot += meshes.lines(terrain, edges, np.zeros(1), *meshes.START)
-    plot += meshes.lines(terrain, edges, marks_for(paths), *meshes.METRE)
+    edges, metres = edges_of(walks), _metres(paths)
+    plot += meshes.lines(terrain, edges, metres[:1], *meshes.START)
+    plot += meshes.lines(terrain, edges, metres[1:], *meshes.METRE)
+    beside = np.full_like(metres, edges[0] - meshes.BESIDE)
     things, channels = list[int](), list[Floats]()
     for walk, track in zip(walks, tracks, strict=True):
         for mesh, places in _cast(walk, track):
@@ -113,7 +114,7 @@ def set_up(walks: list[Walk], name: str) -> Stage:
         finest=np.array(len(things) * FINEST + (SEEN,) * (6 * len(Camera) + 3 * len(walks))),
         ups={camera: shot.up for camera, shot in shots.items()},
         seconds=float(time[-1]),
-        marks=marks_for(paths).tolist(),
+        marks=np.stack([metres, beside, height(terrain, metres, beside) + meshes.LIFT], axis=1),
     )
 
 
@@ -122,16 +123,16 @@ def edges_of(walks: list[Walk]) -> tuple[float, float]:
     return min(walk.lane - walk.reach for walk in walks), max(walk.lane + walk.reach for walk in walks)
 
 
-def marks_for(paths: list[Floats]) -> Floats:
-    """Return the metres along the way that are marked: beyond the farthest that anyone comes."""
-    return np.arange(1.0, min(max(10, max(float(path[:, 0].max()) for path in paths) + 5), MOST_MARKS))
+def _metres(paths: list[Floats]) -> Floats:
+    """Return the metres along the way that are marked: from the start to beyond the farthest that anyone comes."""
+    return np.arange(0.0, min(max(10, max(float(path[:, 0].max()) for path in paths) + 5), MOST_MARKS))
 
 
 def _cast(walk: Walk, tracks: Tracks) -> Iterator[tuple[Any, Floats | None]]:
     """Yield each mesh of a walk with its track, (n, 8), or None if it stays where it is: bodies, shadows, rope."""
     model, roots = walk.scene.model, walk.scene.roots
     parts_of = defaultdict[int, list[Surface]](list)
-    for one in surfaces(model):
+    for one in surfaces(model, bodies=True):
         parts_of[one.body].append(one)
     for body in range(1, model.nbody):
         parts = parts_of[body]

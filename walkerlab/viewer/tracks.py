@@ -8,7 +8,7 @@ import numpy as np
 from walkerlab.genes import Floats
 from walkerlab.rollout import Rollout
 from walkerlab.scene import Scene
-from walkerlab.shapes import n_sound, placements, rope_ends
+from walkerlab.shapes import placements, rope_ends, sound_poses
 
 TICK = 0.02  # s from one moment of a replay to the next: that of the gait's clock
 FINEST = (1e-4,) * 3 + (1 / 30000,) * 4 + (1e-4,)  # m, parts of a unit quaternion, m: to what tracks are rounded
@@ -43,9 +43,8 @@ def moments(duration: float) -> Floats:
 
 def follow(scene: Scene, rollout: Rollout) -> Tracks:
     """Follow every body of a walk, its rope and its centre of mass, at even moments."""
-    sound = max(1, n_sound(scene, rollout.poses))
-    poses = rollout.poses[:sound] if np.isfinite(rollout.poses[0]).all() else scene.start[np.newaxis]
-    time = rollout.time[:sound]
+    poses = sound_poses(scene, rollout.poses)
+    sound, time = len(poses), rollout.time[: len(poses)]
     grid = moments(float(rollout.time[-1]))
     grid = grid[: max(1, int(np.searchsorted(grid, time[-1] + 1e-9)))]
     placed = placements(scene, poses)
@@ -68,9 +67,9 @@ def follow(scene: Scene, rollout: Rollout) -> Tracks:
 
 def resample(grid: Floats, time: Floats, track: Floats) -> Floats:
     """Return a track, (n, …) at (n,) times, at the (m,) times of a grid: between two of its rows, what lies between."""
-    after = np.clip(np.searchsorted(time, grid - 1e-9), 1, max(len(time) - 1, 1))
     if len(time) == 1:
         return np.repeat(track, len(grid), axis=0)
+    after = np.clip(np.searchsorted(time, grid - 1e-9), 1, len(time) - 1)
     before = after - 1
     part = np.clip((grid - time[before]) / (time[after] - time[before]), 0, 1)
     part = part.reshape(-1, *[1] * (track.ndim - 1))
