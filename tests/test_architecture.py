@@ -15,7 +15,7 @@ import walkerlab
 HOUSE = Path(walkerlab.__file__).parent
 
 FLOORS = (
-    ("quantity", "randomness", "genes", "interrupts", "markup", "graphics"),
+    ("quantity", "randomness", "genes", "interrupts", "markup", "graphics", "gate"),
     ("choices", "glossary"),
     ("settings", "ga"),
     ("limits", "ground", "textures", "cameras"),
@@ -29,11 +29,13 @@ FLOORS = (
     ("evaluation", "confirmation"),
     ("records",),
     ("store",),
-    ("plots", "story"),
+    ("plots", "story", "sketch"),
     ("viewer", "cinema"),
     ("report",),
     ("run",),
     ("evolution",),
+    ("live",),
+    ("widgets",),
     ("commands",),
     ("__main__",),
 )
@@ -50,9 +52,9 @@ ONLY_FROM = {
 ONLY_IN = {
     "dm_control": {"entities", "export", "environment"},
     "mujoco": {"assembly", "scene", "rollout", "shapes", "footfalls", "cinema", "export", "commands"},
-    "matplotlib": {"plots", "viewer", "cinema", "report", "commands"},
+    "matplotlib": {"plots", "viewer", "cinema", "report", "commands", "widgets"},
     "k3d": {"viewer"},
-    "anywidget": {"viewer"},
+    "anywidget": {"viewer", "widgets"},
     "av": {"cinema"},
     "ipywidgets": {"widgets"},
     "IPython": {"widgets"},
@@ -137,7 +139,7 @@ def test_imports_point_down(module):
             assert room(other) in ONLY_FROM.get(here, FLOOR), f"{module} imports {other}, and must not know of it"
 
 
-@pytest.mark.parametrize("folder", ["ga", "entities", "plots", "viewer", "cinema", "report", "commands"])
+@pytest.mark.parametrize("folder", ["ga", "entities", "plots", "viewer", "cinema", "report", "widgets", "commands"])
 def test_no_two_files_of_a_room_need_each_other(folder):
     graph = {module: of_ours(path) - {module} for module, path in MODULES.items() if room(module) == folder}
     TopologicalSorter(graph).prepare()  # raises CycleError, which shows the cycle

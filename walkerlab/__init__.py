@@ -48,16 +48,18 @@ _ROOMS = {
     "settings": ("Algorithm", "Robot", "Settings", "Simulation", "Terrain"),
     "store": ("RunFileError",),
     "viewer": ("Replay", "replay"),
+    "widgets.lab": ("Lab",),
 }
 """Where each public name lives."""
 
-_MODULES = ("fitness", "ga", "plots")
+_MODULES = ("fitness", "ga", "plots", "widgets")
 _HOME = {name: room for room, names in _ROOMS.items() for name in names}
 
 if TYPE_CHECKING:
     from walkerlab import fitness as fitness
     from walkerlab import ga as ga
     from walkerlab import plots as plots
+    from walkerlab import widgets as widgets
     from walkerlab.algorithm import crossover_population as crossover_population
     from walkerlab.algorithm import generate_robot_gene as generate_robot_gene
     from walkerlab.algorithm import generate_robot_population as generate_robot_population
@@ -111,6 +113,7 @@ if TYPE_CHECKING:
     from walkerlab.store import RunFileError as RunFileError
     from walkerlab.viewer import Replay as Replay
     from walkerlab.viewer import replay as replay
+    from walkerlab.widgets.lab import Lab as Lab
 
 
 def __getattr__(name: str) -> Any:
