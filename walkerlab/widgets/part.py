@@ -8,13 +8,16 @@ import anywidget
 HERE = Path(__file__).parent
 
 
+def style(name: str) -> str:
+    """Return the style sheet of a piece: what all share, and its own."""
+    return "\n".join((HERE / f"{part}.css").read_text(encoding="utf-8") for part in ("part", name))
+
+
 class Part(anywidget.AnyWidget):
     """A piece of the panel: traits that a browser and Python both see, and the JavaScript that shows them.
 
     Its controls are those of HTML, which every keyboard reaches and every screen reader knows.
     """
-
-    _css = HERE / "part.css"
 
     def __init__(self, **traits: Any) -> None:
         """Make it, with the values of its traits."""
