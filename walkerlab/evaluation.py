@@ -5,8 +5,9 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from walkerlab.scene import scene_of
 from walkerlab.settings import Algorithm, Robot, Settings
 
 CHUNKS = 8  # tasks for each core and batch: enough to level out slow walks, few enough to cost nothing
+LARGEST = 16  # robots of a task, some half a second of walks, so that a run can be paused at once
 IDLE_TIMEOUT = 300  # s without work after which loky's workers go home
 
 
@@ -85,7 +87,7 @@ def evaluate(
     """
     robots = _within(genomes, settings.robot)
     world = settings.model_copy(update={"algorithm": Algorithm()})
-    size = max(1, len(robots) // (CHUNKS * n_cores()))
+    size = min(LARGEST, max(1, len(robots) // (CHUNKS * n_cores())))
     chunks = [robots[i : i + size] for i in range(0, len(robots), size)]
     pool = executor or default_executor()
     futures = [pool.submit(_walk_all, chunk, world) for chunk in chunks]
@@ -110,7 +112,17 @@ def n_cores() -> int:
 
 
 def default_executor() -> Executor:
-    """Return loky's pool on all cores, started at first use and kept for the next."""
+    """Return loky's pool on all cores, started at first use and kept for the next, whichever thread asks."""
+    return _keeper().submit(_pool).result()
+
+
+@cache
+def _keeper() -> ThreadPoolExecutor:
+    """Start the one thread that asks for the pool, for loky keeps a pool for each thread that does."""
+    return ThreadPoolExecutor(1, "walkerlab pool")
+
+
+def _pool() -> Executor:
     from loky import get_reusable_executor
 
     with interrupts_held():

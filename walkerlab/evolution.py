@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
 import pandas as pd
 from tqdm.auto import tqdm
 
@@ -15,6 +16,7 @@ from walkerlab.algorithm import check_own_operators, generate_robot_population, 
 from walkerlab.evaluation import Evaluation, evaluate
 from walkerlab.ga.loop import Population, first_population, next_population
 from walkerlab.genes import Floats
+from walkerlab.genome import Genome
 from walkerlab.interrupts import interrupts_held
 from walkerlab.limits import genes_of, repair
 from walkerlab.quantity import SettingsError
@@ -79,6 +81,7 @@ class Evolution:
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._tables: list[pd.DataFrame] = []
         self._population: Population[Evaluation] | None = None
+        self._guests: list[Genome] = []
 
     @classmethod
     def _of(cls, run: Run, settings: Settings, **options: Any) -> Self:
@@ -97,6 +100,28 @@ class Evolution:
     def run(self) -> Run:
         """All that is done so far."""
         return Run(self.settings, records.join(self._tables), self.path)
+
+    @property
+    def n_generations(self) -> int:
+        """How many generations are done."""
+        return 0 if self._population is None else self._population.generation + 1
+
+    def insert(self, genome: Genome | str) -> None:
+        """Put a genome of your own into the next generation, in the place of a child.
+
+        Args:
+            genome: a genome or its text; brought within the limits.
+
+        Raises:
+            GenomeError: if a text is no genome.
+            ValueError: if there is no room for it, or no generation yet that the next one could follow.
+        """
+        if self._population is None:
+            raise ValueError("the first generation is random; let it walk, and put the gene into the next one")
+        room = self.settings.algorithm.population_size - self.settings.algorithm.n_elites
+        if len(self._guests) >= room:
+            raise ValueError(f"the next generation has {room} places for children, and all are taken by genes of yours")
+        self._guests.append(Genome.of(genome).within(self.settings.robot))
 
     def __iter__(self) -> Iterator[Generation]:
         """Yield each further generation once it is evaluated and stored, until the settings' number is reached."""
@@ -119,6 +144,7 @@ class Evolution:
         if self._population is None:
             genomes = generate_robot_population(robot, algorithm.population_size, seed=algorithm.seed)
             return first_population(genomes, self._walk)
+        guests, self._guests = self._guests, []
         return next_population(
             self._population,
             operators(algorithm),
@@ -127,6 +153,7 @@ class Evolution:
             repair=partial(repair, robot=robot),
             n_elites=algorithm.n_elites,
             seed=algorithm.seed,
+            guests=np.array([genome.values for genome in guests]) if guests else None,
         )
 
     def _walk(self, genomes: Floats) -> list[Evaluation]:
@@ -191,12 +218,16 @@ def resume(
         return _finish(evolution, bar)
 
 
-def _bar(settings: Settings, progress: bool, done: int = 0) -> Any:
+def n_walks(settings: Settings, done: int = 0) -> int:
+    """Count the walks that a run still takes, when so many of its generations are done; elites do not walk again."""
     algorithm = settings.algorithm
     children = algorithm.population_size - algorithm.n_elites
     first = 0 if done else algorithm.n_elites
-    total = first + max(0, algorithm.generations - done) * children
-    return tqdm(total=total, unit=" walks", disable=not progress, leave=True)
+    return first + max(0, algorithm.generations - done) * children
+
+
+def _bar(settings: Settings, progress: bool, done: int = 0) -> Any:
+    return tqdm(total=n_walks(settings, done), unit=" walks", disable=not progress, leave=True)
 
 
 def _finish(evolution: Evolution, bar: Any) -> Run:
@@ -206,6 +237,6 @@ def _finish(evolution: Evolution, bar: Any) -> Run:
             best = generation.champion.fitness
             bar.set_postfix_str(f"generation {generation.number}, best {best:.2f}")
     except KeyboardInterrupt:
-        if not evolution.run.n_generations:
+        if not evolution.n_generations:
             raise
     return evolution.run

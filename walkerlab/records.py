@@ -17,7 +17,7 @@ COLUMNS: dict[str, tuple[type, str, str]] = {
     "individual": (int, "", "number of the robot, the same wherever it appears"),
     "born": (int, "generation", "generation in which it first walked; an elite is older than its generation"),
     "parents": (str, "", "numbers of its parents, joined by blanks"),
-    "operators": (str, "", "what made it: selection > crossover > mutation, or random"),
+    "operators": (str, "", "what made it: selection > crossover > mutation, random, or by hand"),
     "fitness": (float, "", "higher is better; -inf if the walk does not count"),
     "verdict": (str, "", "ok, or why the walk does not count"),
     "reason": (str, "", "the figures behind the verdict"),
@@ -30,6 +30,8 @@ COLUMNS: dict[str, tuple[type, str, str]] = {
     "genome": (str, "", "the gene, as text"),
 }
 """Each column: its type, unit and meaning."""
+
+BY_HAND = "by hand"  # what made a robot that somebody put into a generation
 
 MEASURED = ("fitness", "verdict", "reason", "distance", "velocity", "n_segments", "n_legs", "weight", "body_length")
 
@@ -50,7 +52,7 @@ def tabulate(population: Population[Evaluation], operators: str) -> pd.DataFrame
             "individual": individual,
             "born": born,
             "parents": " ".join(map(str, parents)),
-            "operators": operators if parents else "random",
+            "operators": operators if parents else BY_HAND if born else "random",
             **{name: getattr(evaluation, name) for name in MEASURED},
             "genome": str(evaluation.genome),
         }

@@ -128,6 +128,7 @@ def next_population(
     repair: Callable[[Floats], Floats],
     n_elites: int,
     seed: int,
+    guests: Floats | None = None,
 ) -> Population[Evaluation]:
     """Breed and evaluate one more generation of the same size.
 
@@ -140,12 +141,14 @@ def next_population(
         n_elites: how many of the best are carried over unchanged, with all that is known of them; fewer, if
             fewer count.
         seed: the run's seed; each operator draws from a stream of its own.
+        guests: (n_guests, n_genes) of nobody's breeding, which take the places of the last children.
 
     Returns:
-        The elites, best first, then the children.
+        The elites, best first, then the children, then the guests, who have no parents.
 
     Raises:
-        ValueError: if ``n_elites`` leaves no room for a child, results are missing, or a fitness is NaN or +inf.
+        ValueError: if ``n_elites`` leaves no room for a child, there are more guests than children, results are
+            missing, or a fitness is NaN or +inf.
     """
     n = len(population.genomes)
     if not 0 <= n_elites < n:
@@ -171,15 +174,20 @@ def next_population(
         generation=generation,
     )
     mutated = mutate_in_turn(operators.mutate, crossed.genomes, genes, seed=seed, generation=generation)
-    children = repair(mutated)
+    guests = np.empty((0, len(genes))) if guests is None else guests
+    n_bred = n_children - len(guests)
+    if n_bred < 0:
+        raise ValueError(f"{len(guests)} genomes are to be put into a generation of {n_children} children")
+    children = np.concatenate([repair(mutated)[:n_bred], guests])
 
-    parents = population.individuals[chosen][crossed.parents]
+    origins = population.individuals[chosen][crossed.parents[:n_bred]]
+    parents = [tuple(np.unique(row).tolist()) for row in origins] + [()] * len(guests)
     return Population(
         generation=generation,
         genomes=np.concatenate([population.genomes[elites], children]),
         individuals=np.concatenate([population.individuals[elites], population.n_born + np.arange(n_children)]),
         born=np.concatenate([population.born[elites], np.full(n_children, generation)]),
-        parents=(*(population.parents[i] for i in elites), *(tuple(np.unique(row).tolist()) for row in parents)),
+        parents=(*(population.parents[i] for i in elites), *parents),
         evaluations=[*(population.evaluations[i] for i in elites), *_evaluations(evaluate, children)],
         n_born=population.n_born + n_children,
     )

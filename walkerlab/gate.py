@@ -1,0 +1,100 @@
+"""A gate before an executor: work goes through it a little at a time, it can be shut for a while, or for good."""
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from contextlib import suppress
+from functools import cache, partial
+from typing import Any
+
+
+class Stopped(Exception):
+    """The gate was shut for good, and what had not come back by then never will."""
+
+
+class Gate(Executor):
+    """Passes work on to another executor, no more at once than keeps it busy.
+
+    What waits before the gate can be held back, so that a pause is a pause of the machine as well, and not of the
+    words on a panel; and of two that share an executor, neither fills it up.
+    """
+
+    def __init__(self, inside: Callable[[], Executor], at_once: int) -> None:
+        """Make it, open.
+
+        Args:
+            inside: returns the executor that does the work; called once, when the first work comes.
+            at_once: how many pieces of work may be inside.
+        """
+        self._inside, self._at_once = cache(inside), at_once
+        self._waiting = deque[tuple[Future[Any], Callable[[], Any]]]()
+        self._within = set[Future[Any]]()
+        self._is_open, self._is_stopped = True, False
+        self._lock = threading.RLock()
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Let a piece of work wait before the gate.
+
+        Raises:
+            Stopped: if the gate is shut for good.
+        """
+        outer = Future[Any]()
+        self._inside()
+        with self._lock:
+            if self._is_stopped:
+                raise Stopped
+            self._waiting.append((outer, partial(fn, *args, **kwargs)))
+        self._let_in()
+        return outer
+
+    def open(self) -> None:
+        """Let work through."""
+        with self._lock:
+            self._is_open = True
+        self._let_in()
+
+    def close(self) -> None:
+        """Hold back what waits; what is inside already goes on."""
+        with self._lock:
+            self._is_open = False
+
+    def stop(self) -> None:
+        """Shut it for good: whoever waits for an answer gets ``Stopped``, now."""
+        with self._lock:
+            self._is_stopped, self._is_open = True, False
+            unanswered = [*self._within, *(outer for outer, _ in self._waiting)]
+            self._waiting.clear()
+        for outer in unanswered:
+            with suppress(Exception):  # answered, or given up, just now
+                outer.set_exception(Stopped())
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
+        """Stop; the executor inside is somebody else's, and stays."""
+        self.stop()
+
+    def _let_in(self) -> None:
+        with self._lock:
+            while self._is_open and self._waiting and len(self._within) < self._at_once:
+                outer, work = self._waiting.popleft()
+                if not outer.set_running_or_notify_cancel():
+                    continue
+                try:
+                    inner = self._inside().submit(work)
+                except Exception as error:
+                    outer.set_exception(error)
+                    continue
+                self._within.add(outer)
+                inner.add_done_callback(partial(self._answer, outer))
+
+    def _answer(self, outer: Future[Any], inner: Future[Any]) -> None:
+        with self._lock:
+            self._within.discard(outer)
+        with suppress(Exception):  # stopped just now
+            if inner.cancelled():
+                outer.set_exception(Stopped())
+            elif error := inner.exception():
+                outer.set_exception(error)
+            else:
+                outer.set_result(inner.result())
+        self._let_in()

@@ -1,0 +1,186 @@
+"""An evolution on a thread of its own: it can be paused, stepped and stopped, and the notebook goes on meanwhile."""
+
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor
+from enum import StrEnum
+from pathlib import Path
+from weakref import WeakSet
+
+from walkerlab.evaluation import default_executor, n_cores
+from walkerlab.evolution import Evolution, n_walks
+from walkerlab.gate import Gate, Stopped
+from walkerlab.genome import Genome
+from walkerlab.run import Run
+from walkerlab.settings import Settings
+
+AT_ONCE = 2  # pieces of work for each core that are on their way: one that walks, one that is next
+
+
+class State(StrEnum):
+    """What a run is doing."""
+
+    running = "running"
+    paused = "paused"
+    stopped = "stopped"
+    finished = "finished"
+    failed = "failed"
+
+
+OVER = {State.stopped, State.finished, State.failed}
+
+_RUNS = WeakSet["LiveRun"]()
+"""All that there are: they share the workers, who go home with the last."""
+
+
+class LiveRun:
+    """A run that goes on by itself.
+
+    Attributes:
+        settings: from which it is made.
+        state: what it is doing.
+        error: what made it fail, or None.
+        n_done: walks that are done.
+        n_walks: walks that there will be.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        path: str | Path | None = None,
+        executor: Executor | None = None,
+        *,
+        on_news: Callable[[], None] = lambda: None,
+    ) -> None:
+        """Check the settings, and wait to be told to go on.
+
+        Args:
+            settings: of all four domains.
+            path: its run file; without one, it lives in memory only.
+            executor: any ``concurrent.futures.Executor``; loky on all cores if None.
+            on_news: called, on the run's thread or the caller's, when more walks are done or the state has changed.
+
+        Raises:
+            OperatorError: if an operator or fitness of the user's own does not do what its slot needs.
+            RunFileError: if there is a file at ``path``, or none can be made there.
+        """
+        self.settings, self.state, self.n_done = settings, State.paused, 0
+        self.error: Exception | None = None
+        self.n_walks = n_walks(settings)
+        self._executor, self._on_news = executor, on_news
+        self._gate = Gate(self._workers, AT_ONCE * n_cores())
+        self._evolution = Evolution(settings, path, self._gate, on_walks=self._walked)
+        self._may_go, self._pause_at = threading.Event(), settings.algorithm.generations
+        self._since, self._seconds = 0.0, 0.0
+        self._lock = threading.RLock()
+        self._thread = threading.Thread(target=self._evolve, name="walkerlab run", daemon=True)
+        self._pool: Executor | None = None
+        _RUNS.add(self)
+
+    @property
+    def run(self) -> Run:
+        """All that is done so far."""
+        return self._evolution.run
+
+    @property
+    def n_generations(self) -> int:
+        """How many generations are done."""
+        return self._evolution.n_generations
+
+    @property
+    def is_over(self) -> bool:
+        """Whether it will never go on."""
+        return self.state in OVER
+
+    def go_on(self, generations: int | None = None) -> None:
+        """Start, or go on, to the end, or for so many generations more."""
+        with self._lock:
+            if self.is_over:
+                return
+            total = self.settings.algorithm.generations
+            self._pause_at = total if generations is None else self.n_generations + generations
+            if self.state == State.paused:
+                self._since = time.monotonic()
+            self.state = State.running
+            self._gate.open()
+            self._may_go.set()
+            if not self._thread.ident:
+                self._thread.start()
+        self._on_news()
+
+    def pause(self) -> None:
+        """Let the robots that are walking finish, and no other begin."""
+        if self._rest(State.paused):
+            self._gate.close()
+            self._may_go.clear()
+            self._on_news()
+
+    def stop(self) -> None:
+        """End it here: the generations that are done are kept, the one that is walking is not."""
+        if self._rest(State.stopped):
+            self._gate.stop()
+            self._may_go.set()
+            self._on_news()
+
+    def close(self, timeout: float = 10.0) -> None:
+        """Stop, wait for the thread, and send the workers home if no other run needs them; a later one starts others.
+
+        Args:
+            timeout: s to wait for the thread.
+        """
+        self.stop()
+        if self._thread.ident:
+            self._thread.join(timeout)
+        if self._pool and all(run.is_over for run in _RUNS):
+            self._pool.shutdown(wait=False)
+
+    def insert(self, genome: Genome | str) -> None:
+        """Put a genome into the next generation; raises what ``Evolution.insert`` does."""
+        self._evolution.insert(genome)
+
+    @property
+    def seconds(self) -> float:
+        """How long it has been running, without its pauses."""
+        return self._seconds + (time.monotonic() - self._since if self.state == State.running else 0.0)
+
+    @property
+    def seconds_left(self) -> float | None:
+        """How long it will still take, at the pace so far; None before there is one."""
+        return self.seconds / self.n_done * (self.n_walks - self.n_done) if self.n_done else None
+
+    def _workers(self) -> Executor:
+        if self._executor:
+            return self._executor
+        self._pool = default_executor()
+        return self._pool
+
+    def _walked(self, n: int) -> None:
+        self.n_done += n
+        self._on_news()
+
+    def _rest(self, state: State) -> bool:
+        """Change from running or paused to a state of rest; say whether it has changed."""
+        with self._lock:
+            if self.is_over or self.state == state:
+                return False
+            self._seconds, self.state = self.seconds, state
+        return True
+
+    def _evolve(self) -> None:
+        """Go from generation to generation: the whole life of the thread."""
+        try:
+            for generation in self._evolution:
+                if generation.number + 1 == self._pause_at < self.settings.algorithm.generations:
+                    self.pause()
+                self._on_news()
+                self._may_go.wait()
+                if self.is_over:
+                    return
+            self._rest(State.finished)
+        except Stopped:
+            pass
+        except Exception as error:
+            self.error = error
+            self._rest(State.failed)
+        self._on_news()
