@@ -12,7 +12,8 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.__main__ import main
-from walkerlab.commands import flags, lab, outputs
+from walkerlab import outputs
+from walkerlab.commands import flags, lab
 
 TINY = ["--population-size", "6", "--generations", "2", "--duration", "1", "--quiet"]
 

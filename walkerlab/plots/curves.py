@@ -30,7 +30,7 @@ WALKED = ("fitness", "distance", "velocity")
 
 
 @picture
-def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "") -> Axes:
+def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "", look: int | None = None) -> Axes:
     """Draw the best (solid), the median (dashed) and the middle half of each generation's fitness.
 
     Walks that do not count are left out of the middle, and can't be the best.
@@ -39,6 +39,7 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
         records: the tidy table of a run, or the run.
         ax: where to draw; a new figure if None. Several runs on one Axes get a colour and a mark each.
         label: told before the lines' names, to tell several runs apart.
+        look: which of the colours and marks it gets, counted from 0; the next one if None.
 
     Returns:
         The Axes drawn on.
@@ -49,7 +50,7 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     counted: Any = records[records.verdict == "ok"]
     best = counted.groupby("generation").fitness.max()
     name = str(records.attrs.get("fitness", "fitness"))
-    (colour, mark), n_generations = next_look(axes, title), records.generation.nunique()
+    (colour, mark), n_generations = next_look(axes, title, look), records.generation.nunique()
     before = f"{label}: " if label else ""
     line: dict[str, Any] = {"lw": 2, "color": colour, "marker": mark, "ms": 4, "markevery": some(len(best))}
     axes.plot(best.index, best, **line, label=literal(f"{before}best"))

@@ -4,6 +4,7 @@ from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from functools import wraps
 from inspect import signature
+from threading import RLock
 from typing import Any, ParamSpec
 
 import matplotlib as mpl
@@ -24,18 +25,21 @@ _OURS: Any = {
     name: value for name, value in mpl.rcParamsDefault.items() if name.startswith(_LOOK) and name not in _FONTS
 } | REAL_TEXT
 
+_ONE_AT_A_TIME = RLock()  # the parameters are the whole process's
+
 P = ParamSpec("P")
 
 
 @contextmanager
 def own_look() -> Generator[None]:
-    """Draw as matplotlib does by default, whatever style the user has chosen."""
-    before: Any = {name: mpl.rcParams[name] for name in _OURS}
-    mpl.rcParams.update(_OURS)
-    try:
-        yield
-    finally:
-        mpl.rcParams.update(before)
+    """Draw as matplotlib does by default, whatever style the user has chosen; one thread at a time."""
+    with _ONE_AT_A_TIME:
+        before: Any = {name: mpl.rcParams[name] for name in _OURS}
+        mpl.rcParams.update(_OURS)
+        try:
+            yield
+        finally:
+            mpl.rcParams.update({name: was for name, was in before.items() if mpl.rcParams[name] == _OURS[name]})
 
 
 class OwnFigure(Figure):

@@ -73,9 +73,9 @@ def n_drawn(axes: Axes, title: str) -> int:
     return sum(one.title == title for one in _descriptions(axes))
 
 
-def next_look(axes: Axes, title: str) -> tuple[str, str]:
-    """Return colour and mark of the next of several runs on an Axes."""
-    run = n_drawn(axes, title)
+def next_look(axes: Axes, title: str, number: int | None = None) -> tuple[str, str]:
+    """Return colour and mark of the next of several runs on an Axes, or of the one of this number."""
+    run = n_drawn(axes, title) if number is None else number
     return RUNS[run % len(RUNS)], MARKS[run % len(MARKS)]
 
 

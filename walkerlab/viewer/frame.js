@@ -1,4 +1,4 @@
-// A picture first; the page with its WebGL when it is clicked; a picture again when it is closed.
+// A picture first; the page with its WebGL when it is clicked; a picture again when it is closed, or another walk comes.
 const MOST = 4; // pages at once, of all replays of a notebook: browsers keep some 16 WebGL contexts
 const TRIANGLE = '<svg viewBox="0 0 20 20" width="14" height="14" aria-hidden="true"><path d="M4 2 L18 10 L4 18 Z" fill="white"/></svg>';
 const live = (globalThis.walkerlabLive ??= []);
@@ -19,13 +19,16 @@ function render({ model, el }) {
   el.append(box);
   let frame = null;
 
+  function tell(open) { model.set("open", open); model.save_changes(); }
+
   function close() {
+    say("Play in 3D");
     if (!frame) return;
     frame.contentWindow?.walkerlab?.close();
     box.replaceChildren(cover);
     frame = null;
+    tell(false);
     live.splice(live.findIndex((one) => one.close === close), 1);
-    say("Play in 3D");
   }
 
   function pause() { frame?.contentWindow?.walkerlab?.pause(); }
@@ -39,15 +42,32 @@ function render({ model, el }) {
     stop.style.cssText = `position: absolute; left: 8px; top: 8px; width: 26px; height: 26px; border: 0; border-radius: 50%;
       background: #ffffffd0; color: #222; cursor: pointer`;
     box.replaceChildren(frame, stop);
+    tell(true);
     live.forEach((other) => other.pause()); // one at a time: a slow computer draws no more
     live.push({ close, pause });
     while (live.length > MOST) live[0].close();
   }
 
+  function open() {
+    const page = new TextDecoder().decode(model.get("page"));
+    if (page) show(page);
+    else { say("One moment …"); model.send({ want: "page" }); }
+  }
+
+  function renew() { // another walk: what is open is of the one before
+    close();
+    Object.assign(picture, { src: model.get("poster"), alt: model.get("alt") });
+    box.hidden = !model.get("poster");
+  }
+
+  const asked = () => sign.textContent.startsWith("One moment");
+  model.on("change:page", () => { if (asked() && model.get("page").byteLength) { say("Play in 3D"); open(); } });
+  model.on("change:poster", renew);
+  model.on("msg:custom", (message) => { if (message.play) { close(); open(); } });
   const watch = new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || pause()); // scrolled away
   watch.observe(box);
-  say("Play in 3D");
-  cover.onclick = () => show(new TextDecoder().decode(model.get("page")));
+  cover.onclick = open;
+  renew();
   return () => { watch.disconnect(); close(); };
 }
 export default { render };

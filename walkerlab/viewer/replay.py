@@ -12,6 +12,7 @@ browsers keep few WebGL contexts.
 import base64
 import json
 import re
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -176,20 +177,42 @@ def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | s
 class Frame(anywidget.AnyWidget):
     """A picture in a notebook; pressed, it becomes the page, and closed it is a picture again.
 
-    It has the page from the start, so that it plays while the kernel is busy, or gone. A notebook keeps every widget:
-    this one holds nothing else of the walks.
+    Of a replay it has the page from the start, so that it plays while the kernel is busy, or gone. A notebook keeps
+    every widget: this one holds nothing else of the walks.
     """
 
     _esm = HERE / "frame.js"
     poster = traitlets.Unicode("").tag(sync=True)
     alt = traitlets.Unicode("").tag(sync=True)
     page = traitlets.Bytes(b"").tag(sync=True)
+    open = traitlets.Bool(False).tag(sync=True)  # whether the page is to be seen
 
-    def __init__(self, shown: Replay) -> None:
-        picture = base64.b64encode(poster(shown.walks, shown.settings)).decode("ascii")
-        walks = "; ".join(f"{walk.label}, {walk.rollout.distance:.2f} m forward" for walk in shown.walks)
-        super().__init__(
-            poster=f"data:image/png;base64,{picture}",
-            alt=f"Replay of {walks}. Press to play.",
-            page=shown.page.encode("utf-8"),
-        )
+    def __init__(self, shown: Replay | None = None) -> None:
+        """Show a replay, or nothing yet."""
+        super().__init__()
+        self._make: Callable[[], Replay] | None = None
+        self.on_msg(self._hear)
+        if shown:
+            picture = base64.b64encode(poster(shown.walks, shown.settings)).decode("ascii")
+            walks = "; ".join(f"{walk.label}, {walk.rollout.distance:.2f} m forward" for walk in shown.walks)
+            self.alt, self.page = f"Replay of {walks}. Press to play.", shown.page.encode("utf-8")
+            self.poster = f"data:image/png;base64,{picture}"
+
+    def offer(self, make: Callable[[], Replay], picture: str, alt: str) -> None:
+        """Offer another replay, which is made when somebody wants to see it.
+
+        Args:
+            make: makes it.
+            picture: its poster, as a URL of data.
+            alt: what it shows, in words.
+        """
+        with self.hold_sync():
+            self._make, self.page, self.alt, self.poster = make, b"", alt, picture
+
+    def play(self) -> None:
+        """Press it."""
+        self.send({"play": True})
+
+    def _hear(self, _widget: object, message: Any, _buffers: object) -> None:
+        if self._make and message == {"want": "page"}:
+            self.page = self._make().page.encode("utf-8")

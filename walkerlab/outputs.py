@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from walkerlab import plots, report
-from walkerlab.evolution import Run
+from walkerlab.run import Run
 from walkerlab.export import export_mjcf
 from walkerlab.plots.look import paper
 from walkerlab.store import RUN_FILE

@@ -1,0 +1,84 @@
+"""Work goes through the gate in its order and a little at a time; shut, it holds back, and stopped, it lets go."""
+
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import pytest
+
+from walkerlab.gate import Gate, Stopped
+
+
+@pytest.fixture
+def pool():
+    with ThreadPoolExecutor(4) as workers:
+        yield workers
+
+
+def test_answers_and_errors_come_through(pool):
+    gate = Gate(lambda: pool, 2)
+    assert [gate.submit(pow, 2, n).result() for n in range(20)] == [2**n for n in range(20)]
+    with pytest.raises(ZeroDivisionError):
+        gate.submit(divmod, 1, 0).result()
+    assert list(gate.map(abs, [-1, -2])) == [1, 2]
+
+
+def test_no_more_are_inside_at_once_than_allowed(pool):
+    inside, most, lock = 0, 0, threading.Lock()
+
+    def work():
+        nonlocal inside, most
+        with lock:
+            inside += 1
+            most = max(most, inside)
+        time.sleep(0.005)
+        with lock:
+            inside -= 1
+
+    gate = Gate(lambda: pool, 2)
+    for future in [gate.submit(work) for _ in range(20)]:
+        future.result()
+    assert most == 2
+
+
+def test_shut_it_holds_back_what_waits_and_opened_lets_it_in(pool):
+    gate, done = Gate(lambda: pool, 1), []
+    gate.close()
+    futures = [gate.submit(done.append, n) for n in range(5)]
+    assert not futures[0].done()
+    assert not futures[0].running()
+    gate.open()
+    for future in futures:
+        future.result(5)
+    assert done == [0, 1, 2, 3, 4]
+
+
+def test_stopped_it_answers_all_that_wait_at_once(pool):
+    gate, hold = Gate(lambda: pool, 1), threading.Event()
+    futures = [gate.submit(hold.wait), *(gate.submit(int) for _ in range(3))]
+    gate.stop()
+    for future in futures:
+        with pytest.raises(Stopped):
+            future.result(1)
+    with pytest.raises(Stopped):
+        gate.submit(int)
+    hold.set()
+    assert pool.submit(int).result() == 0, "the executor inside is somebody else's, and stays"
+
+
+def test_what_is_given_up_before_its_turn_does_not_run(pool):
+    gate, ran = Gate(lambda: pool, 1), []
+    gate.close()
+    given_up, kept = gate.submit(ran.append, "no"), gate.submit(ran.append, "yes")
+    assert given_up.cancel()
+    gate.open()
+    kept.result(5)
+    assert ran == ["yes"]
+
+
+def test_a_gate_to_nowhere_says_so():
+    def nobody():
+        raise RuntimeError("no workers")
+
+    with pytest.raises(RuntimeError, match="no workers"):
+        Gate(nobody, 1).submit(int)

@@ -1,0 +1,183 @@
+"""A run on a thread of its own brings forth the very table of one that was waited for."""
+
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import walkerlab as wl
+from walkerlab.live import LiveRun, State
+from walkerlab.report.code import as_python
+
+SMALL = wl.Settings().with_(population_size=6, generations=4, duration=1)
+PATIENCE = 60  # s
+
+
+class Listener:
+    """Hears the news of a run, and waits for what it wants to hear."""
+
+    def __init__(self):
+        self.news, self.states = threading.Condition(), []
+
+    def hear(self):
+        with self.news:
+            self.states.append(self.live.state)
+            self.news.notify_all()
+
+    def until(self, holds):
+        with self.news:
+            assert self.news.wait_for(holds, PATIENCE)
+
+
+@pytest.fixture
+def alive():
+    """Makes live runs on two threads, and ends them."""
+    with ThreadPoolExecutor(2) as pool:
+        made = []
+
+        def make(settings=SMALL, path=None):
+            listener = Listener()
+            listener.live = LiveRun(settings, path, pool, on_news=listener.hear)
+            made.append(listener.live)
+            return listener.live, listener
+
+        yield make
+        for live in made:
+            live.close()
+
+
+@pytest.fixture(scope="module")
+def waited_for():
+    with ThreadPoolExecutor(2) as pool:
+        return wl.evolve(SMALL, executor=pool, progress=False).records
+
+
+def test_it_brings_forth_the_table_of_a_run_that_was_waited_for(alive, waited_for, tmp_path):
+    live, listener = alive(path=tmp_path / "run.walk")
+    assert live.state == State.paused
+    live.go_on()
+    listener.until(lambda: live.is_over)
+    assert live.state == State.finished
+    pd.testing.assert_frame_equal(live.run.records, waited_for)
+    pd.testing.assert_frame_equal(wl.load(tmp_path / "run.walk").records, waited_for)
+    assert live.n_done == live.n_walks
+
+
+def test_stepped_and_paused_it_is_the_same(alive, waited_for):
+    live, listener = alive()
+    for n in (1, 2):
+        live.go_on(1)
+        listener.until(lambda: live.state == State.paused)
+        assert live.n_generations == n
+    live.go_on()
+    live.pause()
+    assert live.state == State.paused
+    live.go_on()
+    listener.until(lambda: live.is_over)
+    pd.testing.assert_frame_equal(live.run.records, waited_for)
+
+
+def test_paused_in_the_middle_of_a_generation_nobody_walks(alive):
+    live, listener = alive(SMALL.with_(population_size=200, n_elites=0))
+    live.go_on()
+    listener.until(lambda: live.n_done > 0)
+    live.pause()
+    assert live.n_generations == 0
+    with live._gate._lock:
+        inside = len(live._gate._within)
+    assert inside <= live._gate._at_once
+    walked = live.n_done + inside * 16
+    assert not threading.Event().wait(0.5)
+    assert live.n_done <= walked < live.n_walks
+    assert live.seconds_left > 0
+
+
+def test_stopped_it_keeps_the_generations_that_are_done(alive, waited_for):
+    live, listener = alive()
+    live.go_on(2)
+    listener.until(lambda: live.state == State.paused)
+    live.stop()
+    live.go_on()
+    assert live.state == State.stopped
+    live._thread.join(PATIENCE)
+    pd.testing.assert_frame_equal(live.run.records, waited_for[waited_for.generation < 2])
+
+
+def test_stopped_in_the_middle_of_a_generation_it_lets_go_at_once(alive):
+    live, listener = alive(SMALL.with_(population_size=1000))
+    live.go_on()
+    listener.until(lambda: live.n_done > 0)
+    live.stop()
+    live._thread.join(1)
+    assert not live._thread.is_alive()
+    assert live.run.records.empty
+
+
+def test_a_fitness_that_fails_fails_the_run_and_keeps_the_rest(alive):
+    def moody(rollout):
+        if any(one.n_generations == 1 for one in lives):
+            raise ArithmeticError("not today")
+        return rollout.distance
+
+    lives = []
+    live, listener = alive(SMALL.with_(fitness=moody))
+    lives.append(live)
+    live.go_on()
+    listener.until(lambda: live.is_over)
+    assert live.state == State.failed
+    assert isinstance(live.error, ArithmeticError)
+    assert live.n_generations == 1
+
+
+def test_what_cannot_run_is_refused_before_it_begins(tmp_path):
+    with pytest.raises(wl.OperatorError):
+        LiveRun(SMALL.with_(mutation=lambda genomes, genes, *, rng: genomes[:1]))
+    (tmp_path / "run.walk").touch()
+    with pytest.raises(wl.RunFileError):
+        LiveRun(SMALL, tmp_path / "run.walk")
+
+
+class TestByHand:
+    """A gene that somebody puts into the next generation."""
+
+    GENE = str(wl.generate_robot_gene(SMALL.robot, rng=np.random.default_rng(5)))
+
+    def evolve(self, pool):
+        evolution = wl.Evolution(SMALL, executor=pool)
+        for generation in evolution:
+            if generation.number == 1:
+                evolution.insert(self.GENE)
+        return evolution.run
+
+    def test_it_takes_the_place_of_the_last_child_and_nothing_else_changes(self, waited_for):
+        with ThreadPoolExecutor(2) as pool:
+            run = self.evolve(pool)
+        third = run.records[run.records.generation == 2]
+        guest = third.iloc[-1]
+        assert (guest.genome, guest.operators, guest.parents, guest.born) == (self.GENE, "by hand", "", 2)
+        before = waited_for[waited_for.generation == 2]
+        pd.testing.assert_frame_equal(third.iloc[:-1], before.iloc[:-1])
+        pd.testing.assert_frame_equal(run.records[run.records.generation < 2], waited_for[waited_for.generation < 2])
+
+    def test_the_code_of_the_run_does_it_again(self):
+        with ThreadPoolExecutor(2) as pool:
+            run = self.evolve(pool)
+        code, place = as_python(run.settings, run.records), {}
+        exec(code, place)
+        pd.testing.assert_frame_equal(place["run"].records, run.records)
+
+    def test_there_must_be_room_and_a_generation_before(self):
+        evolution = wl.Evolution(SMALL)
+        with pytest.raises(ValueError, match="first generation is random"):
+            evolution.insert(self.GENE)
+        with ThreadPoolExecutor(2) as pool:
+            evolution = wl.Evolution(SMALL, executor=pool)
+            next(iter(evolution))
+            with pytest.raises(wl.GenomeError):
+                evolution.insert("wl1")
+            for _ in range(4):
+                evolution.insert(self.GENE)
+            with pytest.raises(ValueError, match="4 places for children"):
+                evolution.insert(self.GENE)
