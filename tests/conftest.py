@@ -1,14 +1,17 @@
 """How hypothesis draws: the same examples on every machine, unless asked: pytest --hypothesis-profile explore.
 
-And a browser for the tests that look at a page.
+And a browser for the tests that look at a page, and a Jupyter for those that look at a notebook.
 """
 
+import importlib.util
 import os
 import shutil
 import signal
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from tests.frontends import PACKAGES, is_ours, serving
 
 on_shared_machines = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
 settings.register_profile("repeatable", derandomize=True, database=None, print_blob=True, **on_shared_machines)
@@ -43,8 +46,41 @@ def page(browser):
     """A new page of 900 × 500 pixels, of which the console must not complain of anything."""
     context = browser.new_context(viewport={"width": 900, "height": 500})
     opened, complaints = context.new_page(), []
-    opened.on("console", lambda message: message.type in ("error", "warning") and complaints.append(message.text))
-    opened.on("pageerror", lambda error: complaints.append(str(error)))
+
+    def hear(complaint):
+        if is_ours(complaint, opened.url):
+            complaints.append(complaint)
+
+    def hear_console(message):
+        if message.type in ("error", "warning"):
+            hear(f"{message.text} {message.location.get('url', '')}")
+
+    opened.on("console", hear_console)
+    opened.on("pageerror", lambda error: hear(str(error)))
     yield opened
     context.close()
     assert not complaints
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory):
+    """A Jupyter server, started once."""
+    if not importlib.util.find_spec("jupyterlab"):
+        lacking("jupyterlab")
+    with serving(tmp_path_factory.mktemp("jupyter")) as started:
+        yield started
+
+
+@pytest.fixture
+def jupyter(server):
+    """A Jupyter server on which nothing runs: jupyter.put(book("1 + 1")) is the address of a notebook."""
+    server.stop_kernels()
+    return server
+
+
+@pytest.fixture(params=PACKAGES)
+def frontend(request):
+    """The name of a front end: a test that asks for it is made in each."""
+    if not importlib.util.find_spec(PACKAGES[request.param]):
+        lacking(request.param)
+    return request.param

@@ -139,7 +139,9 @@ def test_imports_point_down(module):
             assert room(other) in ONLY_FROM.get(here, FLOOR), f"{module} imports {other}, and must not know of it"
 
 
-@pytest.mark.parametrize("folder", ["ga", "entities", "plots", "viewer", "cinema", "report", "widgets", "commands"])
+@pytest.mark.parametrize(
+    "folder", ["ga", "entities", "plots", "sketch", "viewer", "cinema", "report", "widgets", "commands"]
+)
 def test_no_two_files_of_a_room_need_each_other(folder):
     graph = {module: of_ours(path) - {module} for module, path in MODULES.items() if room(module) == folder}
     TopologicalSorter(graph).prepare()  # raises CycleError, which shows the cycle

@@ -11,8 +11,8 @@ import pandas as pd
 import pytest
 
 import walkerlab as wl
-from walkerlab.__main__ import main
 from walkerlab import outputs
+from walkerlab.__main__ import main
 from walkerlab.commands import flags, lab
 
 TINY = ["--population-size", "6", "--generations", "2", "--duration", "1", "--quiet"]

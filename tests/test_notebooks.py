@@ -1,4 +1,10 @@
+"""The notebooks are short, ask before they tell, and run from top to bottom.
+
+With WALKERLAB_SCREENSHOTS=<folder>, pictures of all their cells in JupyterLab are left there for people to look at.
+"""
+
 import itertools
+import os
 import re
 from pathlib import Path
 from statistics import median
@@ -7,8 +13,11 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
+from tests.frontends import picture_cells, run_all
+
 NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
 BUDGET = "generations = 2"
+PICTURES = os.environ.get("WALKERLAB_SCREENSHOTS")
 
 each_notebook = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 
@@ -52,10 +61,22 @@ def test_a_question_stands_before_every_cell(path):
             assert "?" in before.source
 
 
-@each_notebook
-def test_it_runs_whole_with_a_small_budget(path, tmp_path):
+def shortened(path: Path) -> nbformat.NotebookNode:
     notebook = read(path)
     [parameters] = [cell for cell in notebook.cells if "parameters" in cell.metadata.get("tags", [])]
     parameters.source, replaced = re.subn(r"^generations = \d+$", BUDGET, parameters.source, flags=re.MULTILINE)
     assert replaced == 1
-    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    return notebook
+
+
+@each_notebook
+def test_it_runs_whole_with_a_small_budget(path, tmp_path):
+    NotebookClient(shortened(path), timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+
+
+@each_notebook
+def test_it_runs_whole_in_jupyterlab(path, page, jupyter):
+    page.set_viewport_size({"width": 1280, "height": 800})
+    assert run_all(page, jupyter.put(shortened(path), name=path.name)) == []
+    if PICTURES:
+        picture_cells(page, Path(PICTURES) / path.stem)

@@ -2,26 +2,20 @@
 
 import io
 import math
-import os
-import subprocess
-import sys
-import time
-import urllib.request
 import zlib
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from html.parser import HTMLParser
 from itertools import pairwise
-from socket import socket
 
 import ipywidgets
 import mujoco
-import nbformat
 import numpy as np
 import pytest
 from PIL import Image
 
 import walkerlab as wl
+from tests.frontends import book, open_notebook, start_all
 from walkerlab.choices import Camera
 from walkerlab.commands.worlds import GENOME
 from walkerlab.ground import ARENA_WIDTH
@@ -362,60 +356,27 @@ def test_buttons_keys_and_choices_do_what_they_say(page, crowded):
 N_REPLAYS = 20
 
 
-@pytest.fixture(scope="module")
-def lab(tmp_path_factory):
-    """A JupyterLab on a notebook with many replays; its address."""
-    pytest.importorskip("jupyterlab")
-    folder = tmp_path_factory.mktemp("lab")
+def many_replays():
     setting = (
         "import walkerlab as wl\nfrom walkerlab.commands.worlds import GENOME\ns = wl.Settings().with_(duration=2)"
     )
-    sources = [setting, *(f"wl.replay({{'walk {i}': GENOME}}, s)" for i in range(N_REPLAYS))]
-    book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source) for source in sources])
-    book.metadata["kernelspec"] = {"name": "python3", "display_name": "Python 3", "language": "python"}
-    nbformat.write(book, folder / "book.ipynb")
-    quiet = folder / "config/lab/user-settings/@jupyterlab/apputils-extension/notification.jupyterlab-settings"
-    quiet.parent.mkdir(parents=True)
-    quiet.write_text('{"fetchNews": "false", "checkForUpdates": false}')
-    with socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    command = [sys.executable, "-m", "jupyterlab", "--no-browser", f"--port={port}", "--ServerApp.port_retries=0"]
-    command += ["--IdentityProvider.token=", "--allow-root", f"--ServerApp.root_dir={folder}"]
-    environment = {**os.environ, "JUPYTER_CONFIG_DIR": str(folder / "config"), "JUPYTER_DATA_DIR": str(folder / "data")}
-    with (folder / "log").open("w") as log:
-        server = subprocess.Popen(command, cwd=folder, stdout=log, stderr=log, env=environment)
-    address = f"http://127.0.0.1:{port}"
-    try:
-        for _ in range(120):
-            try:
-                urllib.request.urlopen(f"{address}/api", timeout=1).close()
-                break
-            except OSError:
-                assert server.poll() is None, (folder / "log").read_text()
-                time.sleep(0.5)
-        yield address
-    finally:
-        server.terminate()
-        server.wait(20)
+    return book(setting, *(f"wl.replay({{'walk {i}': GENOME}}, s)" for i in range(N_REPLAYS)))
 
 
-def test_twenty_replays_in_one_notebook_play_one_after_the_other(page, lab):
+def test_twenty_replays_in_one_notebook_play_one_after_the_other(page, jupyter):
     abroad = []
 
     def at_home(route):
-        if route.request.url.startswith((lab, "data:", "blob:")):
+        if route.request.url.startswith((jupyter.address, "data:", "blob:")):
             route.continue_()
         else:
             abroad.append(route.request.url)
             route.abort()
 
     page.route("**/*", at_home)
-    page.goto(f"{lab}/lab/tree/book.ipynb")
     page.set_viewport_size({"width": 1280, "height": 900})
-    page.get_by_text("Python 3 (ipykernel) | Idle").wait_for(timeout=60_000)
-    page.locator('li.lm-MenuBar-item:has-text("Run")').click()
-    page.locator('li.lm-Menu-item:has-text("Run All Cells")').first.click()
+    open_notebook(page, jupyter.put(many_replays()))
+    start_all(page)
     for number in range(N_REPLAYS):
         cell = page.locator(f'.jp-Cell[data-windowed-list-index="{number + 1}"]')
         play = cell.locator('button[title="Play"]')

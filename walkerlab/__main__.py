@@ -128,8 +128,7 @@ def _evolve(given: argparse.Namespace) -> int:
 
 def _resume(given: argparse.Namespace) -> int:
     with interrupts_held():
-        from walkerlab import story
-        from walkerlab import outputs
+        from walkerlab import outputs, story
         from walkerlab.evaluation import n_cores
         from walkerlab.run import with_functions
 
@@ -164,8 +163,7 @@ def _named(run: "wl.Run") -> str:
 
 def _finish(run: "wl.Run", *, quiet: bool) -> int:
     """Write what belongs into the run's folder, and say what has come of it and what to do next."""
-    from walkerlab import story
-    from walkerlab import outputs
+    from walkerlab import outputs, story
 
     assert run.path
     folder, wanted = run.path.parent, run.settings.algorithm.generations

@@ -72,7 +72,7 @@ class LiveRun:
         self._gate = Gate(self._workers, AT_ONCE * n_cores())
         self._evolution = Evolution(settings, path, self._gate, on_walks=self._walked)
         self._may_go, self._pause_at = threading.Event(), settings.algorithm.generations
-        self._since, self._seconds = 0.0, 0.0
+        self._since, self._seconds, self._first = 0.0, 0.0, (0.0, 0)
         self._lock = threading.RLock()
         self._thread = threading.Thread(target=self._evolve, name="walkerlab run", daemon=True)
         self._pool: Executor | None = None
@@ -146,8 +146,10 @@ class LiveRun:
 
     @property
     def seconds_left(self) -> float | None:
-        """How long it will still take, at the pace so far; None before there is one."""
-        return self.seconds / self.n_done * (self.n_walks - self.n_done) if self.n_done else None
+        """How long it will still take, at its pace since the first robots were back; None before there is one."""
+        at_first, n_first = self._first
+        more = self.n_done - n_first
+        return (self.seconds - at_first) / more * (self.n_walks - self.n_done) if more else None
 
     def _workers(self) -> Executor:
         if self._executor:
@@ -157,6 +159,8 @@ class LiveRun:
 
     def _walked(self, n: int) -> None:
         self.n_done += n
+        if not self._first[1]:  # until now the workers were started, and bodies built for the first time
+            self._first = self.seconds, n
         self._on_news()
 
     def _rest(self, state: State) -> bool:

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from walkerlab import plots, report
-from walkerlab.run import Run
 from walkerlab.export import export_mjcf
 from walkerlab.plots.look import paper
+from walkerlab.run import Run
 from walkerlab.store import RUN_FILE
 
 FILES = {

@@ -14,6 +14,8 @@ from walkerlab.scene import ROPE_ENDS, Scene
 AROUND, ALONG = 24, 12  # corners of what is round: about its axis, and from pole to pole
 LEAP = 3.0  # m of any body from one tick to the next, beyond which a world has broken down: 150 m/s
 ENDLESS = 60.0  # m to each side, to which a plane is drawn
+ROPE = 2  # points of what is drawn as a line
+OUTLINE = 48  # corners of an outline at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,6 +154,14 @@ def skins(scene: Scene, pose: Floats, *, loose: bool = False) -> list[tuple[Floa
     return parts
 
 
+def outline(points: Floats) -> Floats:
+    """Return the corners of the hull of (k, 2) points, in order: the farthest in each of many ways; a rope as it is."""
+    if len(points) == ROPE:
+        return points
+    farthest = np.argmax(points @ _WAYS.T, axis=0)
+    return points[farthest[np.flatnonzero(np.diff(farthest, prepend=-1))]]
+
+
 def _points(model: mujoco.MjModel, geom: int) -> Floats:
     return _surface(model, model.geom_type[geom], model.geom_size[geom], int(model.geom_dataid[geom]))[0]
 
@@ -168,12 +178,12 @@ def _surface(model: mujoco.MjModel, kind: int, size: Floats, data: int) -> tuple
             return _hills(model, data)
         case mujoco.mjtGeom.mjGEOM_CAPSULE:
             ends = size[1] * np.repeat([1, -1], ALONG // 2 * AROUND)
-            return _BALL * size[0] + np.stack([0 * ends, 0 * ends, ends], axis=1), _WRAP
+            return BALL * size[0] + np.stack([0 * ends, 0 * ends, ends], axis=1), _WRAP
         case mujoco.mjtGeom.mjGEOM_CYLINDER:
-            ends = np.concatenate([_RING + np.array([0, 0, end]) for end in (1, -1)]) * [size[0], size[0], size[1]]
+            ends = np.concatenate([RING + np.array([0, 0, end]) for end in (1, -1)]) * [size[0], size[0], size[1]]
             return ends[_CYLINDER_CORNERS], _CYLINDER
         case mujoco.mjtGeom.mjGEOM_BOX:
-            return _CORNERS * size, _BOX
+            return CUBE * size, _BOX
         case mujoco.mjtGeom.mjGEOM_MESH:
             corners, faces = (
                 values[start[data] : start[data] + count[data]]
@@ -185,7 +195,7 @@ def _surface(model: mujoco.MjModel, kind: int, size: Floats, data: int) -> tuple
             split = corners[faces.ravel()].astype(np.float64)
             return split, np.arange(len(split), dtype=np.intp).reshape(-1, 3)
         case _:
-            return _BALL * size[0], _WRAP
+            return BALL * size[0], _WRAP
 
 
 def _grid(x: Floats, y: Floats, z: Floats) -> tuple[Floats, Indices]:
@@ -215,12 +225,13 @@ def _wrap(rings: int) -> Indices:
     return np.concatenate([sides.reshape(-1, 3), fan, bottom]).astype(np.intp)
 
 
+_WAYS = np.array([(math.cos(turn), math.sin(turn)) for turn in np.arange(OUTLINE) * math.tau / OUTLINE])
 _TURN = np.linspace(0, math.tau, AROUND, endpoint=False)
-_RING = np.stack([np.cos(_TURN), np.sin(_TURN), np.zeros(AROUND)], axis=1)
-_BALL = np.concatenate([_RING * math.sin(t) + [0, 0, math.cos(t)] for t in (np.arange(ALONG) + 0.5) * math.pi / ALONG])
+RING = np.stack([np.cos(_TURN), np.sin(_TURN), np.zeros(AROUND)], axis=1)
+BALL = np.concatenate([RING * math.sin(t) + [0, 0, math.cos(t)] for t in (np.arange(ALONG) + 0.5) * math.pi / ALONG])
 _WRAP = _wrap(ALONG)
 _CYLINDER_CORNERS = np.concatenate([np.arange(2 * AROUND), np.arange(2 * AROUND)])  # of the side, and of the ends again
 _CYLINDER = np.concatenate([_wrap(2)[: 2 * AROUND], _wrap(2)[2 * AROUND :] + 2 * AROUND])
 _SIDE = np.array([(1, -1, -1), (1, 1, -1), (1, 1, 1), (1, -1, 1)], dtype=np.float64)
-_CORNERS = np.concatenate([np.roll(way * _SIDE[::way], axis, axis=1) for axis in range(3) for way in (1, -1)])
+CUBE = np.concatenate([np.roll(way * _SIDE[::way], axis, axis=1) for axis in range(3) for way in (1, -1)])
 _BOX = np.concatenate([np.array([(0, 1, 2), (0, 2, 3)]) + 4 * side for side in range(6)]).astype(np.intp)

@@ -31,7 +31,7 @@ def add_obstacles(root: Any, terrain: Terrain, layout: Layout) -> None:
     for i, (spot, up, turn, size) in enumerate(spots, start=1):
         shape = _shape(root, kind, i, size)
         body = root.worldbody.add("body", name=f"obstacle{i}", pos=spot + shape.pop("lift") * up)
-        body.xyaxes = _axes(up, turn)
+        body.xyaxes = axes_of(up, turn)
         body.sleep = "allowed" if any(terrain.wind) else "init"
         body.add("freejoint", name=f"obstacle{i}")
         body.add(
@@ -40,7 +40,7 @@ def add_obstacles(root: Any, terrain: Terrain, layout: Layout) -> None:
         )  # fmt: skip
 
 
-def _axes(up: Floats, turn: float) -> Floats:
+def axes_of(up: Floats, turn: float) -> Floats:
     """Lay the x and the y axis of what stands on a slope and is turned."""
     x = np.array([math.cos(turn), math.sin(turn), 0.0])
     x -= (x @ up) * up
@@ -59,7 +59,7 @@ def _shape(root: Any, kind: Obstacle, number: int, size: float) -> dict[str, Any
         case Obstacle.log:
             return {"type": "cylinder", "size": [half, LOG * half], "euler": (0, math.pi / 2, 0), "lift": half}
         case Obstacle.rock:
-            corners = half * _ROCKS[number % len(_ROCKS)]
+            corners = half * ROCKS[number % len(ROCKS)]
             mesh = root.asset.add("mesh", name=f"rock{number}", vertex=corners.ravel())
             return {"type": "mesh", "mesh": mesh, "lift": -corners[:, 2].min()}
         case _:
@@ -76,4 +76,4 @@ def _rock(number: int) -> Floats:
     return np.stack([ring * np.cos(around), ring * np.sin(around), 0.8 * z], axis=1) * far[:, np.newaxis]
 
 
-_ROCKS = [_rock(number) for number in range(5)]
+ROCKS = [_rock(number) for number in range(5)]

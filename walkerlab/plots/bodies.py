@@ -18,17 +18,13 @@ from walkerlab.plots.style import QUIET, describe, with_unit
 from walkerlab.quantity import count
 from walkerlab.scene import Scene, compile_scene, scene_of
 from walkerlab.settings import Settings
-from walkerlab.shapes import skins, sound_poses
+from walkerlab.shapes import ROPE, outline, skins, sound_poses
 
 MARGIN = 0.2  # m of ground that is seen before and behind all that stands on it
 MOST, APART = 5, 1.3  # times at most that a robot is drawn on its way; body lengths between two of them at least
 SHORT = 0.05  # m, for which there is no arrow
 NEAR = 1.0  # m to either side of a robot, from which on what lies about is not drawn with it
-ROPE = 2  # points of what is drawn as a line
-OUTLINE = 48  # corners of an outline at most
 SLANT = 0.35  # by which what is farther away is drawn farther right, or its far legs could not be seen
-
-_WAYS = np.array([(math.cos(turn), math.sin(turn)) for turn in np.arange(OUTLINE) * math.tau / OUTLINE])
 
 Parts = Sequence[tuple[Floats, Floats]]
 """As ``skins`` lays them out: (k, 3) points each, and their colour."""
@@ -177,7 +173,7 @@ def add_body(
     """
     ordered = sorted(parts, key=lambda part: -part[0][:, 1].mean())  # the far side first
     view = np.array([(1.0, 0.0), (slant, 0.0), (0.0, 1.0)])
-    outlines = [_outline(points @ view) * scale + at for points, _ in ordered]
+    outlines = [outline(points @ view) * scale + at for points, _ in ordered]
     ground = np.array(ink(axes, 0))
     fills = [ground + strength * (colour[:3] - ground) for _, colour in ordered]
     is_rope = [len(points) == ROPE for points, _ in ordered]
@@ -188,14 +184,6 @@ def add_body(
     corners = np.concatenate(outlines)
     (left, bottom), (right, top) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     return left, right, bottom, top
-
-
-def _outline(points: Floats) -> Floats:
-    """Return the corners of the hull of (k, 2) points, in order: the farthest in each of many ways."""
-    if len(points) == ROPE:
-        return points
-    farthest = np.argmax(points @ _WAYS.T, axis=0)
-    return points[farthest[np.flatnonzero(np.diff(farthest, prepend=-1))]]
 
 
 def _round_length(about: float) -> float:

@@ -19,7 +19,7 @@ function render({ model, el }) {
   el.append(box);
   let frame = null;
 
-  function tell(open) { model.set("open", open); model.save_changes(); }
+  function tell(open) { model.set("is_open", open); model.save_changes(); }
 
   function close() {
     say("Play in 3D");

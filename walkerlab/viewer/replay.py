@@ -185,7 +185,7 @@ class Frame(anywidget.AnyWidget):
     poster = traitlets.Unicode("").tag(sync=True)
     alt = traitlets.Unicode("").tag(sync=True)
     page = traitlets.Bytes(b"").tag(sync=True)
-    open = traitlets.Bool(False).tag(sync=True)  # whether the page is to be seen
+    is_open = traitlets.Bool(False).tag(sync=True)  # whether the page is to be seen
 
     def __init__(self, shown: Replay | None = None) -> None:
         """Show a replay, or nothing yet."""

@@ -1,1 +1,10 @@
-"""The panel, and the pieces that it is made of, each of use on its own in a cell: sliders, pictures, a run that goes on."""
+"""The panel, and the pieces that it is made of, each of use on its own in a lesson's cell."""
+
+from walkerlab.widgets.curve import Curve as Curve
+from walkerlab.widgets.editor import Editor as Editor
+from walkerlab.widgets.form import Form as Form
+from walkerlab.widgets.lab import Lab as Lab
+from walkerlab.widgets.population import Population as Population
+from walkerlab.widgets.world import World as World
+
+__all__ = ["Curve", "Editor", "Form", "Lab", "Population", "World"]

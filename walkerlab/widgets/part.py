@@ -8,9 +8,18 @@ import anywidget
 HERE = Path(__file__).parent
 
 
-def style(name: str) -> str:
-    """Return the style sheet of a piece: what all share, and its own."""
-    return "\n".join((HERE / f"{part}.css").read_text(encoding="utf-8") for part in ("part", name))
+def style(*names: str) -> str:
+    """Return the style sheet of a piece: what all share, and those of these names."""
+    return _joined("css", names)
+
+
+def script(*names: str) -> str:
+    """Return the JavaScript of a piece: what all share, and those of these names, of which the last renders."""
+    return _joined("js", names)
+
+
+def _joined(kind: str, names: tuple[str, ...]) -> str:
+    return "\n".join((HERE / f"{name}.{kind}").read_text(encoding="utf-8") for name in ("part", *names))
 
 
 class Part(anywidget.AnyWidget):
@@ -23,12 +32,6 @@ class Part(anywidget.AnyWidget):
         """Make it, with the values of its traits."""
         super().__init__(**traits)
         _answer_at_once(self)
-
-    def _repr_mimebundle_(self, **options: Any) -> Any:
-        """Show it; as text, by its class."""
-        bundle = super()._repr_mimebundle_(**options)
-        bundle[0]["text/plain"] = repr(self)
-        return bundle
 
     def __repr__(self) -> str:
         """Name it; its traits are long."""

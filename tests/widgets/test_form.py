@@ -1,0 +1,347 @@
+"""The form says what its controls say, and beside them what cannot be; whatever a browser sends, it goes on."""
+
+import json
+from functools import partial
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from traitlets import TraitError
+
+from tests.strategies import all_settings
+from walkerlab.ga.selection import tournament
+from walkerlab.quantity import OneOf, SettingsError
+from walkerlab.settings import Algorithm, Robot, Settings, Simulation, Terrain
+from walkerlab.widgets.controls import OWN, controls_of, idle
+from walkerlab.widgets.form import KINDS, Form
+from walkerlab.widgets.presets import PRESETS
+
+DOMAINS = (Terrain, Robot, Algorithm, Simulation)
+
+
+def every_place():
+    return [f"{domain}.{field}" for domain, field in Settings.places().values()]
+
+
+def controls(form):
+    return {f"{tab['domain']}.{control['name']}": control for tab in form.tabs for control in tab["controls"]}
+
+
+def send(form, **values):
+    """Say what a browser says: plain JSON of all values, some of them changed (``terrain__step_height=0.2``)."""
+    said = json.loads(json.dumps(form.values))
+    for place, value in values.items():
+        domain, _, field = place.partition("__")
+        said[domain][field] = value
+    form.set_state({"values": json.loads(json.dumps(said))})
+
+
+# -------------------------------------------------------------------------------------------------- controls
+
+
+def test_every_setting_has_a_control():
+    assert list(controls(Form())) == every_place()
+
+
+@pytest.mark.parametrize("kind", DOMAINS)
+def test_every_control_says_what_was_declared_of_its_setting(kind):
+    for control in controls_of(kind):
+        declared = kind.declared()[control["name"]]
+        assert control["about"].split()[-1] == declared.about.split()[-1]
+        assert kind.declared()[control["name"]](control["default"]) == kind.model_fields[control["name"]].default
+        if isinstance(declared, OneOf):
+            offered = {option["name"] for option in control["options"]} | ({"none"} & set(declared.choices.__members__))
+            assert offered == set(declared.choices.__members__)
+            assert all(option["about"] for option in control["options"])
+        else:
+            assert (control["low"], control["high"], control["unit"]) == (declared.low, declared.high, declared.unit)
+
+
+@pytest.mark.parametrize("kind", DOMAINS)
+def test_a_slider_goes_from_end_to_end_in_steps_that_can_be_seen_and_stops_at_the_default(kind):
+    for control in controls_of(kind):
+        if "stops" in control:
+            stops, default = control["stops"], control["default"]
+            assert stops == sorted(set(stops))
+            assert (stops[0], stops[-1]) == (control["low"], control["high"])
+            assert set(default if isinstance(default, list) else [default]) <= set(stops)
+            assert len(stops) <= 160
+            assert len(stops) >= min(50, control["high"] - control["low"] + 1) or control["whole"]
+            assert not control["whole"] or all(stop == int(stop) for stop in stops)
+
+
+def test_a_wide_range_gives_each_decade_the_same_room():
+    (weight,) = (control for control in controls_of(Robot) if control["name"] == "weight")
+    assert [sum(low <= stop < 10 * low for stop in weight["stops"]) for low in (0.1, 1, 10)] == [35, 35, 35]
+
+
+def test_all_that_is_shown_is_plain_data():
+    form = Form(Settings().with_(selection=tournament, mutation=["micro", partial(tournament, size=7)]))
+    for trait in ("tabs", "values", "faults", "idle", "presets"):
+        assert json.loads(json.dumps(getattr(form, trait))) == getattr(form, trait)
+
+
+@pytest.mark.parametrize(
+    ("only", "places"),
+    [
+        (["step_height"], ["terrain.step_height"]),
+        (["seed", "terrain_seed"], ["terrain.seed", "algorithm.seed"]),
+        (["simulation"], [f"simulation.{name}" for name in Simulation.model_fields]),
+        ("legs", ["robot.legs"]),
+    ],
+)
+def test_a_form_of_some_settings_shows_these_and_keeps_the_others(only, places):
+    form = Form(Settings().with_(duration=5, legs=(4, 6)), only=only)
+    assert list(controls(form)) == places
+    send(form, terrain__step_height=0.2)
+    assert form.settings == Settings().with_(duration=5, legs=(4, 6), step_height=0.2)
+
+
+def test_a_form_of_what_there_is_not_says_what_was_meant():
+    with pytest.raises(ValueError, match=r"no setting 'step_hight'.* 'step_height'"):
+        Form(only=["step_hight"])
+
+
+# ------------------------------------------------------------------------------------- settings, to and fro
+
+
+@given(all_settings)
+@settings(max_examples=60, deadline=None)
+def test_what_is_set_is_what_it_says(made):
+    form = Form()
+    form.settings = made
+    assert form.settings == made
+    assert form.fault == ""
+    said = json.loads(json.dumps(form.values))
+    other = Form()
+    other.set_state({"values": said})
+    assert other.settings == made
+    assert other.values == said
+
+
+def test_a_moved_control_is_told_once():
+    form, told = Form(), []
+    form.observe(lambda change: told.append(change.new), "settings")
+    send(form, terrain__step_height=0.2)
+    send(form, terrain__step_height=0.2)
+    assert told == [Settings().with_(step_height=0.2)]
+
+
+def test_setting_settings_moves_the_controls_and_is_told_once():
+    form, told = Form(), []
+    form.observe(lambda change: told.append(change.new), "settings")
+    form.settings = Settings().with_(structure="stairs")
+    assert form.values["terrain"]["structure"] == "stairs"
+    assert told == [Settings().with_(structure="stairs")]
+
+
+def test_settings_must_be_settings():
+    with pytest.raises(TraitError):
+        Form().settings = {"terrain": {}}
+
+
+def own_pick(fitness, n_parents, *, rng):
+    return rng.permutation(n_parents)
+
+
+def test_functions_of_ones_own_are_choices_and_stay_when_other_things_change():
+    sharp = partial(tournament, size=7)
+    made = Settings().with_(selection=[sharp, "rank", own_pick], fitness=own_pick)
+    form = Form(made)
+    assert form.values["algorithm"]["selection"] == [f"{OWN}tournament(size=7)", "rank", f"{OWN}own_pick"]
+    offered = [option["name"] for option in controls(form)["algorithm.selection"]["options"]]
+    assert offered[-2:] == [f"{OWN}tournament(size=7)", f"{OWN}own_pick"]
+    send(form, simulation__duration=5)
+    assert form.settings == made.with_(duration=5)
+    send(form, algorithm__selection="gradient")
+    send(form, algorithm__selection=["uniform", f"{OWN}own_pick"])
+    assert form.settings == made.with_(duration=5, selection=["uniform", own_pick])
+
+
+def test_two_functions_of_one_name_are_two_and_a_new_one_takes_the_place_of_the_old():
+    first, second, third = ((lambda fitness, n, *, rng: None) for _ in range(3))
+    form = Form(Settings().with_(selection=[first, second, first]))
+    assert form.values["algorithm"]["selection"] == [f"{OWN}<lambda>", f"{OWN}<lambda>′", f"{OWN}<lambda>"]
+    assert form.settings.algorithm.selection == (first, second, first)
+    form.settings = Settings().with_(selection=third)
+    form.settings = Settings().with_(selection=first)
+    assert form.settings.algorithm.selection is first
+
+
+def test_a_function_that_was_not_given_cannot_be_chosen():
+    form = Form()
+    send(form, algorithm__selection=f"{OWN}system")
+    assert form.settings is None
+    assert "algorithm.selection" in form.faults
+
+
+# --------------------------------------------------------------------------------------- what cannot be
+
+CLASHES = [
+    {"texture_density": 0.9, "texture_size": 0.02},
+    {"structure": "stairs", "step_depth": 0.1, "texture_density": 0.2, "texture_size": 0.2},
+    {"structure": "gaps", "gap_distance": 0.2, "texture_density": 0.2, "texture_size": 0.2},
+    {"structure": "stairs", "step_depth": 0.2, "obstacle": "log", "obstacle_size": 0.2},
+    {"structure": "gaps", "gap_distance": 0.2, "obstacle": "box", "obstacle_size": 0.4},
+    {"obstacle": "rock", "obstacle_size": 1.0, "obstacle_density": 2.0},
+    {"legs": [3, 3]},
+    {"legs": [10, 12], "segments": [1, 4]},
+    {"segments": [8, 8], "segment_length": [0.5, 0.5], "body_length": [0.4, 1.2]},
+    {"segments": [1, 1], "segment_length": [0.2, 0.3], "body_length": [2.0, 3.0]},
+    {"segments": [2, 3], "segment_length": [0.3, 0.4], "body_length": [0.85, 0.88]},
+    {"carry_weight": 0.005},
+    {"drag_weight": 0.005},
+    {"weight": [12, 3]},
+    {"step_height": 0.9},
+    {"n_elites": 60},
+    {"population_size": 4.5},
+    {"forgive": []},
+]
+
+
+@pytest.mark.parametrize("clash", CLASHES, ids=lambda clash: ", ".join(clash))
+def test_what_cannot_be_is_told_beside_each_field_that_it_names(clash):
+    form, places = Form(), Settings.places()
+    with pytest.raises(SettingsError) as refused:
+        Settings().with_(**clash)
+    send(form, **{"__".join(places[name]): value for name, value in clash.items()})
+    assert form.settings is None
+    assert form.fault == str(refused.value)
+    named = {word.rstrip(".,:;").lower() for word in form.fault.split()} & {*every_place()}
+    assert set(form.faults) == named
+    assert {".".join(places[name]) for name in clash} & named
+    for sentence in form.faults.values():
+        assert sentence[0].isupper()
+        assert not any(f"{kind.__name__}." in sentence for kind in DOMAINS)
+    send(form, **{"__".join(places[name]): Form().values[places[name][0]][places[name][1]] for name in clash})
+    assert (form.settings, form.fault, form.faults) == (Settings(), "", {})
+
+
+def test_faults_of_several_domains_are_all_told():
+    form = Form()
+    send(form, terrain__step_height=9, robot__legs=[3, 3], algorithm__n_elites=500)
+    assert set(form.faults) == {
+        "terrain.step_height", "robot.legs", "algorithm.n_elites", "algorithm.population_size",
+    }  # fmt: skip
+
+
+def test_settings_that_are_set_mend_what_was_wrong():
+    form = Form()
+    send(form, terrain__step_height=9)
+    form.settings = Settings()
+    assert (form.settings, form.fault, form.faults) == (Settings(), "", {})
+    assert form.values["terrain"]["step_height"] == 0.08
+
+
+garbage = st.recursive(
+    st.none()
+    | st.booleans()
+    | st.integers()
+    | st.floats()
+    | st.text()
+    | st.sampled_from([10**400, "ƒ", "\0", "Robot.x"]),
+    lambda inside: st.lists(inside) | st.dictionaries(st.text() | st.sampled_from([*KINDS, "seed", "legs"]), inside),
+    max_leaves=8,
+)
+
+
+@given(place=st.sampled_from(sorted(Settings.places().values())), sent=garbage)
+@settings(deadline=None)
+def test_a_value_that_is_no_setting_is_a_fault_beside_its_field_and_raises_nothing(place, sent):
+    form, (domain, field) = Form(), place
+    form.set_state({"values": form.values | {domain: form.values[domain] | {field: sent}}})
+    if form.settings is None:
+        assert f"{domain}.{field}" in form.faults
+    else:
+        assert form.fault == ""
+
+
+@given(st.dictionaries(st.sampled_from(sorted(Form().keys)), garbage), garbage)
+@settings(deadline=None)
+def test_whatever_a_browser_sends_the_form_stays_whole(state, values):
+    form = Form()
+    tabs, presets = form.tabs, form.presets
+    form.set_state(state)
+    form.set_state({"values": values, "preset": values})
+    assert {domain: list(fields) for domain, fields in form.values.items()} == {
+        domain: list(kind.model_fields) for domain, kind in KINDS.items()
+    }
+    assert (form.tabs, form.presets) == (tabs, presets)
+    assert (form.settings is None) == bool(form.fault)
+    form.settings = Settings().with_(duration=3)
+    assert (form.fault, form.values["simulation"]["duration"]) == ("", 3)
+
+
+# ------------------------------------------------------------------------------------- what does not matter
+
+
+@given(all_settings)
+@settings(max_examples=30, deadline=None)
+def test_what_does_not_matter_has_a_reason_that_fits_beside_it(made):
+    for place, why in idle(made.model_dump()).items():
+        assert place in every_place()
+        assert 0 < len(why) <= 18
+
+
+@pytest.mark.parametrize(
+    ("changes", "matter"),
+    [
+        ({"structure": "stairs"}, {"terrain.step_height", "terrain.step_depth"}),
+        ({"structure": "rough"}, {"terrain.hill_height", "terrain.hill_length", "terrain.seed"}),
+        ({"texture_density": 0.1}, {"terrain.texture_size", "terrain.seed"}),
+        ({"obstacle": "box"}, {"terrain.obstacle_size", "terrain.obstacle_density", "terrain.seed"}),
+        ({"mutation": ["micro", "favored"]}, {"algorithm.favored_gene"}),
+        ({"mutation": own_pick}, {"algorithm.favored_gene"}),
+    ],
+)
+def test_a_choice_wakes_the_settings_that_it_needs(changes, matter):
+    form = Form()
+    asleep = set(form.idle)
+    form.settings = Settings().with_(**changes)
+    assert asleep - set(form.idle) == matter
+
+
+def test_a_guard_that_is_off_needs_no_number():
+    assert set(Form(Settings().with_(forgive=["too_fast", "airborne"])).idle) >= {
+        "simulation.max_speed", "simulation.max_airborne",
+    }  # fmt: skip
+
+
+# ------------------------------------------------------------------------------------------------- presets
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_changes_the_world_and_nothing_else(name):
+    form = Form(Settings().with_(structure="stairs", legs=(4, 8), seed=5, duration=3))
+    form.set_state({"preset": name})
+    assert form.preset == name
+    assert form.settings == Settings().with_(seed=5, duration=3, **PRESETS[name].changes)
+
+
+def test_a_preset_is_named_as_long_as_it_is_the_world():
+    form = Form()
+    assert form.preset == "Earth"
+    form.settings = Settings().with_(gravity="moon", texture="sand", duration=3)
+    assert form.preset == "Moon"
+    send(form, terrain__wind=[1, 0, 0])
+    assert form.preset == ""
+    form.set_state({"preset": "Nowhere"})
+    assert form.preset == ""
+
+
+def test_a_preset_mends_what_was_wrong():
+    form = Form()
+    send(form, terrain__step_height=9)
+    form.set_state({"preset": "Earth"})
+    assert form.settings == Settings()
+
+
+def test_a_form_offers_the_presets_of_which_all_is_shown():
+    assert not Form(only=["structure"]).presets
+    assert not Form(only=["algorithm"]).presets
+    offered = {preset["name"] for preset in Form(only=["terrain"]).presets}
+    assert "Moon" in offered
+    assert "Caravan" not in offered
+    form = Form(Settings().with_(legs=(4, 8)), only=["terrain"])
+    form.set_state({"preset": "Ice"})
+    assert form.settings == Settings().with_(legs=(4, 8), texture="ice")

@@ -1,0 +1,223 @@
+"""The panel does what its buttons say; how it looks and feels is tested in a browser."""
+
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import ipywidgets
+import numpy as np
+import pandas as pd
+import pytest
+
+import walkerlab as wl
+from walkerlab.report.code import as_python
+from walkerlab.widgets.card import card
+from walkerlab.widgets.kept import new_file, run_files, told_apart
+
+SMALL = wl.Settings().with_(population_size=6, generations=4, duration=1)
+PATIENCE = 60  # s
+
+
+def until(holds):
+    end = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+@pytest.fixture(scope="module")
+def pool():
+    with ThreadPoolExecutor(2) as workers:
+        yield workers
+
+
+@pytest.fixture
+def lab(pool, tmp_path):
+    panel = wl.Lab(SMALL, tmp_path / "lab", executor=pool)
+    yield panel
+    panel.close()
+
+
+def press(lab, button):
+    lab.transport._hear(lab.transport, {"press": button}, [])
+
+
+def drawn(lab):
+    """Wait until everything that was ordered is drawn."""
+    done = []
+    lab._desk.order("test", lambda: done.append(True))
+    until(lambda: done)
+
+
+def test_a_run_goes_from_start_to_end_and_is_kept(lab, pool):
+    press(lab, "start")
+    until(lambda: lab.transport.state == "finished")
+    drawn(lab)
+    alone = wl.evolve(SMALL, executor=pool, progress=False)
+    pd.testing.assert_frame_equal(lab.run.records, alone.records)
+    pd.testing.assert_frame_equal(wl.load(lab.run.path).records, alone.records)
+    [entry] = lab.shelf.runs
+    assert (entry["key"], entry["state"]) == ("run 1", "finished")
+    assert f"{alone.champion.fitness:.2f} m" == entry["best"]
+    assert f"Robot {alone.champion.individual}" in lab.robot.card.value
+    assert "<svg" in lab.curve.value
+    assert lab.transport.share == 1
+
+
+def test_nothing_happens_before_a_button_is_pressed(lab, tmp_path):
+    drawn(lab)
+    assert lab.run is None
+    assert not (tmp_path / "lab").exists()
+    assert "on this computer" in lab.transport.forecast
+
+
+def test_steps_pauses_and_stops(lab):
+    press(lab, "step")
+    until(lambda: lab.transport.state == "paused")
+    assert lab.run.n_generations == 1
+    press(lab, "step")
+    until(lambda: lab.transport.state == "paused" and lab.run.n_generations == 2)
+    press(lab, "stop")
+    until(lambda: lab.transport.state == "stopped")
+    assert lab.run.n_generations == 2
+    press(lab, "go_on")
+    press(lab, "pause")
+    assert lab.transport.state == "stopped"
+
+
+def test_what_cannot_be_is_explained_and_does_not_start(lab):
+    lab.form.values = {**lab.form.values, "algorithm": {**lab.form.values["algorithm"], "n_elites": 6}}
+    assert lab.settings is None
+    assert "n_elites" in lab.transport.fault
+    press(lab, "start")
+    assert lab.run is None
+    lab.settings = SMALL
+    assert not lab.transport.fault
+
+
+@pytest.mark.parametrize("nonsense", [None, "start", {}, {"press": "fly"}, {"press": None}, [1]])
+def test_nonsense_from_a_browser_does_nothing(lab, nonsense):
+    for piece in (lab.transport, lab.drawer):
+        piece._hear(piece, nonsense, [])
+    assert lab.run is None
+
+
+def test_runs_are_told_apart_and_one_that_is_dropped_is_gone(lab):
+    for mutation in ("micro", "macro"):
+        lab.settings = SMALL.with_(mutation=mutation, generations=1)
+        press(lab, "start")
+        until(lambda: lab.transport.state == "finished")
+    drawn(lab)
+    assert [entry["differs"] for entry in lab.shelf.runs] == ["mutation micro", "mutation macro"]
+    assert lab.shelf.selected == "run 2"
+    assert "Run 1: distance" in lab.curve.value
+    lab.shelf.drop("run 2")
+    drawn(lab)
+    assert lab.shelf.selected == "run 1"
+    assert lab.run.settings.algorithm.mutation == wl.Mutation.micro
+
+
+def test_a_robot_is_selected_edited_and_put_into_the_next_generation(lab):
+    press(lab, "step")
+    until(lambda: lab.transport.state == "paused")
+    drawn(lab)
+    number = int(lab.run.records.individual.iloc[2])
+    lab.population.selected = number
+    drawn(lab)
+    assert f"Robot {number}" in lab.robot.card.value
+    assert str(lab.robot.editor.genome) == lab.run.records.genome.iloc[2]
+    assert lab.robot.frame.poster.startswith("data:image/svg+xml")
+    assert not lab.robot.frame.page
+    lab.robot.frame._hear(None, {"want": "page"}, [])
+    assert f"robot {number} of generation 0".encode() in lab.robot.frame.page
+
+    edited = wl.Genome.random(SMALL.robot, rng=np.random.default_rng(1))
+    lab.robot.editor.text = str(edited)
+    lab.robot.editor._hear(None, {"press": "insert"}, [])
+    assert "generation 1" in lab.robot.editor.notes[0]
+    press(lab, "step")
+    until(lambda: lab.run.n_generations == 2)
+    guest = lab.run.records.iloc[-1]
+    assert (guest.genome, guest.operators) == (str(edited), "by hand")
+    assert "made by hand" in card(lab.run.records, guest.individual)
+    drawn(lab)
+    assert "evolution.insert" in lab.drawer.code
+
+
+def test_code_of_a_stopped_run_makes_its_table_again(lab):
+    press(lab, "step")
+    until(lambda: lab.transport.state == "paused")
+    press(lab, "stop")
+    place = {}
+    exec(as_python(lab.run.settings, lab.run.records), place)
+    pd.testing.assert_frame_equal(place["run"].records, lab.run.records)
+
+
+def test_exported_all_is_in_the_folder_of_the_run_and_can_be_loaded(lab):
+    press(lab, "start")
+    until(lambda: lab.transport.state == "finished")
+    lab.drawer._hear(None, {"export": True}, [])
+    until(lambda: lab.drawer.words.startswith("Exported"))
+    folder = lab.run.path.parent
+    assert {"report.html", "replay.html", "run.walk", "records.csv", "champion.txt"} <= {
+        path.name for path in folder.iterdir()
+    }
+    assert lab.drawer.files == [str(lab.run.path)]
+    lab.drawer._hear(None, {"load": str(folder)}, [])
+    assert lab.shelf.selected == str(lab.run.path)
+    drawn(lab)
+    assert lab.shelf.runs[1]["state"] == "loaded"
+    lab.drawer._hear(None, {"load": "no/such.walk"}, [])
+    assert "no run file" in lab.drawer.words
+
+
+def test_without_the_right_to_write_a_run_is_in_memory(pool, tmp_path):
+    (tmp_path / "lab").write_text("in the way")
+    lab = wl.Lab(SMALL.with_(generations=1), tmp_path / "lab", executor=pool)
+    press(lab, "start")
+    until(lambda: lab.transport.state == "finished")
+    assert "in memory only" in lab.drawer.words
+    assert lab.run.n_generations == 1
+    lab.close()
+
+
+def test_an_operator_that_will_not_do_is_named_and_nothing_starts(lab):
+    def halve(genomes, genes, *, rng):
+        return genomes[::2]
+
+    lab.settings = SMALL.with_(mutation=halve)
+    press(lab, "start")
+    assert "halve" in lab.transport.words
+    assert lab.run is None
+
+
+def test_two_panels_do_not_know_of_each_other(lab, pool, tmp_path):
+    other = wl.Lab(SMALL.with_(seed=5), tmp_path / "lab", executor=pool)
+    for panel in (lab, other):
+        press(panel, "start")
+    for panel in (lab, other):
+        until(lambda panel=panel: panel.transport.state == "finished")
+    for panel, settings in ((lab, SMALL), (other, SMALL.with_(seed=5))):
+        alone = wl.evolve(settings, executor=pool, progress=False)
+        pd.testing.assert_frame_equal(panel.run.records, alone.records)
+    other.close()
+
+
+def test_closed_it_leaves_no_widget_and_no_thread(pool, tmp_path):
+    import threading
+
+    registry = ipywidgets.widgets.widget._instances
+    before, threads = set(registry), set(threading.enumerate())
+    lab = wl.Lab(SMALL, tmp_path / "lab", executor=pool)
+    press(lab, "start")
+    lab.close()
+    until(lambda: {one.name for one in set(threading.enumerate()) - threads} <= {"walkerlab pool"})
+    left = [registry[key] for key in set(registry) - before]
+    assert all(type(widget).__name__.endswith(("Layout", "Style")) for widget in left), left
+
+
+def test_a_file_of_a_new_run_is_nobodys(tmp_path):
+    first = new_file(tmp_path)
+    first.parent.mkdir()
+    assert new_file(tmp_path).parent != first.parent
+    assert run_files(tmp_path) == []
+    assert told_apart([SMALL]) == ["population size 6, generations 4, duration 1 s"]

@@ -1,0 +1,73 @@
+"""The world as it will be: drawn when something changes, once, on any thread."""
+
+import threading
+
+import pytest
+
+import walkerlab as wl
+from walkerlab import sketch
+from walkerlab.commands.worlds import GENOME
+from walkerlab.widgets.world import World
+
+
+@pytest.fixture
+def drawings(monkeypatch):
+    """Keep what has been drawn: settings and genome of each."""
+    kept, draw = [], sketch.world
+
+    def world(settings, genome):
+        kept.append((settings, genome))
+        return draw(settings, genome)
+
+    monkeypatch.setattr(sketch, "world", world)
+    return kept
+
+
+def test_it_shows_the_settings_and_the_genome_that_it_has(drawings):
+    settings = wl.Settings().with_(gravity="moon")
+    world = World(settings, GENOME)
+    assert drawings == [(settings, wl.Genome.parse(GENOME))]
+    assert world.picture == sketch.world(settings, GENOME)
+
+
+def test_a_robot_of_chance_is_one_with_which_a_run_begins(drawings):
+    settings = wl.Settings().with_(seed=3, population_size=4)
+    begin = wl.generate_robot_population(settings.robot, 4, seed=3)
+    World(settings)._handle_custom_msg("another", [])
+    assert [genome.values.tolist() for _, genome in drawings] == begin[:2].tolist()
+
+
+def test_it_is_drawn_anew_once_for_each_change(drawings):
+    world, stairs = World(), wl.Settings().with_(structure="stairs")
+    world.settings = stairs
+    world.genome = wl.Genome.parse(GENOME)
+    world.draw(wl.Settings())
+    assert [settings == stairs for settings, _ in drawings] == [False, True, True, False]
+    world.draw(wl.Settings())
+    assert len(drawings) == 4
+
+
+def test_a_button_puts_the_next_robot_of_chance_there(drawings):
+    world = World(genome=GENOME)
+    for _ in range(2):
+        world._handle_custom_msg("another", [])
+    assert len({genome for _, genome in drawings}) == 3
+    assert world.genome is None
+
+
+@pytest.mark.parametrize("message", [None, {}, {"another": 1}, ["another"], 7, "another "])
+def test_what_makes_no_sense_is_passed_over(message, drawings):
+    world = World()
+    world._handle_custom_msg(message, [])
+    assert len(drawings) == 1
+
+
+def test_another_thread_can_drive_it():
+    world, wanted = World(), [wl.Settings().with_(step_height=0.05 + 0.01 * i, structure="stairs") for i in range(5)]
+    thread = threading.Thread(target=lambda: [world.draw(one) for one in wanted])
+    thread.start()
+    for _ in range(5):
+        world._handle_custom_msg("another", [])
+    thread.join()
+    world.draw(wanted[0], wl.Genome.parse(GENOME))
+    assert world.picture == sketch.world(wanted[0], GENOME)

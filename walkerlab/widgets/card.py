@@ -1,0 +1,63 @@
+"""The card of a robot: what it is, what the judge said of its walk, and from whom it descends."""
+
+from typing import Any
+
+import pandas as pd
+
+from walkerlab import story
+from walkerlab.judge import VERDICTS
+from walkerlab.markup import Html, details, facts, shown, table
+from walkerlab.quantity import count
+from walkerlab.records import BY_HAND, births
+
+COUNTS = "ok"
+SOME = 4  # parents that are named
+
+
+def card(records: pd.DataFrame, individual: int) -> str:
+    """Write the card of one robot of a run.
+
+    Args:
+        records: the tidy table of the run.
+        individual: its number.
+    """
+    row: Any = births(records).loc[individual]
+    units = records.attrs.get("units", {})
+    unit = f" {units['fitness']}" if units.get("fitness") else ""
+    does_not = "" if row.verdict == COUNTS else f" That is, {row.reason}."
+    known = [
+        ("Born", f"in generation {row.born}, {_made(row)}"),
+        ("Judge", f"{row.verdict}: {VERDICTS.get(row.verdict, '')}{does_not}"),
+        ("Walk", f"{row.distance:.2f} m forward, {row.velocity:.2f} m/s"),
+        (
+            "Body",
+            f"{count(row.n_segments, 'segment')}, {count(row.n_legs, 'leg')}, {row.weight:.1f} kg, "
+            f"{row.body_length:.2f} m long",
+        ),
+    ]
+    if row.verdict == COUNTS:
+        known.insert(1, ("Fitness", f"{row.fitness:.3f}{unit}"))
+    return shown(facts(f"Robot {individual}", known), _line(records, individual))
+
+
+def _made(row: Any) -> str:
+    """Say how a robot came to be."""
+    parents = row.parents.split()
+    if not parents:
+        return "made by hand" if row.operators == BY_HAND else "drawn by chance"
+    more = f" and {len(parents) - SOME} more" if len(parents) > SOME else ""
+    return f"child of {', '.join(parents[:SOME])}{more}, by {row.operators}"
+
+
+def _line(records: pd.DataFrame, individual: int) -> Html:
+    line = story.ancestors(records, individual)
+    if len(line) < 2:
+        return Html("")
+    rows = [
+        [f"… {skipped} more …", "", "", ""]
+        if skipped
+        else [one.individual, one.born, f"{one.fitness:.2f}", one.operators]
+        for one, skipped in line
+    ]
+    lineage = table("Line of descent, through the fitter parent", ["robot", "born", "fitness", "made by"], rows)
+    return details("Its ancestors", lineage)

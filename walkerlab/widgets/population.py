@@ -1,0 +1,93 @@
+"""The robots of one generation, as pictures or as a table; one of them can be selected."""
+
+import math
+import threading
+
+import pandas as pd
+import traitlets
+
+from walkerlab import sketch
+from walkerlab.plots.style import table_of
+from walkerlab.records import join
+from walkerlab.run import Run
+from walkerlab.settings import Settings
+from walkerlab.widgets.part import Part, script, style
+from walkerlab.widgets.roster import COLUMNS, DRAWN, order, roster
+
+SIZE = (100, 56)  # pixels of a picture
+ROOM = 0.15  # m beside the longest robot, for its feet
+STEP = (
+    0.2  # m, to which the longest robot's length is rounded up, so that the scale stays when a child is a little longer
+)
+
+
+class Population(Part):
+    """The robots of one generation: a strip of pictures to one scale, or a table; sorted, and one of them selected.
+
+    Only those pictures are drawn that are in sight: a page on which nobody looks at it costs nothing.
+
+    Attributes:
+        selected: the number of the selected robot, -1 if none is; a click or a key sets it, and so can you.
+        sort: the column by which they are sorted: fitness, individual, distance, velocity, n_legs, n_segments,
+            weight, body_length or verdict.
+        as_table: whether they are shown as a table.
+    """
+
+    _esm = script("population")
+    _css = style("population")
+    selected = traitlets.Int(-1).tag(sync=True)
+    sort = traitlets.Enum(list(COLUMNS), "fitness").tag(sync=True)
+    as_table = traitlets.Bool(False).tag(sync=True)
+    sorts = traitlets.List().tag(sync=True)
+    roster = traitlets.Dict().tag(sync=True)
+    pictures = traitlets.Dict().tag(sync=True)
+    sight = traitlets.List(traitlets.Int(), [0, 0]).tag(sync=True)
+
+    def __init__(self, records: pd.DataFrame | Run | None = None, settings: Settings | None = None) -> None:
+        """Show a generation.
+
+        Args:
+            records: a tidy table or a run, of which the last generation is shown; nothing yet if None.
+            settings: of its run, for the loads that the robots carry and drag.
+        """
+        super().__init__(sorts=[{"key": key, "words": column.first} for key, column in COLUMNS.items()])
+        self._lock = threading.RLock()
+        self._settings, self._shown = settings, join([])
+        self.observe(self._list, "sort")
+        self.observe(self._draw, "sight")
+        if records is not None:
+            self.show(records, settings)
+
+    def show(self, records: pd.DataFrame | Run, settings: Settings | None = None) -> None:
+        """Show a generation; who was selected stays so if it lives on.
+
+        Args:
+            records: a tidy table or a run, of which the last generation is shown.
+            settings: as for a new one; those known already if None.
+        """
+        table = table_of(records)
+        with self._lock, self.hold_sync():
+            self._settings = settings or getattr(records, "settings", None) or self._settings
+            self._shown = table.loc[table.generation == table.generation.max()]
+            if self.selected not in self._shown.individual.tolist():
+                self.selected = -1
+            self._list()
+
+    def _list(self, _: object = None) -> None:
+        """Tell the browser who is there, together with the pictures that it sees first."""
+        with self._lock, self.hold_sync():
+            self._shown = order(self._shown, self.sort)
+            self._draw()
+            self.roster = roster(self._shown) if len(self._shown) else {}
+
+    def _draw(self, _: object = None) -> None:
+        """Draw those in sight; what was drawn lately is remembered where it is drawn."""
+        with self._lock:
+            first, last = self.sight if len(self.sight) == 2 else (0, 0)
+            seen = self._shown.iloc[max(first, 0) : min(last, DRAWN)]
+            span = STEP * math.ceil(self._shown.body_length.max() / STEP) + ROOM if len(seen) else 0.0
+            robot = self._settings.robot if self._settings else None
+            self.pictures = {
+                str(number): sketch.body(gene, robot, size=SIZE, span=span)
+                for number, gene in zip(seen.individual, seen.genome, strict=True)
+            }

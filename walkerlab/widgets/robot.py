@@ -1,0 +1,79 @@
+"""One robot: who it is, its gene to be edited, and its walk to be watched."""
+
+import base64
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import ipywidgets
+
+from walkerlab import sketch
+from walkerlab.genome import Genome
+from walkerlab.records import births
+from walkerlab.run import Run
+from walkerlab.settings import Settings
+from walkerlab.viewer import replay
+from walkerlab.viewer.replay import Frame
+from walkerlab.widgets.card import card
+from walkerlab.widgets.editor import Editor
+
+POSTER = (640, 360)  # pixels
+
+
+class RobotRoom(ipywidgets.Box):
+    """A robot of a run: its card, its gene in an editor, and its replay.
+
+    Attributes:
+        editor: of its gene.
+        frame: its replay, a picture until it is played.
+    """
+
+    def __init__(self, settings: Settings, on_insert: Callable[[Genome], str]) -> None:
+        """Make it, with nobody in it.
+
+        Args:
+            settings: of the world in which an edited gene walks before there is a run.
+            on_insert: puts a genome into the next generation, and says what became of that.
+        """
+        self.card, self.frame = ipywidgets.HTML(), Frame()
+        self.editor = Editor(settings=settings)
+        self._settings, self._shown, self._on_insert = settings, (None, -1), on_insert
+        super().__init__([self.card, self.frame, self.editor])
+        self.add_class("wl-robot")
+        self.editor.on_walk(self._walk)
+        self.editor.on_insert(self._insert)
+
+    def use(self, settings: Settings) -> None:
+        """Let edited genes walk in another world."""
+        self._settings = self.editor.settings = settings
+
+    def show(self, run: Run, number: int) -> None:
+        """Show a robot of a run, or its champion if there is none of the number.
+
+        A champion that is being watched stays until it is closed, however many better ones come.
+        """
+        known = number >= 0 and bool((run.records.individual == number).any())
+        robot = number if known else run.champion.individual
+        before, (self._shown) = self._shown, (run.settings, robot)
+        if before == self._shown or (not known and before[0] == run.settings and self.frame.is_open):
+            self._shown = before
+            return
+        row: Any = births(run.records).loc[robot]
+        genome = Genome.parse(row.genome)
+        self.card.value = card(run.records, robot)
+        self.use(run.settings)
+        self.editor.genome = genome
+        self._offer(genome, f"robot {robot} of generation {row.born}")
+
+    def _offer(self, genome: Genome, name: str) -> None:
+        """Offer its walk: a picture now, the walk when somebody wants to see it."""
+        svg = sketch.body(genome, self._settings.robot, size=POSTER)
+        picture = f"data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}"
+        self.frame.offer(partial(replay, {name: genome}, self._settings), picture, f"Replay of {name}. Press to play.")
+
+    def _walk(self, genome: Genome) -> None:
+        self._offer(genome, "the gene in the editor")
+        self.frame.play()
+
+    def _insert(self, genome: Genome) -> None:
+        self.editor.notes = [self._on_insert(genome)]
