@@ -165,7 +165,8 @@ function turns(control, tell) {
     const select = menu(control, place ? `${control.label}, step ${place + 1}` : control.label,
       (value) => say(now.map((old, other) => (other === place ? value : old))));
     const drop = make("button", { type: "button", className: "small",
-      ariaLabel: `${control.label}: leave out step ${place + 1}`, onclick: () => say(now.filter((_, other) => other !== place)) }, "✕");
+      ariaLabel: `${control.label}: leave out step ${place + 1}`,
+      onclick: () => say(now.filter((_, other) => other !== place)) }, "✕");
     const about = meaning(control.options);
     return { select, drop, about, element: make("div", { className: "turn" }, select.box, drop, about.element) };
   }

@@ -1,4 +1,4 @@
-"""The whole panel: settings on the left, the run on the right, its robots below.
+"""The whole panel: buttons on top, settings on the left, what comes of them on the right, the robots below.
 
     form → world                                       what will be
     transport → LiveRun → curve, shelf, population     what comes of it
@@ -26,6 +26,7 @@ from walkerlab.report.code import as_python
 from walkerlab.run import Run, load
 from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
+from walkerlab.widgets.controls import in_words as in_labels
 from walkerlab.widgets.curve import Curve
 from walkerlab.widgets.desk import Desk
 from walkerlab.widgets.drawer import Drawer
@@ -74,8 +75,9 @@ class Lab(ipywidgets.Box):
         self.drawer = Drawer(self._load, self._export)
         rooms = ipywidgets.Box(
             [
+                _room("wide", self.transport),
                 _room("left", self.form, self.world),
-                _room("right", self.transport, self.curve, self.shelf, self.drawer),
+                _room("right", self.curve, self.shelf, self.drawer),
                 _room("wide", self.population, self.robot),
             ]
         )
@@ -123,7 +125,8 @@ class Lab(ipywidgets.Box):
     def _form_changed(self, _change: object = None) -> None:
         """Draw the new world, and say what a run in it would cost, or why there can be none."""
         settings = self.settings
-        self.transport.fault = f"Cannot start. {self.form.fault}" if self.form.fault else ""
+        faults = "\n".join(map(in_labels, self.form.fault.splitlines()))
+        self.transport.fault = f"Cannot start. {faults}" if faults else ""
         if settings:
             self._desk.order("world", partial(self.world.draw, settings))
             self._desk.order("forecast", self._forecast)

@@ -2,7 +2,7 @@
 const PLAY = "M5 2l12 8-12 8z";
 const BUTTONS = [
   // name, words, sign as a path, what it does, in which states it can be pressed
-  ["start", "Start", PLAY, "evolve with the settings on the left", ["ready", "stopped", "finished", "failed"]],
+  ["start", "Start", PLAY, "evolve with the settings below", ["ready", "stopped", "finished", "failed"]],
   ["pause", "Pause", "M4 3h4v14H4z M12 3h4v14h-4z", "let no other robot begin to walk", ["running"]],
   ["go_on", "Go on", PLAY, "go on where it paused", ["paused"]],
   ["step", "One generation", "M4 3l8 7-8 7z M13 3h3v14h-3z", "evolve one generation, then pause", ["ready", "paused", "stopped", "finished", "failed"]],
@@ -29,7 +29,7 @@ function render({ model, el }) {
     return { button, name, states };
   });
   row.append(...buttons.map(({ button }) => button));
-  el.append(row, bar, words, ahead);
+  el.append(row, make("div", { className: "told" }, bar, words, ahead));
 
   function update() {
     const [state, fault] = [model.get("state"), model.get("fault")];
