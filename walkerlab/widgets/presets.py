@@ -49,7 +49,7 @@ PRESETS: dict[str, Preset] = {
         "up and down, on a meadow",
         {"structure": "rough", "texture": "grass", "hill_height": 0.25, "hill_length": 2.2},
     ),
-    "Muddy slope": Preset("gently uphill, with little grip", {"structure": "incline", "incline": 3.0, "texture": "mud"}),
+    "Muddy slope": Preset("gently uphill, in mud", {"structure": "incline", "incline": 3.0, "texture": "mud"}),
     "Trenches": Preset(
         "a pavement with gaps to step over",
         {"structure": "gaps", "texture": "concrete", "gap_width": 0.12, "gap_distance": 0.8},
