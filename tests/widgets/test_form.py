@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from traitlets import TraitError
 
 from tests.strategies import all_settings
+from walkerlab.choices import Structure
 from walkerlab.ga.selection import tournament
 from walkerlab.quantity import OneOf, SettingsError
 from walkerlab.settings import Algorithm, Robot, Settings, Simulation, Terrain
@@ -345,3 +346,14 @@ def test_a_form_offers_the_presets_of_which_all_is_shown():
     form = Form(Settings().with_(legs=(4, 8)), only=["terrain"])
     form.set_state({"preset": "Ice"})
     assert form.settings == Settings().with_(legs=(4, 8), texture="ice")
+
+
+def test_settings_that_are_seen_only_if_they_matter_are_those_of_one_structure_or_another():
+    told = {control["name"] for control in controls_of(Terrain) if control["alternative"]}
+    places = {f"terrain.{name}" for name in told}
+    for structure in Structure:
+        values = Settings().with_(structure=structure).model_dump()
+        assert len(places - idle(values).keys()) <= 2, "or the place that is kept for them is too low"
+    everywhere = [idle(Settings().with_(structure=structure).model_dump()).keys() for structure in Structure]
+    assert places <= set.union(*map(set, everywhere))
+    assert not places & set.intersection(*map(set, everywhere))

@@ -55,11 +55,11 @@ def test_a_run_goes_from_start_to_end_and_is_kept(lab, pool):
     alone = wl.evolve(SMALL, executor=pool, progress=False)
     pd.testing.assert_frame_equal(lab.run.records, alone.records)
     pd.testing.assert_frame_equal(wl.load(lab.run.path).records, alone.records)
-    [entry] = lab.shelf.runs
+    [entry] = lab.runs.shelf.runs
     assert (entry["key"], entry["state"]) == ("run 1", "finished")
     assert f"{alone.champion.fitness:.2f} m" == entry["best"]
     assert f"Robot {alone.champion.individual}" in lab.robot.card.value
-    assert "<svg" in lab.curve.value
+    assert "<svg" in lab.runs.curve.value
     assert lab.transport.share == 1
 
 
@@ -96,7 +96,7 @@ def test_what_cannot_be_is_explained_and_does_not_start(lab):
 
 @pytest.mark.parametrize("nonsense", [None, "start", {}, {"press": "fly"}, {"press": None}, [1]])
 def test_nonsense_from_a_browser_does_nothing(lab, nonsense):
-    for piece in (lab.transport, lab.drawer):
+    for piece in (lab.transport, lab.runs.drawer):
         piece._hear(piece, nonsense, [])
     assert lab.run is None
 
@@ -107,12 +107,12 @@ def test_runs_are_told_apart_and_one_that_is_dropped_is_gone(lab):
         press(lab, "start")
         until(lambda: lab.transport.state == "finished")
     drawn(lab)
-    assert [entry["differs"] for entry in lab.shelf.runs] == ["mutation micro", "mutation macro"]
-    assert lab.shelf.selected == "run 2"
-    assert "Run 1: distance" in lab.curve.value
-    lab.shelf.drop("run 2")
+    assert [entry["differs"] for entry in lab.runs.shelf.runs] == ["mutation micro", "mutation macro"]
+    assert lab.runs.shelf.selected == "run 2"
+    assert "Run 1: distance" in lab.runs.curve.value
+    lab.runs.shelf.drop("run 2")
     drawn(lab)
-    assert lab.shelf.selected == "run 1"
+    assert lab.runs.shelf.selected == "run 1"
     assert lab.run.settings.algorithm.mutation == wl.Mutation.micro
 
 
@@ -140,7 +140,7 @@ def test_a_robot_is_selected_edited_and_put_into_the_next_generation(lab):
     assert (guest.genome, guest.operators) == (str(edited), "by hand")
     assert "made by hand" in card(lab.run.records, guest.individual)
     drawn(lab)
-    assert "evolution.insert" in lab.drawer.code
+    assert "evolution.insert" in lab.runs.drawer.code
 
 
 def test_code_of_a_stopped_run_makes_its_table_again(lab):
@@ -155,19 +155,19 @@ def test_code_of_a_stopped_run_makes_its_table_again(lab):
 def test_exported_all_is_in_the_folder_of_the_run_and_can_be_loaded(lab):
     press(lab, "start")
     until(lambda: lab.transport.state == "finished")
-    lab.drawer._hear(None, {"export": True}, [])
-    until(lambda: lab.drawer.words.startswith("Exported"))
+    lab.runs.drawer._hear(None, {"export": True}, [])
+    until(lambda: lab.runs.drawer.words.startswith("Exported"))
     folder = lab.run.path.parent
     assert {"report.html", "replay.html", "run.walk", "records.csv", "champion.txt"} <= {
         path.name for path in folder.iterdir()
     }
-    assert lab.drawer.files == [str(lab.run.path)]
-    lab.drawer._hear(None, {"load": str(folder)}, [])
-    assert lab.shelf.selected == str(lab.run.path)
+    assert lab.runs.drawer.files == [str(lab.run.path)]
+    lab.runs.drawer._hear(None, {"load": str(folder)}, [])
+    assert lab.runs.shelf.selected == str(lab.run.path)
     drawn(lab)
-    assert lab.shelf.runs[1]["state"] == "loaded"
-    lab.drawer._hear(None, {"load": "no/such.walk"}, [])
-    assert "no run file" in lab.drawer.words
+    assert lab.runs.shelf.runs[1]["state"] == "loaded"
+    lab.runs.drawer._hear(None, {"load": "no/such.walk"}, [])
+    assert "no run file" in lab.runs.drawer.words
 
 
 def test_without_the_right_to_write_a_run_is_in_memory(pool, tmp_path):
@@ -175,7 +175,7 @@ def test_without_the_right_to_write_a_run_is_in_memory(pool, tmp_path):
     lab = wl.Lab(SMALL.with_(generations=1), tmp_path / "lab", executor=pool)
     press(lab, "start")
     until(lambda: lab.transport.state == "finished")
-    assert "in memory only" in lab.drawer.words
+    assert "in memory only" in lab.runs.drawer.words
     assert lab.run.n_generations == 1
     lab.close()
 

@@ -27,6 +27,9 @@ OWN = "ƒ "
 
 MANY = 100_000  # whole numbers, among which a slider would find none
 WIDE = 100  # times the least value that the greatest must be, for each decade to have the same room
+ALTERNATIVES = {"incline", "step_height", "step_depth", "hill_height", "hill_length", "gap_width", "gap_distance"}
+"""Settings of one structure or another, of which only those of the chosen one are to be seen."""
+
 FEW = 6  # options that have a button each; more are in a list
 MANTISSAS = [*range(10, 20), *range(20, 50, 2), *range(50, 100, 5)]
 WAYS = {"x": "forward", "y": "left", "z": "up"}
@@ -49,6 +52,7 @@ def controls_of(kind: type[Domain], own: Mapping[str, Sequence[str]] | None = No
             "about": in_words(declared.about),
             "default": plain[name],
             "usual": rows[name].default,
+            "alternative": name in ALTERNATIVES,
         }
         | _fit_for(declared, plain[name], (own or {}).get(name, ()))
         for name, declared in kind.declared().items()

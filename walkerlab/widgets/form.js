@@ -81,6 +81,17 @@ function render({ model, el }) {
     }
   }
 
+  // Rows of which only some matter at a time stand in a place of their own, which is as high whichever do.
+  function makeRows({ domain, controls }) {
+    const lines = controls.map((control) => makeRow(domain, control));
+    const some = lines.filter((_, n) => controls[n].alternative);
+    if (some.length < 3) return lines;
+    const place = make("div", { className: "alternatives" });
+    const all = lines.map((line) => (line === some[0] ? place : line)).filter((line) => !some.includes(line));
+    place.append(...some);
+    return all;
+  }
+
   // A sentence names all that it is about, and is read at one of them: at the control that was moved, if it is named,
   // or else at the next below it, so that nothing above moves. The others are marked, and carry it unseen.
   function showFaults() {
@@ -142,7 +153,7 @@ function render({ model, el }) {
     const tab = make("button", { type: "button", role: "tab", id: name,
       attributes: { "aria-controls": place }, onclick: () => choose(domain), onkeydown: turn }, title, mark);
     const panel = make("div", { className: "panel", role: "tabpanel", id: place,
-      attributes: { "aria-labelledby": name } }, ...controls.map((control) => makeRow(domain, control)));
+      attributes: { "aria-labelledby": name } }, ...makeRows({ domain, controls }));
     return { domain, tab, panel, mark };
   }
 
@@ -174,8 +185,7 @@ function render({ model, el }) {
         strip.append(tabs.at(-1).tab);
         panels.append(tabs.at(-1).panel);
       } else {
-        const lines = one.controls.map((control) => makeRow(one.domain, control));
-        panels.append(make("div", { className: "panel" }, ...lines));
+        panels.append(make("div", { className: "panel" }, ...makeRows(one)));
       }
     }
     listen(panels);

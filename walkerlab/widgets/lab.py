@@ -1,14 +1,12 @@
 """The whole panel: buttons on top, settings on the left, what comes of them on the right, the robots below.
 
-    form → world                                       what will be
-    transport → LiveRun → curve, shelf, population     what comes of it
-    population → robot                                 one of them: its card, its gene, its walk
-    drawer                                             what goes out and what comes in
+    form → world                            what will be
+    transport → LiveRun → runs, population  what comes of it
+    population → robot                      one of them: its card, its gene, its walk
 
 Every run goes on on a thread of its own, and tells that it has come farther; then what shows it is drawn, at one desk.
 """
 
-import threading
 import time
 from concurrent.futures import Executor
 from functools import partial
@@ -17,24 +15,19 @@ from typing import Any, cast
 
 import ipywidgets
 
-from walkerlab import outputs
 from walkerlab.forecast import in_words, seconds_of
 from walkerlab.genome import Genome
 from walkerlab.live import LiveRun, State
-from walkerlab.plots.style import RUNS
-from walkerlab.report.code import as_python
-from walkerlab.run import Run, load
+from walkerlab.run import Run
 from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
 from walkerlab.widgets.controls import in_words as in_labels
-from walkerlab.widgets.curve import Curve
 from walkerlab.widgets.desk import Desk
-from walkerlab.widgets.drawer import Drawer
 from walkerlab.widgets.form import Form
-from walkerlab.widgets.kept import Kept, best_of, new_file, run_files, told_apart
+from walkerlab.widgets.kept import Kept, new_file
 from walkerlab.widgets.population import Population
 from walkerlab.widgets.robot import RobotRoom
-from walkerlab.widgets.shelf import Shelf
+from walkerlab.widgets.runs import RunsRoom
 from walkerlab.widgets.transport import Transport
 from walkerlab.widgets.world import World
 
@@ -65,19 +58,17 @@ class Lab(ipywidgets.Box):
         """
         settings = settings or Settings()
         self._folder, self._executor = Path(folder), executor
-        self._kept, self._told = dict[str, Kept](), dict[str, tuple[object, float]]()
+        self._told = dict[str, tuple[object, float]]()
         self._active: LiveRun | None = None
-        self._on_curve = list[tuple[str, str, bool]]()
         self._desk = Desk(self._is_busy, self._tell_fault)
         self.form, self.world = Form(settings), World(settings)
-        self.transport, self.curve, self.shelf = Transport(self._press), Curve(), Shelf()
+        self.transport, self.runs = Transport(self._press), RunsRoom(self._folder, self._desk, self._run_chosen)
         self.population, self.robot = Population(), RobotRoom(settings, self._insert)
-        self.drawer = Drawer(self._load, self._export)
         rooms = ipywidgets.Box(
             [
                 _room("wide", self.transport),
                 _room("left", self.form, self.world),
-                _room("right", self.curve, self.shelf, self.drawer),
+                _room("right", self.runs),
                 _room("wide", self.population, self.robot),
             ]
         )
@@ -85,15 +76,12 @@ class Lab(ipywidgets.Box):
         super().__init__([rooms])
         self.add_class("wl-lab")
         self.form.observe(self._form_changed, ["settings", "fault"])
-        self.shelf.observe(self._run_chosen, "selected")
-        self.shelf.observe(self._runs_changed, "runs")
         self.population.observe(self._robot_chosen, "selected")
-        self.drawer.files = run_files(self._folder)
         self._form_changed()
 
     def __repr__(self) -> str:
         """Name it; its widgets are many."""
-        return f"<Lab: a panel, to be seen in a notebook; it keeps {len(self._kept)} runs>"
+        return f"<Lab: a panel, to be seen in a notebook; it keeps {len(self.runs.kept)} runs>"
 
     @property
     def settings(self) -> Settings | None:
@@ -107,13 +95,12 @@ class Lab(ipywidgets.Box):
     @property
     def run(self) -> Run | None:
         """The run that is chosen in the list, as far as it has come; None before there is one."""
-        kept = self._kept.get(str(self.shelf.selected))
-        return kept.run if kept else None
+        return self.runs.chosen
 
     def close(self) -> None:
         """Stop what runs, send the workers home, and take the panel off the page; the runs stay in their files."""
         self._desk.close()
-        for kept in self._kept.values():
+        for kept in self.runs.kept.values():
             if kept.live:
                 kept.live.close()
         for piece in _within(self):
@@ -167,7 +154,7 @@ class Lab(ipywidgets.Box):
             self.transport.words = str(error)
             return
         self._active, self._told[key] = live, (None, 0.0)
-        self._keep(Kept(key, settings, live))
+        self.runs.keep(Kept(key, settings, live))
         live.go_on(generations)
 
     def _live(self, settings: Settings, options: dict[str, Any]) -> LiveRun:
@@ -175,25 +162,18 @@ class Lab(ipywidgets.Box):
             return LiveRun(settings, new_file(self._folder), **options)
         except RunFileError as error:
             live = LiveRun(settings, **options)
-            self.drawer.words = f"This run is in memory only. {error}"
+            self.runs.drawer.words = f"This run is in memory only. {error}"
             return live
-
-    def _keep(self, kept: Kept) -> None:
-        self._kept = {**self._kept, kept.key: kept}
-        self.shelf.put(kept.key)
-        self.shelf.selected = kept.key
-        self._desk.order("shelf", self._tell_runs)
 
     def _news(self, key: str) -> None:
         """Hear that a run has come farther: say so, and have drawn what shows it."""
-        live, now = self._kept[key].live, time.monotonic()
+        live, now = self.runs.kept[key].live, time.monotonic()
         if live is None:
             return
         stage, (before, spoken) = (live.state, live.n_generations), self._told[key]
         if stage != before:
-            self._desk.order("curve", self._draw_curve)
-            self._desk.order("shelf", self._tell_runs)
-            self._desk.order("run", self._show_run)
+            self.runs.redraw()
+            self._desk.order("population", self._show_population)
         elif now - spoken < OFTEN:
             return
         self._told[key] = stage, now
@@ -221,27 +201,16 @@ class Lab(ipywidgets.Box):
 
     # ------------------------------------------------------------------------------------------- what comes of it
 
-    def _draw_curve(self) -> None:
-        """Draw the curves of the runs that are to be shown, each in the look that the list gives it."""
-        entries: list[dict[str, Any]] = self.shelf.runs
-        shown = {entry["key"]: entry for entry in entries if entry["shown"] and entry["key"] in self._kept}
-        kept = [self._kept[key] for key in shown]
-        tables = {shown[one.key]["name"]: one.run.records for one in kept}
-        going = [one.settings.algorithm.generations for one in kept if one.live and not one.live.is_over]
-        self.curve.draw(tables, max(going, default=1), [RUNS.index(shown[one.key]["colour"]) for one in kept])
+    def _run_chosen(self) -> None:
+        self.population.selected = -1
+        self._desk.order("population", self._show_population)
 
-    def _tell_runs(self) -> None:
-        """Say in the list what tells the runs apart, and what each has reached."""
-        kept = list(self._kept.values())
-        for one, differs in zip(kept, told_apart([one.settings for one in kept]), strict=True):
-            self.shelf.tell(one.key, differs=differs, best=best_of(one.run), state=one.state)
+    def _robot_chosen(self, _change: object) -> None:
+        self._desk.order("robot", self._show_robot)
 
-    def _show_run(self) -> None:
-        """Show the last generation of the run that is chosen, and the robot that is."""
-        run = self.run
-        self.drawer.can_export = bool(run and run.n_generations)
-        if run and run.n_generations:
-            self.drawer.code = as_python(run.settings, run.records)
+    def _show_population(self) -> None:
+        """Show the last generation of the run that is chosen."""
+        if (run := self.run) and run.n_generations:
             self.population.show(run)
             self._show_robot()
 
@@ -249,25 +218,6 @@ class Lab(ipywidgets.Box):
         """Show the robot that is selected, or the champion so far."""
         if (run := self.run) and run.n_generations:
             self.robot.show(run, self.population.selected)
-
-    def _run_chosen(self, _change: object) -> None:
-        self.population.selected = -1
-        self._desk.order("run", self._show_run)
-
-    def _robot_chosen(self, _change: object) -> None:
-        self._desk.order("robot", self._show_robot)
-
-    def _runs_changed(self, _change: object) -> None:
-        """Forget runs that were dropped from the list, and draw those that are to be shown."""
-        on_curve = [(entry["key"], entry["name"], entry["shown"]) for entry in self.shelf.runs]
-        if on_curve == self._on_curve:
-            return
-        self._on_curve, keys = on_curve, {entry["key"] for entry in self.shelf.runs}
-        for key in self._kept.keys() - keys:
-            if live := self._kept[key].live:
-                live.stop()
-        self._kept = {key: kept for key, kept in self._kept.items() if key in keys}
-        self._desk.order("curve", self._draw_curve)
 
     def _insert(self, genome: Genome) -> str:
         """Put a genome into the next generation of the run that is going on; say what became of that."""
@@ -279,40 +229,11 @@ class Lab(ipywidgets.Box):
             return str(error)
         return f"It will be in generation {self._active.n_generations}, in the place of a child."
 
-    # ---------------------------------------------------------------------------------------------- out and in
-
-    def _load(self, path: str) -> None:
-        try:
-            run = load(path)
-        except (RunFileError, OSError) as error:
-            self.drawer.words = str(error)
-            return
-        self._keep(Kept(str(run.path), run.settings, run))
-        self._desk.order("curve", self._draw_curve)
-        self.drawer.words = f"Loaded {run.path}."
-
-    def _export(self) -> None:
-        """Write all that there is to see of the chosen run into its folder, on a thread, for it takes seconds."""
-        if (run := self.run) and run.n_generations:
-            folder = run.path.parent if run.path else new_file(self._folder).parent
-            self.drawer.words = f"Writing into {folder} …"
-            threading.Thread(target=self._write, args=(run, folder), name="walkerlab export", daemon=True).start()
-
-    def _write(self, run: Run, folder: Path) -> None:
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-            outputs.write(run, folder)
-        except OSError as error:
-            self.drawer.words = f"Nothing can be written into {folder}: {error.strerror}."
-        else:
-            self.drawer.words = f"Exported into the folder {folder}: {', '.join(outputs.FILES)}."
-            self.drawer.files = run_files(self._folder)
-
     def _is_busy(self) -> bool:
         return self._active is not None and self._active.state == State.running
 
     def _tell_fault(self, error: Exception) -> None:
-        self.drawer.words = f"A picture could not be drawn. {in_full(error)}"
+        self.runs.drawer.words = f"A picture could not be drawn. {in_full(error)}"
 
 
 def in_full(error: Exception | None) -> str:
