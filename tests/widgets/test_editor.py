@@ -15,7 +15,6 @@ from walkerlab.commands.worlds import GENOME
 from walkerlab.genome import GenomeError
 from walkerlab.widgets.editor import SAID, SIZE, Editor
 from walkerlab.widgets.mended import laid_out, mended, place_of
-from walkerlab.widgets.part import HERE
 
 G = wl.Genome.parse(GENOME)
 WORDS = str(G).split()
@@ -163,6 +162,13 @@ def test_its_buttons_hand_on_the_genome_and_only_a_genome():
     assert walked == inserted == [editor.genome or G.within(wl.Robot())]
 
 
+def test_only_buttons_that_somebody_listens_to_are_there():
+    editor = Editor(G)
+    assert editor.heard == []
+    editor.on_insert(print)
+    assert editor.heard == ["insert"]
+
+
 # ------------------------------------------------------------------------------------------------ in a browser
 
 MODEL = """async ([source, traits]) => {
@@ -188,10 +194,11 @@ MODEL = """async ([source, traits]) => {
 def shown(page):
     """An editor in a browser: what it says to Python is in ``sent``."""
     editor = Editor(G)
-    names = ("text", "fault", "place", "notes", "picture", "can_insert")
+    names = ("text", "fault", "place", "notes", "picture", "can_insert", "heard")
     page.add_style_tag(content=Editor._css)
-    source = (HERE / "editor.js").read_text(encoding="utf-8")
-    page.evaluate(MODEL, [source, {name: getattr(editor, name) for name in names}])
+    for listen in (editor.on_walk, editor.on_insert):
+        listen(print)
+    page.evaluate(MODEL, [Editor._esm, {name: getattr(editor, name) for name in names}])
     return page
 
 

@@ -48,11 +48,27 @@ def test_it_is_drawn_anew_once_for_each_change(drawings):
 
 
 def test_a_button_puts_the_next_robot_of_chance_there(drawings):
-    world = World(genome=GENOME)
+    world = World()
     for _ in range(2):
         world._handle_custom_msg("another", [])
     assert len({genome for _, genome in drawings}) == 3
-    assert world.genome is None
+    assert world.by_chance
+
+
+def test_a_robot_of_ones_own_stays(drawings):
+    world = World(genome=GENOME)
+    world._handle_custom_msg("another", [])
+    assert not world.by_chance
+    assert len(drawings) == 1
+
+
+def test_while_there_are_no_settings_the_drawing_stays(drawings):
+    world = World()
+    before = world.picture
+    world.settings = None
+    assert world.picture == before
+    world.settings = wl.Settings().with_(structure="stairs")
+    assert world.picture != before
 
 
 @pytest.mark.parametrize("message", [None, {}, {"another": 1}, ["another"], 7, "another "])

@@ -136,7 +136,7 @@ def _indices(indices: NDArray[Any], who: str, n: int, of: str) -> Indices:
     if not np.issubdtype(indices.dtype, np.integer):
         raise OperatorError(
             f"{who} must name {of} by whole numbers, 0 to {n - 1}; it returned {_portrait(indices)}. "
-            "np.flatnonzero(mask) turns a mask into indices, values.astype(int) floats into whole numbers."
+            "np.flatnonzero(mask) turns a mask into places; np.argsort gives places, where np.sort gives values."
         )
     for outside in indices[(indices < 0) | (indices >= n)].flat:
         raise OperatorError(

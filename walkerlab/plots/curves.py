@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 
 from walkerlab.plots.look import ink, new_axes, picture
 from walkerlab.plots.style import (
+    columns_of,
     course,
     describe,
     key,
@@ -67,7 +68,7 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     describe(axes, title, text[0].upper() + text[1:])
     axes.set_ylabel(_with_brackets(name, unit_of(records, "fitness")))
     over_generations(axes, n_generations)
-    key(axes, n_drawn(axes, title) if label else 3)  # a column for each of several runs
+    key(axes, columns_of(n_drawn(axes, title)) if label else 3)
     return axes
 
 
@@ -125,7 +126,7 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
     if pd.api.types.is_integer_dtype(records[name]):
         axes.yaxis.set_major_locator(round_steps())
     over_generations(axes, n_generations)
-    key(axes, n_drawn(axes, title) if label else 3)
+    key(axes, columns_of(n_drawn(axes, title)) if label else 3)
     return axes
 
 

@@ -26,6 +26,7 @@ MARKS = ("o", "s", "^", "D", "v", "P")
 """Marks of runs, in turn, which tell them apart in black and white."""
 
 MOST_MARKS = 25  # on a line, however long
+COLUMNS = 3  # of a key, at most, in which each of several runs has two lines
 QUIET = 0.65  # strength of the ink of text that is not the first to be read
 
 
@@ -159,6 +160,11 @@ def plain(axes: Axes) -> None:
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(axis="y", lw=0.5, alpha=0.4)
     axes.set_axisbelow(True)
+
+
+def columns_of(n_runs: int) -> int:
+    """Return into how many columns the lines of several runs go, so that no run's are parted."""
+    return math.ceil(n_runs / math.ceil(n_runs / COLUMNS))
 
 
 def key(axes: Axes, columns: int) -> None:

@@ -1,6 +1,7 @@
 """The fitness of one run or several, generation by generation: a picture that grows."""
 
 import io
+import math
 from collections.abc import Mapping, Sequence
 from itertools import count
 
@@ -10,9 +11,13 @@ from matplotlib.figure import Figure
 
 from walkerlab import plots
 from walkerlab.markup import inline_svg, tag
+from walkerlab.plots.style import COLUMNS
 
 SIZE = (6.4, 3.5)  # inches
-MARGINS = {"left": 0.1, "right": 0.985, "bottom": 0.14, "top": 0.86}  # fixed, so that axes do not move as a curve grows
+MARGINS = {"left": 0.1, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
+LINE = 0.055  # of the height, for each line of the key above the axes
+SHEET = f"aspect-ratio: {SIZE[0]} / {SIZE[1]}; background: white; border-radius: 6px; color: #555"
+EMPTY = "margin: 0; padding: 18% 10% 0; text-align: center"
 
 
 class Curve(ipywidgets.HTML):
@@ -20,7 +25,7 @@ class Curve(ipywidgets.HTML):
 
     def __init__(self, runs: Mapping[str, pd.DataFrame] | None = None, n_generations: int = 1) -> None:
         """Draw the runs that there are, as ``draw`` does."""
-        super().__init__()
+        super().__init__(layout={"max_width": "720px", "width": "100%"})
         self.add_class("wl-curve")
         self._names = count()
         self.draw(runs or {}, n_generations)
@@ -34,17 +39,20 @@ class Curve(ipywidgets.HTML):
             looks: which of the colours and marks each gets, counted from 0; in their order if empty.
         """
         figure = Figure(figsize=SIZE)
-        figure.subplots_adjust(**MARGINS)
         axes = figure.add_subplot()
-        several = sum(not table.empty for table in runs.values()) > 1
+        n_runs = sum(not table.empty for table in runs.values())
+        n_lines = 2 * math.ceil(n_runs / COLUMNS) if n_runs > 1 else 1
+        figure.subplots_adjust(**MARGINS, top=0.97 - LINE * n_lines)
         for look, (name, table) in zip(looks or range(len(runs)), runs.items(), strict=True):
             if not table.empty:
-                plots.fitness_curve(table, axes, label=name if several else "", look=look)
+                plots.fitness_curve(table, axes, label=name if n_runs > 1 else "", look=look)
                 n_generations = max(n_generations, int(table.generation.max()) + 1)
         if not plots.alt_text(axes):
-            self.value = tag("p", "Here the fitness curve will grow, generation by generation.", class_="empty")
+            empty = tag("p", "Here the fitness curve will grow, generation by generation.", style=EMPTY)
+            self.value = tag("div", empty, style=SHEET)
             return
         axes.set_xlim(-0.02 * n_generations, 1.02 * max(1, n_generations - 1))
         file = io.StringIO()
         figure.savefig(file, format="svg")
-        self.value = inline_svg(file.getvalue(), f"curve{next(self._names)}", plots.alt_text(axes))
+        picture = inline_svg(file.getvalue(), f"curve{next(self._names)}", plots.alt_text(axes))
+        self.value = tag("div", picture, style=SHEET)

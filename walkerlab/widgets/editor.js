@@ -59,6 +59,8 @@ function render({ model, el }) {
     show.hidden = !model.get("place").length;
     area.setAttribute("aria-invalid", wrong);
     notes.replaceChildren(...model.get("notes").map((textContent) => make("li", { textContent })));
+    walk.hidden = !model.get("heard").includes("walk");
+    insert.hidden = !model.get("heard").includes("insert");
     walk.disabled = wrong;
     insert.disabled = wrong || !model.get("can_insert");
     picture.classList.toggle("old", wrong);
@@ -74,7 +76,7 @@ function render({ model, el }) {
   };
   area.onscroll = () => { behind.scrollTop = area.scrollTop; };
   model.on("change:text", write);
-  for (const name of ["fault", "place", "notes", "can_insert"]) model.on(`change:${name}`, tell);
+  for (const name of ["fault", "place", "notes", "can_insert", "heard"]) model.on(`change:${name}`, tell);
   model.on("change:picture", draw);
   write();
   tell();

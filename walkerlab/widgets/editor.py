@@ -31,6 +31,7 @@ class Editor(Part):
         notes: which genes were beyond the limits, and what is used in their place: a sentence each.
         picture: the robot, as SVG; that of the last genome, while there is none.
         can_insert: whether there is a generation into which it can be put.
+        heard: the buttons that somebody listens to; the others are not there.
     """
 
     _esm = script("editor")
@@ -43,6 +44,7 @@ class Editor(Part):
     notes = traitlets.List(traitlets.Unicode()).tag(sync=True)
     picture = traitlets.Unicode("").tag(sync=True)
     can_insert = traitlets.Bool(False).tag(sync=True)
+    heard = traitlets.List(traitlets.Unicode()).tag(sync=True)
 
     def __init__(self, genome: Genome | str | None = None, settings: Settings | None = None) -> None:
         """Open it.
@@ -62,11 +64,15 @@ class Editor(Part):
 
     def on_walk(self, callback: OnGenome) -> None:
         """Have something called with the genome, when its robot is to walk."""
-        self._listeners["walk"].append(callback)
+        self._listen("walk", callback)
 
     def on_insert(self, callback: OnGenome) -> None:
         """Have something called with the genome, when it is to be put into the next generation."""
-        self._listeners["insert"].append(callback)
+        self._listen("insert", callback)
+
+    def _listen(self, button: str, callback: OnGenome) -> None:
+        self._listeners[button].append(callback)
+        self.heard = [name for name, callbacks in self._listeners.items() if callbacks]
 
     def _read(self, _: object = None) -> None:
         """Make a genome of the text, or say why that cannot be."""

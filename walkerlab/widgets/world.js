@@ -6,8 +6,11 @@ function render({ model, el }) {
   el.classList.add("wl-part", "wl-world");
   el.append(picture, another);
 
-  const update = () => picture.replaceChildren(drawn(model.get("picture")));
-  model.on("change:picture", update);
+  const update = () => {
+    picture.replaceChildren(drawn(model.get("picture")));
+    another.hidden = !model.get("by_chance");
+  };
+  for (const name of ["picture", "by_chance"]) model.on(`change:${name}`, update);
   update();
   return own_keys(el);
 }

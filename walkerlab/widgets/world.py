@@ -16,18 +16,20 @@ class World(Part):
     """A drawing of the ground, what lies on it, what pulls and pushes over it, and a robot to scale.
 
     Attributes:
-        settings: of terrain and robot.
+        settings: of terrain and robot; while they are None, as a form says when they cannot be, the drawing stays.
         genome: whose robot stands at the start; one drawn by chance within the limits if None.
         number: which of those that chance could draw; they are the robots with which a run of these settings begins.
         picture: the drawing, as SVG.
+        by_chance: whether its robot is one of chance, of which there are others.
     """
 
     _esm = script("world")
     _css = style("world")
-    settings: Any = traitlets.Instance(Settings)
+    settings: Any = traitlets.Instance(Settings, allow_none=True)
     genome: Any = traitlets.Instance(Genome, allow_none=True)
     number = traitlets.Int(0)
     picture = traitlets.Unicode("").tag(sync=True)
+    by_chance = traitlets.Bool(True).tag(sync=True)
 
     def __init__(self, settings: Settings | None = None, genome: Genome | str | None = None) -> None:
         """Draw it.
@@ -51,13 +53,14 @@ class World(Part):
     def _redraw(self, _: object = None) -> None:
         with self._lock:
             wanted = (self.settings, self.genome, self.number)
-            if wanted != self._drawn:  # when two of them change in one go, this is called twice
+            if self.settings and wanted != self._drawn:  # when two of them change in one go, this is called twice
                 settings, genome, number = self._drawn = wanted
+                self.by_chance = genome is None
                 chance = stream(settings.algorithm.seed, "population", 0, number)
                 self.picture = sketch.world(settings, genome or Genome.random(settings.robot, rng=chance))
 
     def _hear(self, _widget: object, message: Any, _buffers: object) -> None:
         """Put another robot of chance there, if the browser asks for one."""
-        if message == "another":
-            with self._lock, self.hold_trait_notifications():
-                self.genome, self.number = None, self.number + 1
+        if message == "another" and self.genome is None:
+            with self._lock:
+                self.number += 1
