@@ -21,9 +21,9 @@ class Listener:
     def __init__(self):
         self.news, self.states = threading.Condition(), []
 
-    def hear(self):
+    def hear(self, live):
         with self.news:
-            self.states.append(self.live.state)
+            self.states.append(live.state)
             self.news.notify_all()
 
     def until(self, holds):

@@ -157,7 +157,7 @@ def test_every_control_has_a_name_and_comes_with_the_tab_key(page, jupyter, fron
     open_panel(page, jupyter, frontend)
     says(page, "on this computer")
     button(page, "One generation").click()
-    says(page, "Paused after 1 of")
+    says(page, "Paused after generation 0")
     page.locator(".wl-population [role=option]").first.wait_for()
     for tab in ("terrain", "robot", "algorithm", "simulation"):
         page.get_by_role("tab", name=tab).click()
@@ -191,10 +191,26 @@ def test_two_panels_in_one_notebook(page, jupyter):
     first, second = (page.locator(".wl-lab").nth(i) for i in (0, 1))
     for panel in (first, second):
         panel.get_by_role("button", name="One generation").click()
-        panel.locator(".wl-transport", has_text="Paused after 1 of").wait_for(timeout=60_000)
+        panel.locator(".wl-transport", has_text="Paused after generation 0").wait_for(timeout=60_000)
     first.get_by_role("button", name="Go on").click()
-    first.locator(".wl-transport", has_text="2 of 60").wait_for(timeout=60_000)
-    assert "Paused after 1 of" in second.locator(".wl-transport").inner_text()
+    first.locator(".wl-transport", has_text="Generation 2 of 0 to 59").wait_for(timeout=60_000)
+    assert "Paused after generation 0" in second.locator(".wl-transport").inner_text()
     first.get_by_role("button", name="Stop").click()
     first.locator(".wl-transport", has_text="Stopped").wait_for()
     assert second.get_by_role("button", name="Go on").is_enabled()
+
+
+def test_a_cell_that_runs_again_closes_the_panel_that_it_had(page, jupyter):
+    open_panel(page, jupyter, "JupyterLab")
+    button(page, "Start").click()
+    curve_says(page, "generations:")
+    page.locator(".jp-Cell .jp-InputArea-editor").first.click()
+    page.keyboard.press("Control+Enter")
+    says(page, "The panel that stood here is closed")
+    assert page.locator(".wl-transport").count() == 1
+    assert button(page, "Start").is_enabled()
+    page.get_by_label("a run file to load").fill(str(next((jupyter.folder / "lab").iterdir())))
+    button(page, "Load", ".wl-drawer").click()
+    says(page, "Loaded", ".wl-drawer")
+    button(page, "Take its settings", ".wl-drawer").click()
+    curve_says(page, "generations:")

@@ -51,7 +51,7 @@ class LiveRun:
         path: str | Path | None = None,
         executor: Executor | None = None,
         *,
-        on_news: Callable[[], None] = lambda: None,
+        on_news: Callable[["LiveRun"], None] = lambda _: None,
     ) -> None:
         """Check the settings, and wait to be told to go on.
 
@@ -59,7 +59,7 @@ class LiveRun:
             settings: of all four domains.
             path: its run file; without one, it lives in memory only.
             executor: any ``concurrent.futures.Executor``; loky on all cores if None.
-            on_news: called, on the run's thread or the caller's, when more walks are done or the state has changed.
+            on_news: called with it, on its thread or the caller's, when more walks are done or its state has changed.
 
         Raises:
             OperatorError: if an operator or fitness of the user's own does not do what its slot needs.
@@ -107,21 +107,21 @@ class LiveRun:
             self._may_go.set()
             if not self._thread.ident:
                 self._thread.start()
-        self._on_news()
+        self._on_news(self)
 
     def pause(self) -> None:
         """Let the robots that are walking finish, and no other begin."""
         if self._rest(State.paused):
             self._gate.close()
             self._may_go.clear()
-            self._on_news()
+            self._on_news(self)
 
     def stop(self) -> None:
         """End it here: the generations that are done are kept, the one that is walking is not."""
         if self._rest(State.stopped):
             self._gate.stop()
             self._may_go.set()
-            self._on_news()
+            self._on_news(self)
 
     def close(self, timeout: float = 10.0) -> None:
         """Stop, wait for the thread, and send the workers home if no other run needs them; a later one starts others.
@@ -161,7 +161,7 @@ class LiveRun:
         self.n_done += n
         if not self._first[1]:  # until now the workers were started, and bodies built for the first time
             self._first = self.seconds, n
-        self._on_news()
+        self._on_news(self)
 
     def _rest(self, state: State) -> bool:
         """Change from running or paused to a state of rest; say whether it has changed."""
@@ -177,7 +177,7 @@ class LiveRun:
             for generation in self._evolution:
                 if generation.number + 1 == self._pause_at < self.settings.algorithm.generations:
                     self.pause()
-                self._on_news()
+                self._on_news(self)
                 self._may_go.wait()
                 if self.is_over:
                     return
@@ -187,4 +187,4 @@ class LiveRun:
         except Exception as error:
             self.error = error
             self._rest(State.failed)
-        self._on_news()
+        self._on_news(self)

@@ -166,6 +166,7 @@ def test_exported_all_is_in_the_folder_of_the_run_and_can_be_loaded(lab):
     assert lab.runs.shelf.selected == str(lab.run.path)
     drawn(lab)
     assert lab.runs.shelf.runs[1]["state"] == "loaded"
+    assert lab.runs.shelf.runs[1]["name"] == folder.name
     lab.runs.drawer._hear(None, {"load": "no/such.walk"}, [])
     assert "no run file" in lab.runs.drawer.words
 
@@ -200,6 +201,36 @@ def test_two_panels_do_not_know_of_each_other(lab, pool, tmp_path):
         alone = wl.evolve(settings, executor=pool, progress=False)
         pd.testing.assert_frame_equal(panel.run.records, alone.records)
     other.close()
+
+
+def test_an_edited_gene_stays_whatever_the_run_brings_forth(lab):
+    press(lab, "step")
+    until(lambda: lab.transport.state == "paused")
+    drawn(lab)
+    lab.robot.editor.text = edited = str(wl.Genome.random(SMALL.robot, rng=np.random.default_rng(3)))
+    press(lab, "go_on")
+    until(lambda: lab.transport.state == "finished")
+    drawn(lab)
+    assert lab.robot.editor.text == edited
+    number = int(lab.run.records.individual.iloc[-1])
+    lab.population.selected = number
+    drawn(lab)
+    assert lab.robot.editor.text != edited
+    assert f"Robot {number}" in lab.robot.card.value
+
+
+def test_before_a_run_an_edited_gene_walks_in_the_world_of_the_form(lab):
+    lab.settings = SMALL.with_(gravity="moon")
+    lab.robot.editor._hear(None, {"press": "walk"}, [])
+    assert lab.robot.frame._make().settings.terrain.gravity == lab.settings.terrain.gravity
+    assert "gene in the editor" in lab.robot.card.value
+
+
+def test_the_form_goes_back_to_the_settings_of_a_run(lab):
+    press(lab, "step")
+    lab.settings = SMALL.with_(mutation="macro")
+    lab.runs.drawer._hear(None, {"settings": True}, [])
+    assert lab.settings == SMALL
 
 
 def test_closed_it_leaves_no_widget_and_no_thread(pool, tmp_path):

@@ -12,9 +12,9 @@ function render({ model, el }) {
   box.style.cssText = "position: relative; max-width: 960px; background: white; border-radius: 6px; overflow: hidden";
   cover.style.cssText = "display: block; width: 100%; padding: 0; border: 0; background: none; cursor: pointer";
   picture.style.cssText = "display: block; width: 100%; max-width: 720px; margin: auto";
-  sign.style.cssText = `position: absolute; right: 12px; top: 12px; padding: 7px 14px 7px 12px; border-radius: 20px; font: 600 14px system-ui;
+  sign.style.cssText = `width: max-content; margin: 6px 8px 4px auto; padding: 7px 14px 7px 12px; border-radius: 20px; font: 600 14px system-ui;
     color: white; background: #0072b2; display: flex; gap: 7px; align-items: center`;
-  cover.append(picture, sign);
+  cover.append(sign, picture);
   box.append(cover);
   el.append(box);
   let frame = null;

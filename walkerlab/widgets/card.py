@@ -7,8 +7,9 @@ import pandas as pd
 from walkerlab import story
 from walkerlab.judge import VERDICTS
 from walkerlab.markup import Html, details, facts, shown, table
+from walkerlab.plots.style import with_unit
 from walkerlab.quantity import count
-from walkerlab.records import BY_HAND, births
+from walkerlab.records import BY_HAND, births, champion
 
 COUNTS = "ok"
 SOME = 4  # parents that are named
@@ -23,21 +24,21 @@ def card(records: pd.DataFrame, individual: int) -> str:
     """
     row: Any = births(records).loc[individual]
     units = records.attrs.get("units", {})
-    unit = f" {units['fitness']}" if units.get("fitness") else ""
     does_not = "" if row.verdict == COUNTS else f" That is, {row.reason}."
     known = [
         ("Born", f"in generation {row.born}, {_made(row)}"),
         ("Judge", f"{row.verdict}: {VERDICTS.get(row.verdict, '')}{does_not}"),
-        ("Walk", f"{row.distance:.2f} m forward, {row.velocity:.2f} m/s"),
+        ("Walk", f"{with_unit(row.distance, 'm')} forward, {with_unit(row.velocity, 'm/s')}"),
         (
             "Body",
-            f"{count(row.n_segments, 'segment')}, {count(row.n_legs, 'leg')}, {row.weight:.1f} kg, "
-            f"{row.body_length:.2f} m long",
+            f"{count(row.n_segments, 'segment')}, {count(row.n_legs, 'leg')}, {with_unit(row.weight, 'kg')}, "
+            f"{with_unit(row.body_length, 'm')} long",
         ),
     ]
     if row.verdict == COUNTS:
-        known.insert(1, ("Fitness", f"{row.fitness:.3f}{unit}"))
-    return shown(facts(f"Robot {individual}", known), _line(records, individual))
+        known.insert(1, ("Fitness", with_unit(row.fitness, units.get("fitness", ""))))
+    best = ", the champion so far" if individual == champion(records).individual else ""
+    return shown(facts(f"Robot {individual}{best}", known), _line(records, individual))
 
 
 def _made(row: Any) -> str:
@@ -46,7 +47,7 @@ def _made(row: Any) -> str:
     if not parents:
         return "made by hand" if row.operators == BY_HAND else "drawn by chance"
     more = f" and {len(parents) - SOME} more" if len(parents) > SOME else ""
-    return f"child of {', '.join(parents[:SOME])}{more}, by {row.operators}"
+    return f"child of {', '.join(parents[:SOME])}{more}, by {row.operators.replace(' > ', ', ')}"
 
 
 def _line(records: pd.DataFrame, individual: int) -> Html:

@@ -15,6 +15,7 @@ from walkerlab.plots.style import COLUMNS
 
 SIZE = (6.4, 3.5)  # inches
 MARGINS = {"left": 0.1, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
+LONGEST = 18  # characters of a name in the key; the list of runs has it whole
 LINE = 0.055  # of the height, for each line of the key above the axes
 SHEET = f"aspect-ratio: {SIZE[0]} / {SIZE[1]}; background: white; border-radius: 6px; color: #555"
 EMPTY = "margin: 0; padding: 18% 10% 0; text-align: center"
@@ -45,7 +46,7 @@ class Curve(ipywidgets.HTML):
         figure.subplots_adjust(**MARGINS, top=0.97 - LINE * n_lines)
         for look, (name, table) in zip(looks or range(len(runs)), runs.items(), strict=True):
             if not table.empty:
-                plots.fitness_curve(table, axes, label=name if n_runs > 1 else "", look=look)
+                plots.fitness_curve(table, axes, label=_brief(name) if n_runs > 1 else "", look=look)
                 n_generations = max(n_generations, int(table.generation.max()) + 1)
         if not plots.alt_text(axes):
             empty = tag("p", "Here the fitness curve will grow, generation by generation.", style=EMPTY)
@@ -56,3 +57,7 @@ class Curve(ipywidgets.HTML):
         figure.savefig(file, format="svg")
         picture = inline_svg(file.getvalue(), f"curve{next(self._names)}", plots.alt_text(axes))
         self.value = tag("div", picture, style=SHEET)
+
+
+def _brief(name: str) -> str:
+    return name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"

@@ -25,15 +25,18 @@ class Drawer(Part):
     words = traitlets.Unicode("").tag(sync=True)
     can_export = traitlets.Bool(False).tag(sync=True)
 
-    def __init__(self, on_load: Callable[[str], None], on_export: Callable[[], None]) -> None:
+    def __init__(
+        self, on_load: Callable[[str], None], on_export: Callable[[], None], on_settings: Callable[[], None]
+    ) -> None:
         """Make it.
 
         Args:
             on_load: told the path of a run file that is to be loaded.
             on_export: told that the run is to be exported.
+            on_settings: told that its settings are wanted for the next one.
         """
         super().__init__()
-        self._on_load, self._on_export = on_load, on_export
+        self._on_load, self._on_export, self._on_settings = on_load, on_export, on_settings
         self.on_msg(self._hear)
 
     def _hear(self, _widget: object, message: Any, _buffers: object) -> None:
@@ -42,5 +45,7 @@ class Drawer(Part):
                 self._on_load(path)
             case {"export": True}:
                 self._on_export()
+            case {"settings": True}:
+                self._on_settings()
             case _:
                 pass

@@ -13,6 +13,7 @@ function render({ model, el }) {
   const show = make("button", { type: "button", textContent: "Show the place", onclick: () => {
     area.focus();
     area.setSelectionRange(...model.get("place"));
+    area.scrollTop = behind.querySelector("mark").offsetTop - area.clientHeight / 2;
   } });
   const notes = make("ul", { className: "notes" });
   const said = make("div", { className: "said", attributes: { role: "status" } },

@@ -110,7 +110,9 @@ function render({ model, el }) {
     for (const [place, { element, complaint, fault }] of rows) {
       const wrong = place in faults;
       if (complaint.textContent !== (faults[place] ?? "")) complaint.textContent = faults[place] ?? "";
+      const silent = complaint.classList.contains("unseen");
       complaint.classList.toggle("unseen", !loud.has(place));
+      if (silent && loud.has(place)) complaint.scrollIntoView({ block: "nearest" });
       element.classList.toggle("wrong", wrong);
       for (const input of element.querySelectorAll("input, select")) {
         input.setAttribute("aria-invalid", wrong);
@@ -129,6 +131,7 @@ function render({ model, el }) {
   let tabs = []; // {domain, tab, panel, mark}
 
   function choose(domain, focus) {
+    if (chosen !== domain) el.querySelector(".panels").scrollTop = 0;
     chosen = domain;
     for (const { domain: other, tab, panel } of tabs) {
       tab.setAttribute("aria-selected", other === domain);

@@ -58,6 +58,11 @@ def run_files(folder: Path) -> list[str]:
     return [str(path) for path in sorted(found, key=lambda path: path.stat().st_mtime, reverse=True)]
 
 
+def name_of(path: Path) -> str:
+    """Name a run after its file, or after its folder if the file is named as in all of them."""
+    return path.resolve().parent.name if path.name == RUN_FILE else path.stem
+
+
 def best_of(run: Run) -> str:
     """Say what the champion of a run has reached."""
     if not run.n_generations:

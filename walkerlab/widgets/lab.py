@@ -11,7 +11,7 @@ import time
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import ipywidgets
 
@@ -21,6 +21,7 @@ from walkerlab.live import LiveRun, State
 from walkerlab.run import Run
 from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
+from walkerlab.widgets.cell import made_before
 from walkerlab.widgets.controls import in_words as in_labels
 from walkerlab.widgets.desk import Desk
 from walkerlab.widgets.form import Form
@@ -58,11 +59,14 @@ class Lab(ipywidgets.Box):
         """
         settings = settings or Settings()
         self._folder, self._executor = Path(folder), executor
-        self._told = dict[str, tuple[object, float]]()
+        self._told = dict[LiveRun, tuple[object, float]]()
         self._active: LiveRun | None = None
         self._desk = Desk(self._is_busy, self._tell_fault)
         self.form, self.world = Form(settings), World(settings)
-        self.transport, self.runs = Transport(self._press), RunsRoom(self._folder, self._desk, self._run_chosen)
+        self.transport, self.runs = (
+            Transport(self._press),
+            RunsRoom(self._folder, self._desk, self._run_chosen, self._take_settings),
+        )
         self.population, self.robot = Population(), RobotRoom(settings, self._insert)
         rooms = ipywidgets.Box(
             [
@@ -77,6 +81,9 @@ class Lab(ipywidgets.Box):
         self.add_class("wl-lab")
         self.form.observe(self._form_changed, ["settings", "fault"])
         self.population.observe(self._robot_chosen, "selected")
+        for panel in made_before(self):  # or its run would go on, with nobody to see it
+            panel.close()
+            self.transport.words = "The panel that stood here is closed. What it has run is in its files: see Load."
         self._form_changed()
 
     def __repr__(self) -> str:
@@ -117,13 +124,15 @@ class Lab(ipywidgets.Box):
         if settings:
             self._desk.order("world", partial(self.world.draw, settings))
             self._desk.order("forecast", self._forecast)
+            if not self.run:  # or edited genes walk in the world of the run that is looked at
+                self.robot.use(settings)
 
     def _forecast(self) -> None:
         """Say how long a run of what the form says would take; while one is going on, its walks are in the way."""
         if (settings := self.settings) and not self._is_busy():
             algorithm = settings.algorithm
             run = f"{algorithm.generations} generations of {algorithm.population_size} robots"
-            self.transport.forecast = f"{run}: {in_words(seconds_of(settings))} on this computer."
+            self.transport.forecast = f"A new run: {run}, {in_words(seconds_of(settings))} on this computer."
 
     # ------------------------------------------------------------------------------------------------------ a run
 
@@ -146,37 +155,33 @@ class Lab(ipywidgets.Box):
 
     def _begin(self, settings: Settings, generations: int | None) -> None:
         """Start a run of these settings, to its end or for so many generations."""
-        key = f"run {len(self._told) + 1}"
-        options: dict[str, Any] = {"executor": self._executor, "on_news": partial(self._news, key)}
         try:
-            live = self._live(settings, options)
+            live = self._live(settings)
         except ValueError as error:  # an operator of the user's own that does not do what its slot needs
             self.transport.words = str(error)
             return
-        self._active, self._told[key] = live, (None, 0.0)
-        self.runs.keep(Kept(key, settings, live))
+        self._active, self._told[live] = live, (None, 0.0)
+        name = f"run {len(self._told)}"
+        self.runs.keep(Kept(name, settings, live), name)
         live.go_on(generations)
 
-    def _live(self, settings: Settings, options: dict[str, Any]) -> LiveRun:
+    def _live(self, settings: Settings) -> LiveRun:
         try:
-            return LiveRun(settings, new_file(self._folder), **options)
+            return LiveRun(settings, new_file(self._folder), self._executor, on_news=self._news)
         except RunFileError as error:
-            live = LiveRun(settings, **options)
+            live = LiveRun(settings, None, self._executor, on_news=self._news)
             self.runs.drawer.words = f"This run is in memory only. {error}"
             return live
 
-    def _news(self, key: str) -> None:
+    def _news(self, live: LiveRun) -> None:
         """Hear that a run has come farther: say so, and have drawn what shows it."""
-        live, now = self.runs.kept[key].live, time.monotonic()
-        if live is None:
-            return
-        stage, (before, spoken) = (live.state, live.n_generations), self._told[key]
+        stage, now, (before, spoken) = (live.state, live.n_generations), time.monotonic(), self._told[live]
         if stage != before:
             self.runs.redraw()
             self._desk.order("population", self._show_population)
         elif now - spoken < OFTEN:
             return
-        self._told[key] = stage, now
+        self._told[live] = stage, now
         if live is self._active:
             self._say(live)
         if live.state != State.running:
@@ -185,15 +190,21 @@ class Lab(ipywidgets.Box):
 
     def _say(self, live: LiveRun) -> None:
         """Say how far a run has come."""
-        done, left = live.n_generations, live.seconds_left
-        far = f"{done} of {live.settings.algorithm.generations} generations"
+        done, last, left = live.n_generations, live.settings.algorithm.generations - 1, live.seconds_left
+        come = f"generation {done - 1} of 0 to {last}" if done else "the first robots had begun"
         match live.state:
             case State.running:
-                words = f"{far}, {in_words(left)} left" if left is not None else "The robots are getting ready …"
+                words = (
+                    "The first robots walk, and bodies are built …"
+                    if left is None
+                    else (f"Generation {done} of 0 to {last} walks: {in_words(left)} left.")
+                )
             case State.failed:
-                words = f"Failed after {far}, which are kept. {in_full(live.error)}"
+                words = f"Failed after {come}; what is done is kept. {in_full(live.error)}"
+            case State.finished:
+                words = f"Finished: generations 0 to {last} in {live.seconds:.0f} s."
             case state:
-                words = f"{state.capitalize()} after {far} and {live.seconds:.0f} s."
+                words = f"{state.capitalize()} after {come}, and {live.seconds:.0f} s."
         with self.transport.hold_sync():
             self.transport.state, self.transport.words = live.state, words
             self.transport.share = live.n_done / live.n_walks
@@ -204,6 +215,11 @@ class Lab(ipywidgets.Box):
     def _run_chosen(self) -> None:
         self.population.selected = -1
         self._desk.order("population", self._show_population)
+
+    def _take_settings(self) -> None:
+        """Move the form to the settings of the run that is chosen."""
+        if run := self.run:
+            self.settings = run.settings
 
     def _robot_chosen(self, _change: object) -> None:
         self._desk.order("robot", self._show_robot)

@@ -9,6 +9,7 @@ import ipywidgets
 
 from walkerlab import sketch
 from walkerlab.genome import Genome
+from walkerlab.markup import shown, tag
 from walkerlab.records import births
 from walkerlab.run import Run
 from walkerlab.settings import Settings
@@ -37,9 +38,12 @@ class RobotRoom(ipywidgets.Box):
         """
         self.card, self.frame = ipywidgets.HTML(), Frame()
         self.editor = Editor(settings=settings)
-        self._settings, self._shown, self._on_insert = settings, (None, -1), on_insert
+        self._settings, self._on_insert = settings, on_insert
+        self._shown: tuple[Settings | None, int] = None, -1
+        self._text = self.editor.text
         super().__init__([self.card, self.frame, self.editor])
         self.add_class("wl-robot")
+        self.frame.add_class("wl-frame")
         self.editor.on_walk(self._walk)
         self.editor.on_insert(self._insert)
 
@@ -50,19 +54,22 @@ class RobotRoom(ipywidgets.Box):
     def show(self, run: Run, number: int) -> None:
         """Show a robot of a run, or its champion if there is none of the number.
 
-        A champion that is being watched stays until it is closed, however many better ones come.
+        A champion that is being watched, or whose gene is being edited, stays, however many better ones come.
         """
         known = number >= 0 and bool((run.records.individual == number).any())
         robot = number if known else run.champion.individual
-        before, (self._shown) = self._shown, (run.settings, robot)
-        if before == self._shown or (not known and before[0] == run.settings and self.frame.is_open):
-            self._shown = before
+        wanted = run.settings, robot
+        is_edited = self.editor.text != self._text
+        is_watched = bool(self.frame.is_open) and run.settings == self._shown[0]
+        if wanted == self._shown or (not known and (is_edited or is_watched)):
             return
+        self._shown = wanted
         row: Any = births(run.records).loc[robot]
         genome = Genome.parse(row.genome)
         self.card.value = card(run.records, robot)
         self.use(run.settings)
         self.editor.genome = genome
+        self._text = self.editor.text
         self._offer(genome, f"robot {robot} of generation {row.born}")
 
     def _offer(self, genome: Genome, name: str) -> None:
@@ -72,6 +79,8 @@ class RobotRoom(ipywidgets.Box):
         self.frame.offer(partial(replay, {name: genome}, self._settings), picture, f"Replay of {name}. Press to play.")
 
     def _walk(self, genome: Genome) -> None:
+        self._shown = self._shown[0], -1  # the card is of somebody else
+        self.card.value = shown(tag("p", tag("strong", "The gene in the editor"), ", as it walks in this world."))
         self._offer(genome, "the gene in the editor")
         self.frame.play()
 

@@ -11,14 +11,15 @@ import pandas as pd
 from walkerlab.judge import VERDICTS
 from walkerlab.plots.style import unit_of, with_unit
 from walkerlab.quantity import count
+from walkerlab.records import BY_HAND
 
 LISTED = 300  # robots at most that have a row in the table
 DRAWN = 60  # robots at most that have a picture
 MINUS = "\N{MINUS SIGN}"
 
-ELITE, VOID = "elite", "void"
-SIGNS = {ELITE: "★", VOID: "⚠\N{VARIATION SELECTOR-15}", "": ""}
-"""What tells the kinds of robots apart without colour: elites, and those whose walks do not count."""
+ELITE, VOID, OWN = "elite", "void", "own"
+SIGNS = {ELITE: "★", VOID: "⚠\N{VARIATION SELECTOR-15}", OWN: "✎", "": ""}
+"""What tells the kinds of robots apart without colour: elites, those whose walks do not count, those made by hand."""
 
 
 @dataclass(frozen=True)
@@ -76,11 +77,13 @@ def roster(records: pd.DataFrame) -> dict[str, Any]:
     unit = unit_of(records, "fitness")
     void, n_elites = records[records.verdict != "ok"], int((records.born < records.generation).sum())
     elites = f", {SIGNS[ELITE]} {count(n_elites, 'elite')}" if n_elites else ""
+    n_own = int((records.operators == BY_HAND).sum())
+    made = f", {SIGNS[OWN]} {n_own} made by hand" if n_own else ""
     kinds = ", ".join(f"{n} {verdict}" for verdict, n in void.verdict.value_counts().items())
     digits = {name: column.digits for name, column in COLUMNS.items()} | {"fitness": _digits(records.fitness)}
     n = len(records)
     return {
-        "title": f"Generation {records.generation.iloc[0]}: {count(n, 'robot')}{elites}",
+        "title": f"Generation {records.generation.iloc[0]}: {count(n, 'robot')}{elites}{made}",
         "warning": f"{SIGNS[VOID]} {len(void):,} not counted: {kinds}" if len(void) else "",
         "drawn": DRAWN,
         "some_drawn": f"the first {DRAWN} of {n:,} are drawn" if n > DRAWN else "",
@@ -107,7 +110,8 @@ def _digits(fitness: pd.Series) -> int:
 def _row(row: Mapping[Any, Any], named: str, unit: str, digits: Mapping[str, int]) -> dict[str, Any]:
     """Tell of one robot."""
     counts = row["verdict"] == "ok"
-    kind = VOID if not counts else ELITE if row["born"] < row["generation"] else ""
+    own = OWN if row["operators"] == BY_HAND else ""
+    kind = VOID if not counts else ELITE if row["born"] < row["generation"] else own
     cells = {name: row[name] if name == "verdict" else _figure(row[name], digits[name]) for name in COLUMNS}
     worth = f"{cells['fitness']} {unit}".rstrip() if counts else row["verdict"]
     return {
@@ -135,4 +139,5 @@ def _said(row: Mapping[Any, Any], kind: str, worth: str) -> str:
         reason = f" That is, {row['reason']}." if isinstance(row["reason"], str) and row["reason"] else ""
         return f"{who} Not counted: {row['verdict']}. {VERDICTS.get(row['verdict'], '')}{reason}"
     lives = f" An elite, which lives on unchanged since generation {row['born']}." if kind == ELITE else ""
-    return f"{who} Its {worth}.{lives}"
+    own = " Made by hand." if row["operators"] == BY_HAND else ""
+    return f"{who} Its {worth}.{lives}{own}"

@@ -15,7 +15,7 @@ from walkerlab.store import RunFileError
 from walkerlab.widgets.curve import Curve
 from walkerlab.widgets.desk import Desk
 from walkerlab.widgets.drawer import Drawer
-from walkerlab.widgets.kept import Kept, best_of, new_file, run_files, told_apart
+from walkerlab.widgets.kept import Kept, best_of, name_of, new_file, run_files, told_apart
 from walkerlab.widgets.shelf import Shelf
 
 
@@ -29,18 +29,21 @@ class RunsRoom(ipywidgets.Box):
         drawer: where the chosen one is exported and its code copied, and others are loaded.
     """
 
-    def __init__(self, folder: Path, desk: Desk, on_chosen: Callable[[], None]) -> None:
+    def __init__(
+        self, folder: Path, desk: Desk, on_chosen: Callable[[], None], on_settings: Callable[[], None]
+    ) -> None:
         """Make it, with no runs.
 
         Args:
             folder: where the runs are kept, in a folder each.
             desk: at which the curve is drawn.
             on_chosen: told that another run is chosen.
+            on_settings: told that the settings of the chosen run are wanted for the next one.
         """
         self._folder, self._desk, self._on_chosen = folder, desk, on_chosen
         self._on_curve = list[tuple[str, str, bool]]()
         self.kept = dict[str, Kept]()
-        self.curve, self.shelf, self.drawer = Curve(), Shelf(), Drawer(self._load, self._export)
+        self.curve, self.shelf, self.drawer = Curve(), Shelf(), Drawer(self._load, self._export, on_settings)
         self.drawer.files = run_files(folder)
         super().__init__([self.curve, self.shelf, self.drawer])
         self.add_class("wl-runs")
@@ -53,10 +56,10 @@ class RunsRoom(ipywidgets.Box):
         kept = self.kept.get(str(self.shelf.selected))
         return kept.run if kept else None
 
-    def keep(self, kept: Kept) -> None:
+    def keep(self, kept: Kept, name: str) -> None:
         """Put a run into the list, and choose it."""
         self.kept = {**self.kept, kept.key: kept}
-        self.shelf.put(kept.key)
+        self.shelf.put(kept.key, name=name)
         self.shelf.selected = kept.key
         self.redraw()
 
@@ -108,7 +111,8 @@ class RunsRoom(ipywidgets.Box):
         except (RunFileError, OSError) as error:
             self.drawer.words = str(error)
             return
-        self.keep(Kept(str(run.path), run.settings, run))
+        kept = Kept(str(run.path), run.settings, run)
+        self.keep(kept, name_of(Path(kept.key)))
         self.drawer.words = f"Loaded {run.path}."
 
     def _export(self) -> None:

@@ -26,7 +26,7 @@ function row(key, group, send) {
   const drop = make("button", { type: "button", className: "drop", textContent: "✕" });
   const no = make("button", { type: "button", textContent: "keep" });
   const yes = make("button", { type: "button", textContent: "drop", onclick: () => send({ drop: key }) });
-  const sure = make("span", { className: "sure", hidden: true, role: "group" }, "Sure? ", yes, no);
+  const sure = make("span", { className: "sure", hidden: true, role: "group" }, "Off the list? Its file stays. ", yes, no);
   const node = make("li", {}, see, shown, name, differs, best, state, drop, sure);
 
   const ask = (asked) => {

@@ -5,7 +5,7 @@ const BUTTONS = [
   ["start", "Start", PLAY, "evolve with the settings below", ["ready", "stopped", "finished", "failed"]],
   ["pause", "Pause", "M4 3h4v14H4z M12 3h4v14h-4z", "let no other robot begin to walk", ["running"]],
   ["go_on", "Go on", PLAY, "go on where it paused", ["paused"]],
-  ["step", "One generation", "M4 3l8 7-8 7z M13 3h3v14h-3z", "evolve one generation, then pause", ["ready", "paused", "stopped", "finished", "failed"]],
+  ["step", "One generation", "M4 3l8 7-8 7z M13 3h3v14h-3z", "evolve one generation more, or the first one of a new run, then pause", ["ready", "paused", "stopped", "finished", "failed"]],
   ["stop", "Stop", "M4 4h12v12H4z", "end the run here; all generations that are done are kept", ["running", "paused"]],
 ];
 const NEW = ["start", "step"]; // which begin a run, unless one is paused
@@ -43,7 +43,8 @@ function render({ model, el }) {
     if (other && row.contains(focused) && (focused.hidden || focused.disabled)) { // the keyboard stays where it was
       buttons.find(({ name, button }) => name === other && !button.hidden && !button.disabled)?.button.focus();
     }
-    bar.value = model.get("share");
+    if (state === "running" && !model.get("share")) bar.removeAttribute("value"); // something happens, and nothing is done yet
+    else bar.value = model.get("share");
     const next = state === "running" || state === "paused" ? "" : fault || model.get("forecast");
     words.textContent = model.get("words");
     ahead.textContent = next;
