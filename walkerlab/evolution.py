@@ -5,6 +5,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from threading import Lock
 from typing import Any, Self
 
 import numpy as np
@@ -81,7 +82,7 @@ class Evolution:
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._tables: list[pd.DataFrame] = []
         self._population: Population[Evaluation] | None = None
-        self._guests: list[Genome] = []
+        self._guests, self._next_bred, self._breeding = list[Genome](), 0, Lock()
 
     @classmethod
     def _of(cls, run: Run, settings: Settings, **options: Any) -> Self:
@@ -92,6 +93,7 @@ class Evolution:
             evolution._tables = [run.records]
             try:
                 evolution._population = records.last_population(run.records)
+                evolution._next_bred = evolution._population.generation + 1
             except ValueError as error:
                 raise RunFileError(f"{run.path} is damaged: {error}") from error
         return evolution
@@ -106,22 +108,33 @@ class Evolution:
         """How many generations are done."""
         return 0 if self._population is None else self._population.generation + 1
 
-    def insert(self, genome: Genome | str) -> None:
-        """Put a genome of your own into the next generation, in the place of a child.
+    def insert(self, genome: Genome | str) -> int:
+        """Put a genome of your own into the next generation that is bred, in the place of a child.
 
         Args:
             genome: a genome or its text; brought within the limits.
 
+        Returns:
+            The number of that generation; the one that is walking has been bred already.
+
         Raises:
             GenomeError: if a text is no genome.
-            ValueError: if there is no room for it, or no generation yet that the next one could follow.
+            ValueError: if there is no room for it, no generation yet that another could follow, or none to come.
         """
-        if self._population is None:
-            raise ValueError("the first generation is random; let it walk, and put the gene into the next one")
-        room = self.settings.algorithm.population_size - self.settings.algorithm.n_elites
-        if len(self._guests) >= room:
-            raise ValueError(f"the next generation has {room} places for children, and all are taken by genes of yours")
-        self._guests.append(Genome.of(genome).within(self.settings.robot))
+        genome = Genome.of(genome).within(self.settings.robot)
+        algorithm = self.settings.algorithm
+        room = algorithm.population_size - algorithm.n_elites
+        with self._breeding:
+            if self._population is None:
+                raise ValueError("the first generation is random; let it walk, and put the gene into the next one")
+            if self._next_bred >= algorithm.generations:
+                raise ValueError(f"no generation is bred any more: generation {algorithm.generations - 1} is the last")
+            if len(self._guests) >= room:
+                raise ValueError(
+                    f"the next generation has {room} places for children, and genes of yours have them all"
+                )
+            self._guests.append(genome)
+            return self._next_bred
 
     def __iter__(self) -> Iterator[Generation]:
         """Yield each further generation once it is evaluated and stored, until the settings' number is reached."""
@@ -143,8 +156,11 @@ class Evolution:
         robot, algorithm = self.settings.robot, self.settings.algorithm
         if self._population is None:
             genomes = generate_robot_population(robot, algorithm.population_size, seed=algorithm.seed)
+            self._next_bred = 1
             return first_population(genomes, self._walk)
-        guests, self._guests = self._guests, []
+        with self._breeding:
+            guests, self._guests = self._guests, []
+            self._next_bred = self._population.generation + 2
         return next_population(
             self._population,
             operators(algorithm),

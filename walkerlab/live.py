@@ -66,7 +66,7 @@ class LiveRun:
             RunFileError: if there is a file at ``path``, or none can be made there.
         """
         self.settings, self.state, self.n_done = settings, State.paused, 0
-        self.error: Exception | None = None
+        self.error: BaseException | None = None
         self.n_walks = n_walks(settings)
         self._executor, self._on_news = executor, on_news
         self._gate = Gate(self._workers, AT_ONCE * n_cores())
@@ -111,16 +111,22 @@ class LiveRun:
 
     def pause(self) -> None:
         """Let the robots that are walking finish, and no other begin."""
-        if self._rest(State.paused):
-            self._gate.close()
-            self._may_go.clear()
+        with self._lock:
+            paused = self._rest(State.paused)
+            if paused:
+                self._gate.close()
+                self._may_go.clear()
+        if paused:
             self._on_news(self)
 
     def stop(self) -> None:
         """End it here: the generations that are done are kept, the one that is walking is not."""
-        if self._rest(State.stopped):
-            self._gate.stop()
-            self._may_go.set()
+        with self._lock:
+            stopped = self._rest(State.stopped)
+            if stopped:
+                self._gate.stop()
+                self._may_go.set()
+        if stopped:
             self._on_news(self)
 
     def close(self, timeout: float = 10.0) -> None:
@@ -135,9 +141,15 @@ class LiveRun:
         if self._pool and all(run.is_over for run in _RUNS):
             self._pool.shutdown(wait=False)
 
-    def insert(self, genome: Genome | str) -> None:
-        """Put a genome into the next generation; raises what ``Evolution.insert`` does."""
-        self._evolution.insert(genome)
+    def insert(self, genome: Genome | str) -> int:
+        """Put a genome into a generation to come, as ``Evolution.insert`` does.
+
+        Raises:
+            ValueError: if the run is over, or for what ``Evolution.insert`` does.
+        """
+        if self.is_over:
+            raise ValueError("this run is over; start another, and put the gene into that")
+        return self._evolution.insert(genome)
 
     @property
     def seconds(self) -> float:
@@ -169,7 +181,7 @@ class LiveRun:
             if self.is_over or self.state == state:
                 return False
             self._seconds, self.state = self.seconds, state
-        return True
+            return True
 
     def _evolve(self) -> None:
         """Go from generation to generation: the whole life of the thread."""
@@ -184,7 +196,7 @@ class LiveRun:
             self._rest(State.finished)
         except Stopped:
             pass
-        except Exception as error:
+        except BaseException as error:  # whatever a student's function may raise
             self.error = error
             self._rest(State.failed)
         self._on_news(self)

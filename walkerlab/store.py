@@ -112,7 +112,7 @@ def read(path: Path) -> tuple[dict[str, str], dict[str, Any], pd.DataFrame]:
         rows = db.execute(f"SELECT {', '.join(COLUMNS)} FROM records ORDER BY generation, rowid").fetchall()
     try:
         return facts, json.loads(facts["settings"]), tidy(pd.DataFrame(rows, columns=list(COLUMNS)))
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, RecursionError) as error:
         raise RunFileError(f"{path} is damaged: {error!r}") from error
 
 

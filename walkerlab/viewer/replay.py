@@ -214,5 +214,8 @@ class Frame(anywidget.AnyWidget):
         self.send({"play": True})
 
     def _hear(self, _widget: object, message: Any, _buffers: object) -> None:
-        if self._make and message == {"want": "page"}:
-            self.page = self._make().page.encode("utf-8")
+        make = self._make
+        if make and message == {"want": "page"}:
+            page = make().page.encode("utf-8")
+            if make is self._make:  # and no other walk was offered meanwhile
+                self.page = page

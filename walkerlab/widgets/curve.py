@@ -17,8 +17,8 @@ SIZE = (6.4, 3.5)  # inches
 MARGINS = {"left": 0.1, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
 LONGEST = 18  # characters of a name in the key; the list of runs has it whole
 LINE = 0.055  # of the height, for each line of the key above the axes
-SHEET = f"aspect-ratio: {SIZE[0]} / {SIZE[1]}; background: white; border-radius: 6px; color: #555"
-EMPTY = "margin: 0; padding: 18% 10% 0; text-align: center"
+SHEET = f"aspect-ratio: {SIZE[0]} / {SIZE[1]}; background: white; border-radius: 6px; color: #555; display: grid"
+EMPTY = "margin: auto; padding: 0 10%; text-align: center"
 
 
 class Curve(ipywidgets.HTML):

@@ -54,7 +54,7 @@ def new_file(folder: Path) -> Path:
 
 def run_files(folder: Path) -> list[str]:
     """Return the run files in a folder, or in folders of it, the newest first."""
-    found = [*folder.glob("*.walk"), *folder.glob(f"*/{RUN_FILE}")]
+    found = [path for name in ("*.walk", f"*/{RUN_FILE}") for path in folder.glob(name) if path.is_file()]
     return [str(path) for path in sorted(found, key=lambda path: path.stat().st_mtime, reverse=True)]
 
 

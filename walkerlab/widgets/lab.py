@@ -11,6 +11,7 @@ import time
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
+from threading import Lock
 from typing import cast
 
 import ipywidgets
@@ -18,6 +19,7 @@ import ipywidgets
 from walkerlab.forecast import in_words, seconds_of
 from walkerlab.genome import Genome
 from walkerlab.live import LiveRun, State
+from walkerlab.records import join
 from walkerlab.run import Run
 from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
@@ -61,6 +63,7 @@ class Lab(ipywidgets.Box):
         self._folder, self._executor = Path(folder), executor
         self._told = dict[LiveRun, tuple[object, float]]()
         self._active: LiveRun | None = None
+        self._pressing = Lock()
         self._desk = Desk(self._is_busy, self._tell_fault)
         self.form, self.world = Form(settings), World(settings)
         self.transport, self.runs = (
@@ -107,9 +110,10 @@ class Lab(ipywidgets.Box):
     def close(self) -> None:
         """Stop what runs, send the workers home, and take the panel off the page; the runs stay in their files."""
         self._desk.close()
-        for kept in self.runs.kept.values():
-            if kept.live:
-                kept.live.close()
+        lives = [kept.live for kept in self.runs.kept.values() if kept.live]
+        for end in (LiveRun.stop, LiveRun.close):  # all are stopped before any is waited for
+            for live in lives:
+                end(live)
         for piece in _within(self):
             piece.close()
         super().close()
@@ -137,7 +141,11 @@ class Lab(ipywidgets.Box):
     # ------------------------------------------------------------------------------------------------------ a run
 
     def _press(self, button: str) -> None:
-        """Do what a button of the transport says."""
+        """Do what a button of the transport says, one press after the other."""
+        with self._pressing:
+            self._do(button)
+
+    def _do(self, button: str) -> None:
         live = self._active if self._active and not self._active.is_over else None
         match button:
             case "start" | "step" if not live and self.settings:
@@ -168,7 +176,7 @@ class Lab(ipywidgets.Box):
     def _live(self, settings: Settings) -> LiveRun:
         try:
             return LiveRun(settings, new_file(self._folder), self._executor, on_news=self._news)
-        except RunFileError as error:
+        except (RunFileError, OSError) as error:
             live = LiveRun(settings, None, self._executor, on_news=self._news)
             self.runs.drawer.words = f"This run is in memory only. {error}"
             return live
@@ -226,9 +234,9 @@ class Lab(ipywidgets.Box):
 
     def _show_population(self) -> None:
         """Show the last generation of the run that is chosen."""
-        if (run := self.run) and run.n_generations:
-            self.population.show(run)
-            self._show_robot()
+        run = self.run
+        self.population.show(run.records if run else join([]), run.settings if run else None)
+        self._show_robot()
 
     def _show_robot(self) -> None:
         """Show the robot that is selected, or the champion so far."""
@@ -240,10 +248,10 @@ class Lab(ipywidgets.Box):
         if not self._active:
             return "No run is going on."
         try:
-            self._active.insert(genome)
+            number = self._active.insert(genome)
         except ValueError as error:
             return str(error)
-        return f"It will be in generation {self._active.n_generations}, in the place of a child."
+        return f"It will be in generation {number}, in the place of a child: look for ✎."
 
     def _is_busy(self) -> bool:
         return self._active is not None and self._active.state == State.running
@@ -252,7 +260,7 @@ class Lab(ipywidgets.Box):
         self.runs.drawer.words = f"A picture could not be drawn. {in_full(error)}"
 
 
-def in_full(error: Exception | None) -> str:
+def in_full(error: BaseException | None) -> str:
     """Say what went wrong, with what is known of where."""
     return "; ".join([f"{type(error).__name__}: {error}", *getattr(error, "__notes__", [])])
 

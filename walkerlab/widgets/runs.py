@@ -9,9 +9,8 @@ import ipywidgets
 
 from walkerlab import outputs
 from walkerlab.plots.style import RUNS
-from walkerlab.report.code import as_python
+from walkerlab.report.code import as_python, own_functions
 from walkerlab.run import Run, load
-from walkerlab.store import RunFileError
 from walkerlab.widgets.curve import Curve
 from walkerlab.widgets.desk import Desk
 from walkerlab.widgets.drawer import Drawer
@@ -62,6 +61,7 @@ class RunsRoom(ipywidgets.Box):
         self.shelf.put(kept.key, name=name)
         self.shelf.selected = kept.key
         self.redraw()
+        self._on_chosen()  # also if it was chosen before, and has grown since
 
     def redraw(self) -> None:
         """Have the curve drawn anew, and the list told what the runs have reached."""
@@ -85,7 +85,7 @@ class RunsRoom(ipywidgets.Box):
         run = self.chosen
         has_walked = run is not None and bool(run.n_generations)
         self.drawer.can_export = has_walked
-        self.drawer.code = as_python(run.settings, run.records) if run and has_walked else ""
+        self.drawer.code = _code(run) if run and has_walked else ""
 
     def _run_chosen(self, _change: object) -> None:
         self._desk.order("shelf", self._tell_runs)
@@ -108,12 +108,13 @@ class RunsRoom(ipywidgets.Box):
     def _load(self, path: str) -> None:
         try:
             run = load(path)
-        except (RunFileError, OSError) as error:
+            best_of(run)  # whose genome may be no genome
+        except (ValueError, OSError) as error:
             self.drawer.words = str(error)
             return
-        kept = Kept(str(run.path), run.settings, run)
-        self.keep(kept, name_of(Path(kept.key)))
-        self.drawer.words = f"Loaded {run.path}."
+        file = Path(path) if run.path is None else run.path
+        self.keep(Kept(str(file.resolve()), run.settings, run), name_of(file))
+        self.drawer.words = f"Loaded {file}."
 
     def _export(self) -> None:
         """Write all that there is to see of the chosen run into its folder, on a thread, for it takes seconds."""
@@ -126,8 +127,15 @@ class RunsRoom(ipywidgets.Box):
         try:
             folder.mkdir(parents=True, exist_ok=True)
             outputs.write(run, folder)
-        except OSError as error:
-            self.drawer.words = f"Nothing can be written into {folder}: {error.strerror}."
+        except Exception as error:  # it is on a thread of its own: nobody else would say so
+            self.drawer.words = f"Not all could be written into {folder}. {type(error).__name__}: {error}"
         else:
             self.drawer.words = f"Exported into the folder {folder}: {', '.join(outputs.FILES)}."
             self.drawer.files = run_files(self._folder)
+
+
+def _code(run: Run) -> str:
+    """Write the code that makes a run again, and say which functions it takes for granted."""
+    own = own_functions(run.settings)
+    needed = f"# Define these of your own first: {', '.join(own)}\n" if own else ""
+    return needed + as_python(run.settings, run.records)

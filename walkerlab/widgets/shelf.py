@@ -33,6 +33,9 @@ class Shelf(Part):
         self._lock = threading.RLock()
         self.on_msg(self._heard)
 
+    def set_state(self, sync_data: dict[str, Any]) -> None:
+        """Hear nothing from a browser but messages."""
+
     def put(self, key: str, **told: Any) -> None:
         """Add a run, in a colour and with a mark that no other has, as long as there are such.
 
