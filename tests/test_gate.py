@@ -2,7 +2,7 @@
 
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
 
 import pytest
 
@@ -82,3 +82,26 @@ def test_a_gate_to_nowhere_says_so():
 
     with pytest.raises(RuntimeError, match="no workers"):
         Gate(nobody, 1).submit(int)
+
+
+class Closed(Executor):
+    """Takes no work."""
+
+    def submit(self, fn, /, *args, **kwargs):
+        raise RuntimeError("closed")
+
+
+class Forgetful(Executor):
+    """Gives up whatever it takes."""
+
+    def submit(self, fn, /, *args, **kwargs):
+        given_up = Future()
+        given_up.cancel()
+        return given_up
+
+
+@pytest.mark.parametrize(("inside", "answer"), [(Closed(), RuntimeError), (Forgetful(), Stopped)])
+def test_what_the_executor_inside_does_not_do_is_answered(inside, answer):
+    future = Gate(lambda: inside, 1).submit(int)
+    with pytest.raises(answer):
+        future.result(1)

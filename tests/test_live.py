@@ -1,6 +1,7 @@
 """A run on a thread of its own brings forth the very table of one that was waited for."""
 
 import threading
+import weakref
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -8,7 +9,9 @@ import pandas as pd
 import pytest
 
 import walkerlab as wl
+from walkerlab import live as live_module
 from walkerlab.live import LiveRun, State
+from walkerlab.records import births
 from walkerlab.report.code import as_python
 
 SMALL = wl.Settings().with_(population_size=6, generations=4, duration=1)
@@ -79,18 +82,15 @@ def test_stepped_and_paused_it_is_the_same(alive, waited_for):
     pd.testing.assert_frame_equal(live.run.records, waited_for)
 
 
-def test_paused_in_the_middle_of_a_generation_nobody_walks(alive):
+def test_paused_in_the_middle_of_a_generation_those_that_walk_finish_and_no_other_begins(alive, monkeypatch):
+    monkeypatch.setattr(live_module, "n_cores", lambda: 1)
     live, listener = alive(SMALL.with_(population_size=200, n_elites=0))
     live.go_on()
-    listener.until(lambda: live.n_done > 16)
+    listener.until(lambda: live.n_done > 0)
     live.pause()
+    listener.until(lambda: not live._gate._within)
+    assert live._gate._waiting
     assert live.n_generations == 0
-    with live._gate._lock:
-        inside = len(live._gate._within)
-    assert inside <= live._gate._at_once
-    walked = live.n_done + inside * 16
-    assert not threading.Event().wait(0.5)
-    assert live.n_done <= walked < live.n_walks
     assert live.seconds_left > 0
 
 
@@ -103,6 +103,28 @@ def test_stopped_it_keeps_the_generations_that_are_done(alive, waited_for):
     assert live.state == State.stopped
     live._thread.join(PATIENCE)
     pd.testing.assert_frame_equal(live.run.records, waited_for[waited_for.generation < 2])
+
+
+@pytest.mark.parametrize("press", [LiveRun.stop, LiveRun.go_on])
+def test_a_button_pressed_while_it_comes_to_rest_is_heard(alive, monkeypatch, press):
+    live, _ = alive()
+    close, begun, pressed = live._gate.close, threading.Event(), threading.Event()
+    monkeypatch.setattr(live._gate, "close", lambda: (begun.set(), pressed.wait(0.2), close()))
+    live.go_on(1)
+    assert begun.wait(PATIENCE)
+    press(live)
+    pressed.set()
+    live._thread.join(PATIENCE)
+    assert not live._thread.is_alive()
+
+
+def test_stopped_at_rest_its_thread_ends(alive):
+    live, listener = alive()
+    live.go_on(1)
+    listener.until(lambda: live.state == State.paused)
+    live.stop()
+    live._thread.join(PATIENCE)
+    assert not live._thread.is_alive()
 
 
 def test_stopped_in_the_middle_of_a_generation_it_lets_go_at_once(alive):
@@ -129,6 +151,30 @@ def test_a_fitness_that_fails_fails_the_run_and_keeps_the_rest(alive):
     assert live.state == State.failed
     assert isinstance(live.error, ArithmeticError)
     assert live.n_generations == 1
+
+
+def test_the_time_left_does_not_count_what_was_before_the_first_walks(alive):
+    live, _ = alive()
+    for seconds in (100.0, 110.0):
+        live._seconds = seconds
+        live._walked(1)
+    assert live.seconds_left == pytest.approx(10.0 * (live.n_walks - 2))
+
+
+def test_the_workers_go_home_with_the_last_run(monkeypatch):
+    workers, lives = ThreadPoolExecutor(2), []
+    monkeypatch.setattr(live_module, "default_executor", lambda: workers)
+    monkeypatch.setattr(live_module, "_RUNS", weakref.WeakSet())
+    for _ in range(2):
+        listener = Listener()
+        lives.append(LiveRun(SMALL, on_news=listener.hear))
+        lives[-1].go_on(1)
+        listener.until(lambda: lives[-1].state == State.paused)
+    lives[0].close()
+    assert workers.submit(int).result() == 0
+    lives[1].close()
+    with pytest.raises(RuntimeError, match="after shutdown"):
+        workers.submit(int)
 
 
 def test_what_cannot_run_is_refused_before_it_begins(tmp_path):
@@ -181,3 +227,50 @@ class TestByHand:
                 evolution.insert(self.GENE)
             with pytest.raises(ValueError, match="4 places for children"):
                 evolution.insert(self.GENE)
+
+    def test_it_is_in_the_next_generation_that_is_bred_and_refused_where_there_is_none(self):
+        told, refused = {}, {}
+
+        def put_in():
+            moment = evolution.n_generations
+            if moment and not {moment} & (told.keys() | refused.keys()):
+                try:
+                    told[moment] = evolution.insert(self.GENE)
+                except ValueError as error:
+                    refused[moment] = str(error)
+
+        with ThreadPoolExecutor(2) as pool:
+            evolution = wl.Evolution(SMALL, executor=pool, on_walks=lambda _: put_in())
+            records = [generation.records for generation in evolution][-1]
+        with pytest.raises(ValueError, match="generation 3 is the last"):
+            evolution.insert(self.GENE)
+        assert told == {1: 2, 2: 3}
+        assert "generation 3 is the last" in refused[3]
+        assert (records[records.operators == "by hand"].born == 3).sum() == 1
+
+    def test_between_two_generations_it_is_in_the_second(self):
+        with ThreadPoolExecutor(2) as pool:
+            evolution = wl.Evolution(SMALL, executor=pool)
+            told = [evolution.insert(self.GENE) for generation in evolution if generation.number < 3]
+        born = births(evolution.run.records)
+        assert told == born[born.operators == "by hand"].born.tolist() == [1, 2, 3]
+
+    def test_beyond_the_limits_it_is_brought_within_them(self):
+        tight = SMALL.with_(legs=(2, 2), generations=2)
+        with ThreadPoolExecutor(2) as pool:
+            evolution = wl.Evolution(tight, executor=pool)
+            for generation in evolution:
+                if generation.number == 0:
+                    evolution.insert(self.GENE)
+        guest = evolution.run.records.iloc[-1]
+        assert guest.operators == "by hand"
+        assert guest.genome == str(wl.Genome.parse(self.GENE).within(tight.robot)) != self.GENE
+        assert guest.n_legs == 2
+
+    def test_of_a_run_that_is_over_it_is_refused(self, alive):
+        live, listener = alive()
+        live.go_on(1)
+        listener.until(lambda: live.state == State.paused)
+        live.stop()
+        with pytest.raises(ValueError, match="over"):
+            live.insert(self.GENE)

@@ -21,6 +21,7 @@ from walkerlab.commands.worlds import GENOME
 from walkerlab.ground import ARENA_WIDTH
 from walkerlab.scene import compile_scene
 from walkerlab.shapes import n_sound, placements, rope_ends, rotate, skins
+from walkerlab.viewer.replay import Frame
 from walkerlab.viewer.stage import below, edges_of, set_up
 from walkerlab.viewer.tracks import follow, moments, pack
 
@@ -244,6 +245,24 @@ class TestThePage:
         assert "<b>" not in picture
         assert "Ada" in picture
         assert len(picture) < 100_000
+
+    def test_a_page_that_comes_too_late_is_not_shown_under_another_picture(self):
+        class Slow:
+            @property
+            def page(self):
+                frame.offer(lambda: self, "new", "the new robot")
+                return "old"
+
+        frame = Frame()
+        frame.offer(Slow, "old", "the old robot")
+        frame._handle_custom_msg({"want": "page"}, [])
+        assert (frame.page, frame.alt) == (b"", "the new robot")
+
+    def test_another_walk_that_is_offered_takes_the_page_of_the_last_away(self):
+        frame = Frame()
+        frame.page = b"of another"
+        frame.offer(lambda: pytest.fail("made for nobody"), "new", "the new robot")
+        assert frame.page == b""
 
 
 # ---------------------------------------------------------------------------------------------- in a browser

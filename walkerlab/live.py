@@ -129,7 +129,7 @@ class LiveRun:
         if stopped:
             self._on_news(self)
 
-    def close(self, timeout: float = 10.0) -> None:
+    def close(self, timeout: float = 2.0) -> None:
         """Stop, wait for the thread, and send the workers home if no other run needs them; a later one starts others.
 
         Args:

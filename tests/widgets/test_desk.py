@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from walkerlab.widgets.desk import SHARE, Desk
+from walkerlab.widgets.desk import SHARE, SHORTEST, Desk
 
 
 @pytest.fixture
@@ -44,6 +44,23 @@ def test_while_it_spares_the_computer_it_rests_longer_than_it_draws(desk):
     desk.order("b", draw)
     assert done.wait(10)
     assert times[1] - times[0] > 0.03 / SHARE * 0.95
+
+
+@pytest.mark.parametrize("waits", [0.0, 0.2])
+def test_it_rests_after_work_of_its_own_and_not_after_waiting(desk, waits):
+    desk.sparing, begun, ended, done = True, [], [], threading.Event()
+
+    def draw():
+        begun.append(time.monotonic())
+        threading.Event().wait(waits)
+        ended.append(time.monotonic())
+        if len(ended) == 2:
+            done.set()
+
+    desk.order("a", draw)
+    desk.order("b", draw)
+    assert done.wait(10)
+    assert SHORTEST * 0.95 < begun[1] - ended[0] < 2
 
 
 def test_in_a_hurry_it_ends_its_rest(desk):

@@ -130,6 +130,13 @@ def test_a_text_that_is_no_gene_leaves_no_genome_and_says_why(text):
     assert (editor.genome, editor.fault) == (G.within(wl.Robot()), "")
 
 
+def test_of_a_text_that_is_no_gene_no_limits_are_told():
+    editor = Editor(G, wl.Settings().with_(legs=(2, 2)))
+    assert editor.notes
+    editor.text = "wl1"
+    assert editor.notes == []
+
+
 def test_other_limits_are_held_at_once_and_the_text_stays():
     editor = Editor(G)
     text = editor.text

@@ -288,6 +288,8 @@ def test_what_does_not_matter_has_a_reason_that_fits_beside_it(made):
     ("changes", "matter"),
     [
         ({"structure": "stairs"}, {"terrain.step_height", "terrain.step_depth"}),
+        ({"structure": "incline"}, {"terrain.incline"}),
+        ({"structure": "gaps"}, {"terrain.gap_width", "terrain.gap_distance"}),
         ({"structure": "rough"}, {"terrain.hill_height", "terrain.hill_length", "terrain.seed"}),
         ({"texture_density": 0.1}, {"terrain.texture_size", "terrain.seed"}),
         ({"obstacle": "box"}, {"terrain.obstacle_size", "terrain.obstacle_density", "terrain.seed"}),

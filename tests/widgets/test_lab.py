@@ -1,7 +1,8 @@
 """The panel does what its buttons say; how it looks and feels is tested in a browser."""
 
+import sqlite3
+import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
 
 import ipywidgets
 import numpy as np
@@ -9,11 +10,12 @@ import pandas as pd
 import pytest
 
 import walkerlab as wl
+from walkerlab.live import State
 from walkerlab.report.code import as_python
 from walkerlab.widgets.card import card
-from walkerlab.widgets.kept import new_file, run_files, told_apart
 
 SMALL = wl.Settings().with_(population_size=6, generations=4, duration=1)
+LONG = SMALL.with_(population_size=100, generations=1000)
 PATIENCE = 60  # s
 
 
@@ -22,12 +24,6 @@ def until(holds):
     while not holds():
         assert time.monotonic() < end
         time.sleep(0.01)
-
-
-@pytest.fixture(scope="module")
-def pool():
-    with ThreadPoolExecutor(2) as workers:
-        yield workers
 
 
 @pytest.fixture
@@ -39,6 +35,24 @@ def lab(pool, tmp_path):
 
 def press(lab, button):
     lab.transport._hear(lab.transport, {"press": button}, [])
+
+
+def step(lab):
+    """Let one generation walk, and wait for it."""
+    before = lab.transport.words
+    press(lab, "step")
+    until(lambda: lab.transport.state == "paused" and lab.transport.words != before)
+
+
+def load(lab, path):
+    lab.runs.drawer._hear(lab.runs.drawer, {"load": str(path)}, [])
+
+
+def put_in(lab):
+    """Put the gene in the editor into the next generation; return what is said of that."""
+    lab.robot.editor._hear(lab.robot.editor, {"press": "insert"}, [])
+    [words] = lab.robot.editor.notes
+    return words
 
 
 def drawn(lab):
@@ -234,8 +248,6 @@ def test_the_form_goes_back_to_the_settings_of_a_run(lab):
 
 
 def test_closed_it_leaves_no_widget_and_no_thread(pool, tmp_path):
-    import threading
-
     registry = ipywidgets.widgets.widget._instances
     before, threads = set(registry), set(threading.enumerate())
     lab = wl.Lab(SMALL, tmp_path / "lab", executor=pool)
@@ -246,9 +258,188 @@ def test_closed_it_leaves_no_widget_and_no_thread(pool, tmp_path):
     assert all(type(widget).__name__.endswith(("Layout", "Style")) for widget in left), left
 
 
-def test_a_file_of_a_new_run_is_nobodys(tmp_path):
-    first = new_file(tmp_path)
-    first.parent.mkdir()
-    assert new_file(tmp_path).parent != first.parent
-    assert run_files(tmp_path) == []
-    assert told_apart([SMALL]) == ["population size 6, generations 4, duration 1 s"]
+@pytest.mark.parametrize("close", [wl.Lab.close, lambda lab: lab.runs.shelf.drop("run 1")], ids=["closed", "dropped"])
+def test_a_going_run_that_is_closed_or_dropped_ends_at_once_and_in_silence(lab, monkeypatch, close):
+    cries = []
+    monkeypatch.setattr(threading, "excepthook", cries.append)
+    lab.settings = LONG
+    press(lab, "start")
+    live = lab._active
+    until(lambda: live.n_done > 0)
+    close(lab)
+    assert live.state == State.stopped
+    live._thread.join(PATIENCE)
+    assert not live._thread.is_alive()
+    assert cries == []
+
+
+def test_after_the_last_run_is_dropped_none_is_looked_at(lab):
+    step(lab)
+    lab.runs.shelf.drop("run 1")
+    assert lab.run is None
+    drawn(lab)
+    assert not lab.runs.drawer.code
+    assert not lab.population.roster
+
+
+def test_closing_does_not_wait_for_a_fitness_that_hangs(lab):
+    hangs, go_on = threading.Event(), threading.Event()
+
+    def hang(rollout):
+        if lab.run and lab.run.n_generations:
+            hangs.set()
+            go_on.wait(15)
+        return rollout.distance
+
+    lab.settings = SMALL.with_(fitness=hang)
+    press(lab, "start")
+    assert hangs.wait(PATIENCE)
+    before = time.monotonic()
+    lab.close()
+    took = time.monotonic() - before
+    go_on.set()
+    assert took < 3
+
+
+def test_while_a_run_goes_on_no_forecast_is_walked(lab, monkeypatch):
+    drawn(lab)
+    lab.settings = LONG
+    drawn(lab)
+    press(lab, "start")
+    forecasts = []
+    monkeypatch.setattr("walkerlab.widgets.lab.seconds_of", forecasts.append)
+    lab._forecast()
+    assert forecasts == []
+
+
+def test_a_gene_can_be_put_in_only_where_a_generation_is_to_come(lab):
+    editor = lab.robot.editor
+    assert not editor.can_insert
+    assert put_in(lab) == "No run is going on."
+    step(lab)
+    assert editor.can_insert
+    for _ in range(SMALL.algorithm.population_size - SMALL.algorithm.n_elites):
+        assert "generation 1" in put_in(lab)
+    assert "4 places for children" in put_in(lab)
+    press(lab, "go_on")
+    until(lambda: lab.transport.state == "finished")
+    assert not editor.can_insert
+    assert "is over" in put_in(lab)
+
+
+def test_a_gene_that_is_put_in_while_a_generation_walks_is_in_the_one_after_that_as_it_is_told(lab):
+    words = []
+
+    def meddle(rollout):
+        if lab.run and lab.run.n_generations == 1 and not words:
+            words.append(put_in(lab))
+        return rollout.distance
+
+    lab.settings = SMALL.with_(fitness=meddle)
+    press(lab, "start")
+    until(lambda: lab.transport.state == "finished")
+    born = lab.run.records[lab.run.records.operators == "by hand"].born
+    assert set(born) == {2}
+    assert words[0].startswith("It will be in generation 2,")
+
+
+def test_a_run_that_fails_says_why(lab):
+    def moody(rollout):
+        if lab.run:
+            raise ArithmeticError("not today")
+        return rollout.distance
+
+    lab.settings = SMALL.with_(fitness=moody)
+    press(lab, "start")
+    until(lambda: lab.transport.state == "failed")
+    assert "ArithmeticError: not today" in lab.transport.words
+
+
+def test_the_curve_has_room_for_what_is_to_come_and_the_looks_of_the_list(lab, monkeypatch):
+    for last in (False, False, True):
+        step(lab)
+        if not last:
+            press(lab, "stop")
+    drawn(lab)
+    pictures = []
+    monkeypatch.setattr(lab.runs.curve, "draw", lambda *args: pictures.append(args))
+    lab.runs.shelf.tell("run 2", shown=False)
+    drawn(lab)
+    tables, room, looks = pictures[-1]
+    assert (list(tables), room, looks) == (["run 1", "run 3"], SMALL.algorithm.generations, [0, 2])
+    lab.runs.shelf.drop("run 1")
+    drawn(lab)
+    assert pictures[-1][2] == [2]
+
+
+def test_of_another_run_that_is_chosen_the_champion_is_shown(lab):
+    for seed in (1, 2):
+        lab.settings = SMALL.with_(seed=seed)
+        step(lab)
+        press(lab, "stop")
+    drawn(lab)
+    lab.population.selected = 3
+    lab.runs.shelf.selected = "run 1"
+    assert lab.population.selected == -1
+    drawn(lab)
+    assert f"Robot {lab.run.champion.individual}, the champion so far" in lab.robot.card.value
+    assert lab.robot.editor.genome == lab.run.champion.genome
+
+
+def test_a_run_that_has_just_begun_shows_nothing_of_another(lab):
+    go_on = threading.Event()
+
+    def wait(rollout):
+        if lab.runs.shelf.selected == "run 2":
+            go_on.wait(PATIENCE)
+        return rollout.distance
+
+    lab.settings = SMALL.with_(fitness=wait)
+    step(lab)
+    press(lab, "stop")
+    drawn(lab)
+    assert lab.population.roster
+    assert lab.runs.drawer.code
+    press(lab, "start")
+    drawn(lab)
+    assert lab.run.n_generations == 0
+    assert not lab.population.roster
+    assert not lab.runs.drawer.code
+    press(lab, "stop")
+    go_on.set()
+
+
+def test_a_file_that_has_grown_is_shown_as_it_is_now(lab, pool, tmp_path):
+    path = tmp_path / "grows.walk"
+    wl.evolve(SMALL.with_(generations=1), path, executor=pool, progress=False)
+    load(lab, path)
+    drawn(lab)
+    wl.resume(path, 3, executor=pool, progress=False)
+    load(lab, path)
+    drawn(lab)
+    assert lab.population.roster["title"].startswith("Generation 2")
+    assert len(lab.runs.shelf.runs) == 1
+
+
+def test_a_run_whose_genes_are_damaged_is_refused_and_the_list_goes_on(lab, pool, tmp_path):
+    path = tmp_path / "bad.walk"
+    wl.evolve(SMALL.with_(generations=1), path, executor=pool, progress=False)
+    with sqlite3.connect(path) as db:
+        db.execute("UPDATE records SET genome = 'wl1'")
+    db.close()
+    load(lab, path)
+    assert "gen" in lab.runs.drawer.words
+    step(lab)
+    drawn(lab)
+    [entry] = lab.runs.shelf.runs
+    assert entry["key"] == "run 1"
+    assert entry["best"]
+
+
+def test_a_loaded_file_never_takes_the_place_of_a_run(lab, pool, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    wl.evolve(SMALL.with_(generations=1), "run 1", executor=pool, progress=False)
+    step(lab)
+    load(lab, "run 1")
+    assert len(lab.runs.kept) == len(lab.runs.shelf.runs) == 2
+    assert lab.runs.kept["run 1"].live is lab._active

@@ -174,6 +174,17 @@ def test_the_pictures_are_of_these_robots():
     assert len(set(widget.pictures.values())) == 4
 
 
+def test_the_scale_is_one_whoever_is_in_sight():
+    table = generation(6, void=0)
+    table["body_length"] = np.linspace(0.3, 1.3, len(table))
+    widget = Population(table)
+    widget.sight = [0, 6]
+    together = dict(widget.pictures)
+    for first in range(6):
+        widget.sight = [first, first + 1]
+        assert widget.pictures.items() <= together.items()
+
+
 def test_who_is_selected_stays_so_as_long_as_it_lives():
     widget = Population(generation(number=1, first=100))
     widget.selected = 101

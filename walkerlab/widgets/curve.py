@@ -15,6 +15,7 @@ from walkerlab.plots.style import COLUMNS
 
 SIZE = (6.4, 3.5)  # inches
 MARGINS = {"left": 0.1, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
+_NAMES = count()  # of all drawings, for no two on a page may share an id
 LONGEST = 18  # characters of a name in the key; the list of runs has it whole
 LINE = 0.055  # of the height, for each line of the key above the axes
 SHEET = f"aspect-ratio: {SIZE[0]} / {SIZE[1]}; background: white; border-radius: 6px; color: #555; display: grid"
@@ -28,7 +29,6 @@ class Curve(ipywidgets.HTML):
         """Draw the runs that there are, as ``draw`` does."""
         super().__init__(layout={"max_width": "720px", "width": "100%"})
         self.add_class("wl-curve")
-        self._names = count()
         self.draw(runs or {}, n_generations)
 
     def draw(self, runs: Mapping[str, pd.DataFrame], n_generations: int = 1, looks: Sequence[int] = ()) -> None:
@@ -55,7 +55,7 @@ class Curve(ipywidgets.HTML):
         axes.set_xlim(-0.02 * n_generations, 1.02 * max(1, n_generations - 1))
         file = io.StringIO()
         figure.savefig(file, format="svg")
-        picture = inline_svg(file.getvalue(), f"curve{next(self._names)}", plots.alt_text(axes))
+        picture = inline_svg(file.getvalue(), f"curve{next(_NAMES)}", plots.alt_text(axes))
         self.value = tag("div", picture, style=SHEET)
 
 

@@ -40,7 +40,7 @@ class RobotRoom(ipywidgets.Box):
         self.editor = Editor(settings=settings)
         self._settings, self._on_insert = settings, on_insert
         self._shown: tuple[Settings | None, int] = None, -1
-        self._text = self.editor.text
+        self._text, self._picked = self.editor.text, -1
         super().__init__([self.card, self.frame, self.editor])
         self.add_class("wl-robot")
         self.frame.add_class("wl-frame")
@@ -54,14 +54,16 @@ class RobotRoom(ipywidgets.Box):
     def show(self, run: Run, number: int) -> None:
         """Show a robot of a run, or its champion if there is none of the number.
 
-        A champion that is being watched, or whose gene is being edited, stays, however many better ones come.
+        A robot that is being watched, or whose gene is being edited, stays until somebody picks another: whatever
+        better ones come.
         """
         known = number >= 0 and bool((run.records.individual == number).any())
         robot = number if known else run.champion.individual
-        wanted = run.settings, robot
+        is_picked = known and number != self._picked
         is_edited = self.editor.text != self._text
         is_watched = bool(self.frame.is_open) and run.settings == self._shown[0]
-        if wanted == self._shown or (not known and (is_edited or is_watched)):
+        wanted, self._picked = (run.settings, robot), number
+        if not is_picked and (wanted == self._shown or is_edited or is_watched):
             return
         self._shown = wanted
         row: Any = births(run.records).loc[robot]
