@@ -157,11 +157,16 @@ class LiveRun:
         return self._seconds + (time.monotonic() - self._since if self.state == State.running else 0.0)
 
     @property
-    def seconds_left(self) -> float | None:
-        """How long it will still take, at its pace since the first robots were back; None before there is one."""
+    def pace(self) -> float | None:
+        """How many s a walk has taken since the first robots were back, all cores together; None before that."""
         at_first, n_first = self._first
         more = self.n_done - n_first
-        return (self.seconds - at_first) / more * (self.n_walks - self.n_done) if more else None
+        return (self.seconds - at_first) / more if more else None
+
+    @property
+    def seconds_left(self) -> float | None:
+        """How long it will still take at its pace; None before it has one."""
+        return None if self.pace is None else self.pace * (self.n_walks - self.n_done)
 
     def _workers(self) -> Executor:
         if self._executor:

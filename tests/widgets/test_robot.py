@@ -44,6 +44,21 @@ def test_a_gene_that_is_edited_stays_until_a_robot_is_selected(room, early, done
     assert room.editor.genome == done.champion.genome
 
 
+def test_picked_the_champion_whose_gene_was_edited_is_as_it_was(room, done):
+    room.show(done, -1)
+    room.editor.text = "a slip of the hand"
+    room.show(done, done.champion.individual)
+    assert room.editor.genome == done.champion.genome
+
+
+def test_a_robot_that_stays_selected_keeps_what_is_edited(room, early, done):
+    elite = early.champion.individual
+    room.show(early, elite)
+    room.editor.text = edited = str(done.champion.genome)
+    room.show(done, elite)
+    assert room.editor.text == edited
+
+
 def test_a_run_in_another_world_is_shown_though_one_is_watched_and_genes_walk_in_it(room, done):
     room.show(done, -1)
     room.frame.is_open = True

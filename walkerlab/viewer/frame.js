@@ -8,6 +8,7 @@ function render({ model, el }) {
   const sign = document.createElement("span");
   const say = (words) => { sign.innerHTML = `${TRIANGLE}${words}`; };
   const cover = Object.assign(document.createElement("button"), { type: "button", title: "Play" });
+  cover.dataset.lmSuppressShortcuts = ""; // or a letter typed on it would be the notebook's: x cuts the cell
   const box = document.createElement("div");
   box.style.cssText = "position: relative; max-width: 960px; background: white; border-radius: 6px; overflow: hidden";
   cover.style.cssText = "display: block; width: 100%; padding: 0; border: 0; background: none; cursor: pointer";

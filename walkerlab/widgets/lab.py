@@ -16,6 +16,7 @@ from typing import cast
 
 import ipywidgets
 
+from walkerlab.evolution import n_walks
 from walkerlab.forecast import in_words, seconds_of
 from walkerlab.genome import Genome
 from walkerlab.live import LiveRun, State
@@ -136,7 +137,14 @@ class Lab(ipywidgets.Box):
         if (settings := self.settings) and not self._is_busy():
             algorithm = settings.algorithm
             run = f"{algorithm.generations} generations of {algorithm.population_size} robots"
-            self.transport.forecast = f"A new run: {run}, {in_words(seconds_of(settings))} on this computer."
+            self.transport.forecast = f"A new run: {run}, {in_words(self._seconds_of(settings))} on this computer."
+
+    def _seconds_of(self, settings: Settings) -> float:
+        """Estimate how long a run will take: at the pace of the last one if that was in the same world."""
+        last = self._active
+        if last and last.pace and _world_of(last.settings) == _world_of(settings):
+            return last.pace * n_walks(settings)
+        return seconds_of(settings)
 
     # ------------------------------------------------------------------------------------------------------ a run
 
@@ -263,6 +271,11 @@ class Lab(ipywidgets.Box):
 def in_full(error: BaseException | None) -> str:
     """Say what went wrong, with what is known of where."""
     return "; ".join([f"{type(error).__name__}: {error}", *getattr(error, "__notes__", [])])
+
+
+def _world_of(settings: Settings) -> tuple[object, ...]:
+    """Return all of settings that a walk depends on."""
+    return settings.terrain, settings.robot, settings.simulation
 
 
 def _room(name: str, *pieces: ipywidgets.Widget) -> ipywidgets.Box:

@@ -31,14 +31,14 @@ class Part(anywidget.AnyWidget):
     def __init__(self, **traits: Any) -> None:
         """Make it, with the values of its traits."""
         super().__init__(**traits)
-        _answer_at_once(self)
+        answer_at_once(self)
 
     def __repr__(self) -> str:
         """Name it; its traits are long."""
         return f"<{type(self).__name__}: a widget, to be seen in a notebook>"
 
 
-def _answer_at_once(widget: anywidget.AnyWidget) -> None:
+def answer_at_once(widget: anywidget.AnyWidget) -> None:
     """Let what a browser says be heard on the thread that the browser asks for, also while a cell is running.
 
     JupyterLab asks for a thread beside that of the cells. ipykernel 7.4 hands its messages to the thread that spoke

@@ -17,6 +17,7 @@ from walkerlab.viewer import replay
 from walkerlab.viewer.replay import Frame
 from walkerlab.widgets.card import card
 from walkerlab.widgets.editor import Editor
+from walkerlab.widgets.part import answer_at_once
 
 POSTER = (640, 360)  # pixels
 
@@ -44,6 +45,7 @@ class RobotRoom(ipywidgets.Box):
         super().__init__([self.card, self.frame, self.editor])
         self.add_class("wl-robot")
         self.frame.add_class("wl-frame")
+        answer_at_once(self.frame)
         self.editor.on_walk(self._walk)
         self.editor.on_insert(self._insert)
 
