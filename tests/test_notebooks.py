@@ -74,9 +74,34 @@ def test_it_runs_whole_with_a_small_budget(path, tmp_path):
     NotebookClient(shortened(path), timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
 
 
+SLIDERS = {
+    "00_meet_a_walker": ("generations", ".wl-transport"),
+    "01_terrain": ("texture density", ".wl-world"),
+    "02_robot": ("least legs", ".wl-world"),
+    "03_algorithm": ("elites", "[data-setting='algorithm.n_elites']"),
+}
+"""Of each notebook with sliders, one of them, and where it is to be seen that it was moved."""
+
+
+def assert_a_slider_moves(page, name, seen):
+    if page.get_by_role("tab", name="algorithm").count():
+        page.get_by_role("tab", name="algorithm").click()
+    shown, slider = page.locator(seen).first, page.get_by_role("slider", name=name, exact=True)
+    slider.scroll_into_view_if_needed()
+    before = shown.inner_html()
+    slider.focus()
+    for _ in range(2):
+        page.keyboard.press("ArrowRight")
+    page.wait_for_function(
+        "([seen, before]) => document.querySelector(seen).innerHTML !== before", arg=[seen, before], timeout=20_000
+    )
+
+
 @each_notebook
-def test_it_runs_whole_in_jupyterlab(path, page, jupyter):
+def test_it_runs_whole_in_jupyterlab_and_its_sliders_move_what_they_say(path, page, jupyter):
     page.set_viewport_size({"width": 1280, "height": 800})
     assert run_all(page, jupyter.put(shortened(path), name=path.name)) == []
+    if path.stem in SLIDERS:
+        assert_a_slider_moves(page, *SLIDERS[path.stem])
     if PICTURES:
         picture_cells(page, Path(PICTURES) / path.stem)
