@@ -78,3 +78,8 @@ def test_an_edited_gene_is_played(room, monkeypatch):
 def test_what_became_of_a_gene_that_was_put_in_stands_below_it(room):
     room.editor._handle_custom_msg({"press": "insert"}, [])
     assert room.editor.notes == ["It will be in generation 7."]
+
+
+def test_before_anybody_has_walked_a_robot_of_chance_can_be_watched(room):
+    assert "drawn by chance" in room.card.value
+    assert room.frame._make().walks[0].scene.genome == room.editor.genome

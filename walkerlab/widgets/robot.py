@@ -2,7 +2,6 @@
 
 import base64
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import ipywidgets
@@ -13,13 +12,14 @@ from walkerlab.markup import shown, tag
 from walkerlab.records import births
 from walkerlab.run import Run
 from walkerlab.settings import Settings
-from walkerlab.viewer import replay
+from walkerlab.viewer import Replay, replay
 from walkerlab.viewer.replay import Frame
 from walkerlab.widgets.card import card
 from walkerlab.widgets.editor import Editor
 from walkerlab.widgets.part import answer_at_once
 
 POSTER = (640, 360)  # pixels
+FIRST = "No robot has walked yet. This one is drawn by chance: play its walk, or edit its gene."
 
 
 class RobotRoom(ipywidgets.Box):
@@ -46,6 +46,8 @@ class RobotRoom(ipywidgets.Box):
         self.add_class("wl-robot")
         self.frame.add_class("wl-frame")
         answer_at_once(self.frame)
+        self.card.value = shown(tag("p", FIRST))
+        self._offer(self.editor.genome, "a robot drawn by chance")
         self.editor.on_walk(self._walk)
         self.editor.on_insert(self._insert)
 
@@ -80,7 +82,11 @@ class RobotRoom(ipywidgets.Box):
         """Offer its walk: a picture now, the walk when somebody wants to see it."""
         svg = sketch.body(genome, self._settings.robot, size=POSTER)
         picture = f"data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}"
-        self.frame.offer(partial(replay, {name: genome}, self._settings), picture, f"Replay of {name}. Press to play.")
+
+        def walk() -> Replay:  # in the world that is set when it is played
+            return replay({name: genome}, self._settings)
+
+        self.frame.offer(walk, picture, f"Replay of {name}. Press to play.")
 
     def _walk(self, genome: Genome) -> None:
         self._shown = self._shown[0], -1  # the card is of somebody else
