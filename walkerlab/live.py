@@ -111,23 +111,11 @@ class LiveRun:
 
     def pause(self) -> None:
         """Let the robots that are walking finish, and no other begin."""
-        with self._lock:
-            paused = self._rest(State.paused)
-            if paused:
-                self._gate.close()
-                self._may_go.clear()
-        if paused:
-            self._on_news(self)
+        self._rest(State.paused, self._gate.close, self._may_go.clear)
 
     def stop(self) -> None:
         """End it here: the generations that are done are kept, the one that is walking is not."""
-        with self._lock:
-            stopped = self._rest(State.stopped)
-            if stopped:
-                self._gate.stop()
-                self._may_go.set()
-        if stopped:
-            self._on_news(self)
+        self._rest(State.stopped, self._gate.stop, self._may_go.set)
 
     def close(self, timeout: float = 2.0) -> None:
         """Stop, wait for the thread, and send the workers home if no other run needs them; a later one starts others.
@@ -180,13 +168,15 @@ class LiveRun:
             self._first = self.seconds, n
         self._on_news(self)
 
-    def _rest(self, state: State) -> bool:
-        """Change from running or paused to a state of rest; say whether it has changed."""
+    def _rest(self, state: State, *steps: Callable[[], None]) -> None:
+        """Change from running or paused to a state of rest, take the steps to it, and say so; or leave it as it is."""
         with self._lock:
             if self.is_over or self.state == state:
-                return False
+                return
             self._seconds, self.state = self.seconds, state
-            return True
+            for step in steps:
+                step()
+        self._on_news(self)
 
     def _evolve(self) -> None:
         """Go from generation to generation: the whole life of the thread."""
@@ -204,4 +194,3 @@ class LiveRun:
         except BaseException as error:  # whatever a student's function may raise
             self.error = error
             self._rest(State.failed)
-        self._on_news(self)
