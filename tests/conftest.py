@@ -73,8 +73,8 @@ def server(tmp_path_factory):
 
 @pytest.fixture
 def jupyter(server):
-    """A Jupyter server on which nothing runs: jupyter.put(book("1 + 1")) is the address of a notebook."""
-    server.stop_kernels()
+    """A Jupyter server on which nothing runs or lies: jupyter.put(book("1 + 1")) is the address of a notebook."""
+    server.clear()
     return server
 
 

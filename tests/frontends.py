@@ -4,6 +4,7 @@ import json
 import os
 import re
 import secrets
+import shutil
 import subprocess
 import sys
 import time
@@ -53,10 +54,12 @@ class Jupyter:
         place = PLACES[frontend].format(stem=Path(name).stem, name=name)
         return f"{self.address}{place}?token={self.token}"
 
-    def stop_kernels(self) -> None:
-        """End what earlier notebooks have left running."""
+    def clear(self) -> None:
+        """End what earlier notebooks have left running, and remove what they have left in the folder."""
         for kernel in json.loads(self.ask("/api/kernels")):
             self.ask(f"/api/kernels/{kernel['id']}", "DELETE")
+        shutil.rmtree(self.folder)
+        self.folder.mkdir()
 
     def ask(self, path: str, method: str = "GET") -> bytes:
         """Ask the server itself."""

@@ -55,6 +55,12 @@ def places(page):
     return {room: page.locator(f".wl-lab .wl-{room}").first.bounding_box() for room in ROOMS}
 
 
+def only_run(jupyter):
+    """The run file that the panel has made."""
+    [path] = (jupyter.folder / "lab").glob("*/run.walk")
+    return path
+
+
 def test_a_student_evolves_a_walker(page, jupyter):
     open_panel(page, jupyter, "JupyterLab")
     says(page, "60 generations of 20 robots")
@@ -109,7 +115,7 @@ def test_a_student_evolves_a_walker(page, jupyter):
     says(page, "Exported into the folder", ".wl-drawer")
     button(page, "Copy as code", ".wl-drawer").click()
     says(page, "Copied", ".wl-drawer")
-    [path] = (jupyter.folder / "lab").glob("*/run.walk")
+    path = only_run(jupyter)
     records, place = wl.load(path).records, {}
     exec(page.get_by_label("the Python that repeats this run").input_value(), place)
     pd.testing.assert_frame_equal(place["run"].records, records)
@@ -122,7 +128,6 @@ def test_a_student_evolves_a_walker(page, jupyter):
 @IN_NOTEBOOKS
 def test_it_answers_while_a_cell_is_running(page, jupyter, frontend):
     over = jupyter.folder / "over"
-    over.unlink(missing_ok=True)
     open_notebook(page, jupyter.put(book(PANEL, LONG, "other = 6 * 7"), frontend))
     start_all(page)
     button(page, "Start").click()
@@ -210,7 +215,7 @@ def test_a_cell_that_runs_again_closes_the_panel_that_it_had(page, jupyter):
     says(page, "The panel that stood here is closed")
     assert page.locator(".wl-transport").count() == 1
     assert button(page, "Start").is_enabled()
-    page.get_by_label("a run file to load").fill(str(next((jupyter.folder / "lab").iterdir())))
+    page.get_by_label("a run file to load").fill(str(only_run(jupyter)))
     button(page, "Load", ".wl-drawer").click()
     says(page, "Loaded", ".wl-drawer")
     button(page, "Take its settings", ".wl-drawer").click()
