@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
+from walkerlab import evaluation
 from walkerlab.algorithm import generate_robot_population
 from walkerlab.rollout import nudge, walk
+from walkerlab.scene import compile_scene
 
 SETTINGS = wl.Settings().with_(duration=1.0)
 GENOMES = generate_robot_population(SETTINGS.robot, 9, seed=3)
@@ -93,10 +95,10 @@ def test_a_single_genome_is_not_taken_for_a_population():
 def test_a_genome_from_elsewhere_is_brought_within_the_limits():
     strong = wl.Robot(weight=(50, 60), body_length=(2, 3), segment_length=(0.5, 1), segments=(3, 6))
     foreign = wl.Genome.random(strong, rng=np.random.default_rng(0))
-    (evaluation,) = wl.evaluate([foreign], SETTINGS, Backwards())
-    assert evaluation.weight <= 12 * (1 + 1e-9)
-    assert evaluation.body_length <= 1.2 * (1 + 1e-9)
-    assert evaluation.genome != foreign
+    (found,) = wl.evaluate([foreign], SETTINGS, Backwards())
+    assert found.weight <= 12 * (1 + 1e-9)
+    assert found.body_length <= 1.2 * (1 + 1e-9)
+    assert found.genome != foreign
 
 
 def test_progress_is_told_and_adds_up():
@@ -104,6 +106,28 @@ def test_progress_is_told_and_adds_up():
     wl.evaluate(GENOMES, SETTINGS, Backwards(), on_done=told.append)
     assert sum(told) == len(GENOMES)
     assert len(told) > 1
+
+
+@pytest.mark.parametrize("n_workers", [1, 2, 8, 100])
+@pytest.mark.parametrize("n", [1, 9, 60, 1000])
+def test_tasks_hold_every_robot_once_the_costly_first_and_the_last_alone(n, n_workers):
+    robots = [wl.Genome(values) for values in generate_robot_population(SETTINGS.robot, n, seed=1)]
+    tasks = evaluation._tasks(robots, n_workers)
+    dealt = [i for task in tasks for i in task]
+    assert sorted(dealt) == list(range(n))
+    costs = [evaluation._cost(robots[i]) for i in dealt]
+    assert costs == sorted(costs, reverse=True)
+    sizes = [len(task) for task in tasks]
+    assert sizes == sorted(sizes, reverse=True)
+    assert max(sizes, default=1) <= max(1, min(evaluation.LARGEST, n // (2 * n_workers)))
+    assert sizes[-n_workers:] == [1] * min(n, n_workers, len(sizes))
+
+
+def test_limbs_tell_how_long_a_walk_takes_to_compute():
+    """Or the costly ones first would be anyone first."""
+    robots = [wl.Genome(values) for values in generate_robot_population(SETTINGS.robot, 200, seed=1)]
+    sizes = [compile_scene(robot, SETTINGS).model.nv for robot in robots]
+    assert np.corrcoef([evaluation._cost(robot) for robot in robots], sizes)[0, 1] > 0.99
 
 
 def test_nobody_to_evaluate_is_no_fault():
@@ -114,9 +138,9 @@ def test_nobody_to_evaluate_is_no_fault():
 def test_a_killed_caller_leaves_no_workers_behind():
     """As when a notebook's kernel is restarted while robots walk."""
     script = (
-        "import walkerlab as wl; from walkerlab.evaluation import default_executor\n"
-        "pool = default_executor(); list(pool.map(abs, range(4)))\n"
-        "print(*pool._processes, flush=True)\n"
+        "import walkerlab as wl; from walkerlab.workers import default_executor\n"
+        "workers = default_executor(); list(workers.map(abs, range(4)))\n"
+        "print(*workers._pool._processes, flush=True)\n"
         "for _ in wl.Evolution(wl.Settings()): pass"
     )
     with subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True) as caller:
@@ -144,12 +168,12 @@ class TestSeveralStarts:
     settings = SETTINGS.with_(n_starts=3, duration=2.0)
 
     def test_the_poorest_walk_counts_and_the_first_start_is_the_plain_one(self):
-        for genome, evaluation in zip(GENOMES[:4], wl.evaluate(GENOMES[:4], self.settings), strict=True):
+        for genome, found in zip(GENOMES[:4], wl.evaluate(GENOMES[:4], self.settings), strict=True):
             scene = wl.compile_scene(genome, self.settings)
             rollouts = [walk(scene, nudge=nudge(scene, start), poses=False) for start in range(3)]
             scores = [wl.fitness.score(rollout, self.settings.algorithm.fitness) for rollout in rollouts]
-            assert evaluation.fitness == min(scores)
-            assert evaluation.verdict == rollouts[scores.index(min(scores))].verdict
+            assert found.fitness == min(scores)
+            assert found.verdict == rollouts[scores.index(min(scores))].verdict
             plain = wl.simulate(genome, self.settings, poses=False)
             assert wl.fitness.distance(rollouts[0]) == wl.fitness.distance(plain)
             assert len({wl.fitness.distance(rollout) for rollout in rollouts}) == 3

@@ -15,6 +15,11 @@ def pool():
         yield workers
 
 
+@pytest.fixture(autouse=True)
+def one_for_each_worker(monkeypatch):
+    monkeypatch.setattr("walkerlab.gate.AT_ONCE", 1)
+
+
 def test_answers_and_errors_come_through(pool):
     gate = Gate(lambda: pool, 2)
     assert [gate.submit(pow, 2, n).result() for n in range(20)] == [2**n for n in range(20)]

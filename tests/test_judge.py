@@ -9,7 +9,6 @@ import pytest
 
 import walkerlab as wl
 from walkerlab import judge as judging
-from walkerlab.assembly import assemble
 from walkerlab.fitness import distance, score
 from walkerlab.judge import GUARDS, VERDICTS, Trace, judge
 from walkerlab.limits import FREQUENCY
@@ -19,6 +18,7 @@ from walkerlab.rollout import walk
 from walkerlab.scene import Scene, compile_scene
 from walkerlab.settings import Guard, Obstacle, Structure, Texture
 from walkerlab.shapes import skins
+from walkerlab.staging import assemble
 
 WALKER = (  # the champion of wl.evolve(wl.Settings().with_(generations=15, seed=1))
     "wl1 segments=4 | seg length=0.233 mass=2.368 legs length=0.277 force=13.136 "

@@ -104,8 +104,8 @@ def _no_such_command(word: str, commands: Mapping[str, object]) -> str:
 def _evolve(given: argparse.Namespace) -> int:
     with interrupts_held():
         from walkerlab import story
-        from walkerlab.evaluation import n_cores
         from walkerlab.store import RUN_FILE
+        from walkerlab.workers import n_cores
 
     settings = flags.settings_of(vars(given), given.strangers)
     path = given.out / RUN_FILE
@@ -129,8 +129,8 @@ def _evolve(given: argparse.Namespace) -> int:
 def _resume(given: argparse.Namespace) -> int:
     with interrupts_held():
         from walkerlab import outputs, story
-        from walkerlab.evaluation import n_cores
         from walkerlab.run import with_functions
+        from walkerlab.workers import n_cores
 
     run = with_functions(wl.load(given.path), {})
     done, wanted = run.n_generations, given.generations

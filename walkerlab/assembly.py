@@ -1,15 +1,10 @@
-"""The compiled world: composer builds each plan once, and every individual's numbers are written into it.
+"""The described world: composer builds each body plan once, and every individual's numbers are written into it."""
 
-    body plan, loads, terrain  --composer-->  MJCF  --once-->  MjSpec, its pieces strewn
-    phenotype                  --numbers--->  the robot alone, compiled  --its rows-->  a copy of the compiled world
-
-So nothing of the ground is compiled again for each robot, however much lies on it.
-"""
-
-import copy
 import math
 import threading
-from functools import lru_cache
+from collections.abc import Callable
+from functools import lru_cache, wraps
+from typing import ParamSpec, TypeVar
 
 import mujoco
 import numpy as np
@@ -39,28 +34,34 @@ COM, GROUND, DEPTH, ANYTHING, ITSELF, LOAD, ROPE = slice(0, 3), 3, 4, 5, 6, slic
 
 def describe(phenotype: Phenotype, settings: Settings, *, scenery: bool) -> mujoco.MjSpec:
     """Describe one world, all numbers written; the description is good until this thread's next."""
-    spec = _world_spec(*_plan(phenotype, settings.robot), settings.terrain, scenery, threading.get_ident())
-    _write_measures(spec, phenotype, settings.robot)
+    spec = _world_spec(*plan_of(phenotype, settings.robot), settings.terrain, scenery)
+    write_measures(spec, phenotype, settings.robot)
     spec.option.timestep = settings.simulation.timestep
     return spec
 
 
-def assemble(phenotype: Phenotype, settings: Settings) -> mujoco.MjModel:
-    """Compile one world: what ``describe`` without scenery would compile to, but quicker."""
-    plan, robot = _plan(phenotype, settings.robot), settings.robot
-    alone = _world_spec(*plan, Terrain(), False, threading.get_ident())
-    _write_measures(alone, phenotype, robot)
-    model = copy.copy(_world_model(*plan, settings.terrain))
-    model.opt.timestep = settings.simulation.timestep
-    _transplant(alone.compile(), _world_model(*plan, Terrain()), model)
-    return model
-
-
-def _plan(phenotype: Phenotype, robot: Robot) -> tuple[BodyPlan, float, float]:
+def plan_of(phenotype: Phenotype, robot: Robot) -> tuple[BodyPlan, float, float]:
+    """What composer builds anew: the body plan, and the two loads [kg]."""
     return phenotype.plan, robot.carry_weight, robot.drag_weight
 
 
 # ------------------------------------------------------------------------------------------------ body plans
+
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
+
+
+def each_thread_its_own(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
+    """Remember what a function has made, for every thread apart: others must not write into it."""
+    own = threading.local()
+
+    @wraps(function)
+    def remembered(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
+        if not hasattr(own, "made"):
+            own.made = lru_cache(maxsize=KEPT)(function)
+        return own.made(*args, **kwargs)
+
+    return remembered
 
 
 @lru_cache(maxsize=KEPT)
@@ -73,6 +74,8 @@ def _world_xml(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain:
     root = ground.mjcf_model
     root.option.integrator = "implicitfast"
     root.option.flag.autoreset = "disable"  # a world that blows up must not start anew unseen
+    if not (sledge or len(lay_out(terrain).obstacles)):
+        root.option.flag.island = "disable"  # a robot alone is one, and need not be searched for others
     sense, body = root.sensor.add, walker.root_body
     sense("subtreecom", name="com", body=body)
     sense("contact", name="ground", subtree1=body, body2="world", data="found dist", num=1, reduce="mindist")
@@ -85,21 +88,17 @@ def _world_xml(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain:
     return root.to_xml_string(zero_threshold=1e-15)  # of numbers that are next to nothing, MuJoCo's reader makes errors
 
 
-@lru_cache(maxsize=KEPT)
-def _world_spec(
-    plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain, scenery: bool, thread: int
+def nominal(
+    plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain, scenery: bool = False
 ) -> mujoco.MjSpec:
-    """Return a thread's own spec of a world, into which every individual's measures are written anew."""
-    assert thread == threading.get_ident()
-    return _nominal_spec(plan, carry_weight, drag_weight, terrain, scenery)
-
-
-def _nominal_spec(
-    plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain, scenery: bool
-) -> mujoco.MjSpec:
+    """Describe one world in nominal measures."""
     spec = mujoco.MjSpec.from_string(_world_xml(plan, carry_weight, drag_weight, terrain, scenery))
     _strew_pieces(spec, terrain)
     return spec
+
+
+_world_spec = each_thread_its_own(nominal)
+"""One world, into whose description every individual's measures are written in its turn."""
 
 
 def _strew_pieces(spec: mujoco.MjSpec, terrain: Terrain) -> None:
@@ -114,7 +113,7 @@ def _strew_pieces(spec: mujoco.MjSpec, terrain: Terrain) -> None:
         )  # fmt: skip
 
 
-def _write_measures(spec: mujoco.MjSpec, phenotype: Phenotype, robot: Robot) -> None:
+def write_measures(spec: mujoco.MjSpec, phenotype: Phenotype, robot: Robot) -> None:
     """Write one individual's numbers into the spec of its body plan: all of them, every time."""
     behind = 0.0
     for number, segment in reversed(list(enumerate(phenotype.segments, start=1))):
@@ -174,57 +173,3 @@ def _write_legs(spec: mujoco.MjSpec, number: int, segment: Segment, legs: Legs) 
             servo.gainprm[0] = legs.force / SERVO_BAND
             servo.biasprm[1] = -legs.force / SERVO_BAND
             servo.forcerange = [-legs.force, legs.force]
-
-
-# ------------------------------------------------------------------------------------------------------ transplanting
-
-
-@lru_cache(maxsize=KEPT)
-def _world_model(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain) -> mujoco.MjModel:
-    """Compile one world in nominal measures, into copies of which those of individuals are written."""
-    return _nominal_spec(plan, carry_weight, drag_weight, terrain, False).compile()
-
-
-KINDS = ("body", "jnt", "dof", "geom", "site", "actuator", "tendon")
-"""Of what a model has rows, as its arrays are called: ``body_mass``, ``dof_armature``."""
-
-FLAGS = ("sameframe", "simple", "simplenum")
-"""Whole numbers that follow from measures: which frames coincide, and which inertias are diagonal."""
-
-
-@lru_cache(maxsize=1)
-def _measured() -> tuple[tuple[str, str], ...]:
-    """Name every array of a model that holds measures of something, or follows from them, and of what kind."""
-    model = mujoco.MjSpec().compile()
-    arrays = ((name, *name.partition("_")[::2], getattr(model, name)) for name in dir(model))
-    return tuple((name, kind) for name, kind, of, it in arrays if kind in KINDS and (of in FLAGS or _is_real(it)))
-
-
-def _is_real(array: object) -> bool:
-    return isinstance(array, np.ndarray) and array.dtype.kind == "f"
-
-
-def _transplant(robot: mujoco.MjModel, nominal: mujoco.MjModel, world: mujoco.MjModel) -> None:
-    """Write the rows of a robot that was compiled alone, on a bare plane, into a world that holds one of its kind.
-
-    A robot comes first in both: after what is of the world itself, and before what lies about in it.
-
-    Args:
-        robot: alone, in the measures of an individual.
-        nominal: alone, in nominal measures.
-        world: in nominal measures; changed.
-    """
-    here = {"body": 1, "geom": int(robot.body_geomnum[0])}
-    there = {"body": 1, "geom": int(world.body_geomnum[0])}
-    for name, kind in _measured():
-        rows = getattr(robot, name)[here.get(kind, 0) :]
-        start = there.get(kind, 0)
-        getattr(world, name)[start : start + len(rows)] = rows
-    boxes = robot.bvh_aabb[robot.body_bvhadr[1] :]  # by which contacts are looked for
-    start = world.body_bvhadr[1]
-    world.bvh_aabb[start : start + len(boxes)] = boxes
-    others = world.body_subtreemass[0] - nominal.body_subtreemass[0]
-    world.body_subtreemass[0] = robot.body_subtreemass[0] + others
-    share = robot.nv / world.nv
-    others = world.stat.meaninertia - nominal.stat.meaninertia * share
-    world.stat.meaninertia = robot.stat.meaninertia * share + others

@@ -1,28 +1,23 @@
 """Many genomes become many evaluations, on any executor; the answers come in the order of the questions."""
 
-import os
-import signal
-import threading
-import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import Executor
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
 from walkerlab import fitness as measures
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome, read_genomes
-from walkerlab.interrupts import interrupts_held
 from walkerlab.limits import genes_of, repair
+from walkerlab.phenotype import express
 from walkerlab.rollout import Rollout, from_every_start
-from walkerlab.scene import scene_of
+from walkerlab.scene import scene_on_stage
 from walkerlab.settings import Algorithm, Robot, Settings
+from walkerlab.workers import default_executor, n_workers
 
-CHUNKS = 8  # tasks for each core and batch: enough to level out slow walks, few enough to cost nothing
 LARGEST = 16  # robots of a task, some half a second of walks, so that a run can be paused at once
-IDLE_TIMEOUT = 300  # s without work after which loky's workers go home
+SHARE = 3  # a task is at most one part in so many of what is left for a worker, so that all are done at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,66 +82,23 @@ def evaluate(
     """
     robots = _within(genomes, settings.robot)
     world = settings.model_copy(update={"algorithm": Algorithm()})
-    size = min(LARGEST, max(1, len(robots) // (CHUNKS * n_cores())))
-    chunks = [robots[i : i + size] for i in range(0, len(robots), size)]
     pool = executor or default_executor()
-    futures = [pool.submit(_walk_all, chunk, world) for chunk in chunks]
-    evaluations: list[Evaluation] = []
+    tasks = _tasks(robots, n_workers(pool))
+    futures = [pool.submit(_walk_all, [robots[i] for i in task], world) for task in tasks]
+    evaluations = dict[int, Evaluation]()
     try:
-        for chunk, future in zip(chunks, futures, strict=True):
-            evaluations += [_rate(*pair, settings) for pair in zip(chunk, future.result(), strict=True)]
-            on_done(len(chunk))
+        for task, future in zip(tasks, futures, strict=True):
+            for i, rollouts in zip(task, future.result(), strict=True):
+                evaluations[i] = _rate(robots[i], rollouts, settings)
+            on_done(len(task))
     finally:
         for future in futures:
             future.cancel()
-    return evaluations
+    return [evaluations[i] for i in range(len(robots))]
 
 
 evaluate_population = evaluate
 """The name of the design of 2017 for ``evaluate``."""
-
-
-def n_cores() -> int:
-    """How many cores this process may use, which on a shared machine can be fewer than there are."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def default_executor() -> Executor:
-    """Return loky's pool on all cores, started at first use and kept for the next, whichever thread asks."""
-    return _keeper().submit(_pool).result()
-
-
-@cache
-def _keeper() -> ThreadPoolExecutor:
-    """Start the one thread that asks for the pool, for loky keeps a pool for each thread that does."""
-    return ThreadPoolExecutor(1, "walkerlab pool")
-
-
-def _pool() -> Executor:
-    from loky import get_reusable_executor
-
-    with interrupts_held():
-        pool = get_reusable_executor(
-            n_cores(), timeout=IDLE_TIMEOUT, initializer=_prepare_worker, initargs=(os.getpid(),)
-        )
-        pool.submit(int)  # starts the workers now, so that they inherit the hold
-    return pool
-
-
-def _prepare_worker(caller: int) -> None:
-    """Make a worker leave Ctrl-C to its caller, and follow it when it is gone.
-
-    Ctrl-C reaches every process of a terminal; one of them is enough to stop a run in good order. And a caller that
-    is killed, as a notebook's kernel is when it is restarted, can't send its workers home.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_leave_with, args=(caller,), daemon=True).start()
-
-
-def _leave_with(caller: int) -> None:
-    while os.getppid() == caller:  # on Windows this stays as it is, and the idle timeout has to do
-        time.sleep(1)
-    os._exit(0)
 
 
 def _within(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Genome]:
@@ -156,9 +108,29 @@ def _within(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Geno
     return [genome.within(robot) for genome in read_genomes(genomes)]
 
 
+def _tasks(robots: Sequence[Genome], n_workers: int) -> list[list[int]]:
+    """Deal robots out, by their places: the costly ones first and many at a time, at last one by one.
+
+    So no worker is left with a long task when all others are done.
+    """
+    costly_first = sorted(range(len(robots)), key=lambda i: _cost(robots[i]), reverse=True)
+    tasks: list[list[int]] = []
+    while costly_first:
+        size = min(LARGEST, max(1, len(costly_first) // (SHARE * n_workers)))
+        tasks.append(costly_first[:size])
+        del costly_first[:size]
+    return tasks
+
+
+def _cost(robot: Genome) -> int:
+    """Guess how long a robot's walk takes to compute, against others' in the same world: its limbs are what counts."""
+    phenotype = express(robot)
+    return len(phenotype.segments) + phenotype.n_legs
+
+
 def _walk_all(genomes: Sequence[Genome], settings: Settings) -> list[list[Rollout]]:
     """Let each walk from every start, in a worker."""
-    return [from_every_start(scene_of(genome, settings), poses=False) for genome in genomes]
+    return [from_every_start(*scene_on_stage(genome, settings), poses=False) for genome in genomes]
 
 
 def _rate(genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Evaluation:

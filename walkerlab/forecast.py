@@ -6,11 +6,11 @@ from functools import lru_cache
 import numpy as np
 
 from walkerlab.algorithm import generate_robot_population
-from walkerlab.evaluation import n_cores
 from walkerlab.evolution import n_walks
 from walkerlab.genome import Genome
 from walkerlab.rollout import simulate
 from walkerlab.settings import Robot, Settings, Simulation, Terrain
+from walkerlab.workers import n_cores
 
 N_PROBES = 4  # robots that walk
 SHORT, LONG = 1.0, 3.0  # s of their two walks each; what both have in common is building and settling

@@ -8,6 +8,8 @@ from contextlib import suppress
 from functools import cache, partial
 from typing import Any
 
+AT_ONCE = 2  # pieces of work for each worker that are inside: one that is being done, one that is next
+
 
 class Stopped(Exception):
     """The gate was shut for good, and what had not come back by then never will."""
@@ -20,14 +22,14 @@ class Gate(Executor):
     words on a panel; and of two that share an executor, neither fills it up.
     """
 
-    def __init__(self, inside: Callable[[], Executor], at_once: int) -> None:
+    def __init__(self, inside: Callable[[], Executor], n_workers: int) -> None:
         """Make it, open.
 
         Args:
             inside: returns the executor that does the work; called once, when the first work comes.
-            at_once: how many pieces of work may be inside.
+            n_workers: how many pieces of work that does at once.
         """
-        self._inside, self._at_once = cache(inside), at_once
+        self._inside, self._max_workers = cache(inside), n_workers
         self._waiting = deque[tuple[Future[Any], Callable[[], Any]]]()
         self._within = set[Future[Any]]()
         self._is_open, self._is_stopped = True, False
@@ -75,7 +77,7 @@ class Gate(Executor):
 
     def _let_in(self) -> None:
         with self._lock:
-            while self._is_open and self._waiting and len(self._within) < self._at_once:
+            while self._is_open and self._waiting and len(self._within) < AT_ONCE * self._max_workers:
                 outer, work = self._waiting.popleft()
                 if not outer.set_running_or_notify_cancel():
                     continue

@@ -5,13 +5,14 @@ import threading
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
 
 import mujoco
 import numpy as np
 from mujoco.rollout import rollout as step_through
 
 from walkerlab.assembly import ANYTHING, COM, DEPTH, GROUND, ITSELF, LOAD, ROPE
-from walkerlab.genes import Floats
+from walkerlab.genes import Floats, Indices
 from walkerlab.genome import Genome
 from walkerlab.judge import VERDICTS, Trace, judge
 from walkerlab.markup import facts, shown
@@ -99,18 +100,22 @@ def simulate(genome: Genome | str, settings: Settings, *, poses: bool = True) ->
     return walk(compile_scene(genome, settings), poses=poses)
 
 
-def walk(scene: Scene, *, nudge: Floats | None = None, poses: bool = True) -> Rollout:
+def walk(
+    scene: Scene, data: mujoco.MjData | None = None, *, nudge: Floats | None = None, poses: bool = True
+) -> Rollout:
     """Settle the body without drive until it rests, then let it walk for the settings' duration, and judge.
 
     The physics runs in C from the first step to the last: the controls are known before the walk.
 
     Args:
         scene: the compiled world.
+        data: of its model, to walk in, whatever has been there; a new one if None.
         nudge: (nv,) small turns and shifts of the start, as in ``Scene.place``.
         poses: whether to record every pose.
     """
     model, timestep = scene.model, scene.settings.simulation.timestep
-    data = mujoco.MjData(model)
+    data = mujoco.MjData(model) if data is None else data
+    mujoco.mj_resetData(model, data)
     with _warnings_counted_not_printed():
         scene.place(data, nudge)
         overlap = _overlap(scene, data)
@@ -118,7 +123,7 @@ def walk(scene: Scene, *, nudge: Floats | None = None, poses: bool = True) -> Ro
         n_steps = round(scene.settings.simulation.duration / timestep) + 1
         controls = scene.controls(n_steps)
         states, sensors = _step(model, data, state, controls[np.newaxis])
-    first = np.union1d(ticks(n_steps, timestep)[0], n_steps - 1)
+    first = _moments(n_steps, timestep)
     # A sensor is read before its step and a state after it: the state that a sensor saw is the one before.
     seen, sensed = np.concatenate([state, states[0, first[1:] - 1]]), sensors[0, first]
     time = first.astype(np.float64) * timestep
@@ -144,10 +149,10 @@ def walk(scene: Scene, *, nudge: Floats | None = None, poses: bool = True) -> Ro
     return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=record)
 
 
-def from_every_start(scene: Scene, *, poses: bool) -> list[Rollout]:
+def from_every_start(scene: Scene, data: mujoco.MjData | None = None, *, poses: bool) -> list[Rollout]:
     """Let a robot walk as evolution does: from each of its starts, the poorest of which counts."""
     starts = range(scene.settings.simulation.n_starts)
-    return [walk(scene, nudge=nudge(scene, start), poses=poses) for start in starts]
+    return [walk(scene, data, nudge=nudge(scene, start), poses=poses) for start in starts]
 
 
 def nudge(scene: Scene, number: int) -> Floats | None:
@@ -158,6 +163,14 @@ def nudge(scene: Scene, number: int) -> Floats | None:
     scale = np.where(model.body_rootid[model.dof_bodyid] == 1, BEND, 0.0)
     scale[:6] = 0, SHIFT, 0, TURN, TURN, TURN
     return scale * stream(scene.settings.terrain.seed, "perturbation", number).standard_normal(model.nv)
+
+
+@lru_cache(maxsize=16)
+def _moments(n_steps: int, timestep: float) -> Indices:
+    """Name the steps that are recorded: the first of each tick of the gait's clock, and the last of all."""
+    moments = np.union1d(ticks(n_steps, timestep)[0], n_steps - 1)
+    moments.setflags(write=False)
+    return moments
 
 
 def _overlap(scene: Scene, data: mujoco.MjData) -> float:
@@ -190,9 +203,29 @@ def _settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float, float]:
 
 
 def _step(model: mujoco.MjModel, data: mujoco.MjData, state: Floats, controls: Floats) -> tuple[Floats, Floats]:
-    """Step on from a state as if nobody had looked: the solver starts from where it was."""
-    warmstart = data.qacc_warmstart[np.newaxis].copy()
-    return step_through(model, [data], state, controls, initial_warmstart=warmstart)
+    """Step on from a state as if nobody had looked: the solver starts from where it was.
+
+    Args:
+        model: of the world.
+        data: to step in.
+        state: (1, n_state).
+        controls: (1, n_steps, nu), a row for each step.
+
+    Returns:
+        The (1, n_steps, n_state) states after the steps, and the (1, n_steps, n_sensor) readings before them.
+    """
+    n_steps = controls.shape[1]
+    return step_through(
+        [model],
+        [data],
+        state,
+        controls,
+        nstep=n_steps,
+        initial_warmstart=data.qacc_warmstart[np.newaxis].copy(),
+        state=np.empty((1, n_steps, state.shape[1])),
+        sensordata=np.empty((1, n_steps, model.nsensordata)),
+        skip_checks=True,  # of shapes, which takes as long as a hundred steps
+    )
 
 
 def _work(model: mujoco.MjModel, time: Floats, states: Floats, controls: Floats) -> Floats:

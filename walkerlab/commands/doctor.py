@@ -102,7 +102,7 @@ def folder(here: Path) -> Finding:
 
 def cores() -> Finding:
     """Count the cores that walks are shared out to."""
-    from walkerlab.evaluation import n_cores
+    from walkerlab.workers import n_cores
 
     usable, all_of_them = n_cores(), os.cpu_count() or 1
     return Finding("ok", f"{usable} of {all_of_them} cores may be used")

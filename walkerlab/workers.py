@@ -1,0 +1,132 @@
+"""The workers: loky's processes on all cores of this computer, replaced when one of them is lost."""
+
+import os
+import signal
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from contextlib import suppress
+from functools import cache, partial
+from typing import Any
+
+from walkerlab.interrupts import interrupts_held
+
+IDLE_TIMEOUT = 300  # s without work after which loky's workers go home
+TRIES = 3  # how often the same work may lose its worker
+
+
+class WorkersLostError(RuntimeError):
+    """The processes that should do some work ended in the middle of it, time and again."""
+
+
+def n_cores() -> int:
+    """How many cores this process may use, which on a shared machine can be fewer than there are."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def n_workers(executor: Executor) -> int:
+    """How many pieces of work an executor does at once, as far as it tells; if it does not, as many as there are cores.
+
+    The pools of the standard library and of loky tell it, and Dask's executor knows whom to ask.
+    """
+    if client := getattr(executor, "_client", None):
+        return max(1, sum(client.nthreads().values()))
+    return getattr(executor, "_max_workers", n_cores())
+
+
+@cache
+def default_executor() -> Executor:
+    """Return the workers of this process: they start with the first work, and are kept for the next."""
+    return _Workers()
+
+
+class _Workers(Executor):
+    """Passes work on to loky's pool, and once more to a new one if a process of the pool was lost.
+
+    That happens: a system that is short of memory kills whoever has most. loky then gives up all that its pool had
+    to do; none of it is lost here, and as a walk is worth the same whoever steps it, nothing is changed.
+    """
+
+    def __init__(self) -> None:
+        """Hire nobody yet."""
+        # loky keeps a pool for each thread that asks for one, so a single thread asks, whoever wants work done.
+        self._keeper = ThreadPoolExecutor(1, "walkerlab pool")
+        self._pool: Executor | None = None
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Have some work done by one of the processes.
+
+        The future raises ``WorkersLostError`` if the work has lost its worker ``TRIES`` times.
+        """
+        outer = Future[Any]()
+        self._keeper.submit(self._send, outer, partial(fn, *args, **kwargs), TRIES)
+        return outer
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
+        """Send the processes home; others come with the next work."""
+        gone = self._keeper.submit(self._dismiss)
+        if wait:
+            gone.result()
+
+    def _dismiss(self) -> None:
+        if self._pool:
+            self._pool.shutdown(wait=False)
+
+    def _send(self, outer: Future[Any], work: Callable[[], Any], tries: int) -> None:
+        """Hand work to the pool, on the keeper's thread."""
+        if outer.done():
+            return
+        from loky import get_reusable_executor
+
+        try:
+            with interrupts_held():  # processes that are started now inherit it
+                self._pool = get_reusable_executor(
+                    n_cores(), timeout=IDLE_TIMEOUT, initializer=_prepare_worker, initargs=(os.getpid(),)
+                )
+                inner: Future[Any] = self._pool.submit(work)
+        except Exception as error:
+            self._fail(outer, work, tries, error)
+            return
+        outer.add_done_callback(lambda _: inner.cancel())
+        inner.add_done_callback(partial(self._answer, outer, work, tries))
+
+    def _answer(self, outer: Future[Any], work: Callable[[], Any], tries: int, inner: Future[Any]) -> None:
+        """Pass an answer on, on a thread of loky's."""
+        if inner.cancelled():
+            outer.cancel()
+        elif error := inner.exception():
+            self._fail(outer, work, tries, error)
+        else:
+            with suppress(Exception):  # given up just now
+                outer.set_result(inner.result())
+
+    def _fail(self, outer: Future[Any], work: Callable[[], Any], tries: int, error: BaseException) -> None:
+        """Try again, or say why not."""
+        if isinstance(error, BrokenExecutor):
+            if tries > 1:
+                self._keeper.submit(self._send, outer, work, tries - 1)
+                return
+            error = WorkersLostError(
+                f"{TRIES} times a worker process ended in the middle of the same work: it was killed, or crashed. "
+                "Often memory is short: close other programs, or hand over an executor with fewer workers, as in "
+                "executor=ThreadPoolExecutor(1)."
+            )
+        with suppress(Exception):  # given up just now
+            outer.set_exception(error)
+
+
+def _prepare_worker(caller: int) -> None:
+    """Make a worker leave Ctrl-C to its caller, and follow it when it is gone.
+
+    Ctrl-C reaches every process of a terminal; one of them is enough to stop a run in good order. And a caller that
+    is killed, as a notebook's kernel is when it is restarted, can't send its workers home.
+    """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_leave_with, args=(caller,), daemon=True).start()
+
+
+def _leave_with(caller: int) -> None:
+    while os.getppid() == caller:  # on Windows this stays as it is, and the idle timeout has to do
+        time.sleep(1)
+    os._exit(0)
