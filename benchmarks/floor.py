@@ -1,71 +1,75 @@
-"""How near evaluation comes to its floor: the same compiled models and controls, stepped from C on all cores.
+"""How near evaluation comes to its floor: the same models and controls, stepped from C on all cores.
 
-    python benchmarks/floor.py [--walks 200] [--runs 5] [--structure flat]
-
-Prints a line for each run and the median ratio, floor time over evaluation time: 1 would be no cost but physics.
+Floor time over evaluation time: 1 would be no cost but physics. The floor is the fastest plain way: every world is
+compiled and placed beforehand, and a thread for each core steps it through settling and walk without a look at it,
+keeping nothing, the costliest first, so that no core is idle at the end. Evaluation is `wl.evaluate` from end to end,
+its workers started and every body plan built. `evolve` is a whole run, from its first generation to its table, against
+the floor of each robot that walked in it, once.
 """
 
-import argparse
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from statistics import median
-from time import perf_counter
+from functools import partial
 
 import mujoco
 import numpy as np
-from mujoco.rollout import rollout as step_through
+from mujoco.rollout import rollout
 
 import walkerlab as wl
-from walkerlab.algorithm import generate_robot_population
-from walkerlab.evaluation import n_cores
+from benchmarks.timing import WALKS, in_turn, seconds
+from benchmarks.worlds import WORLDS
+from walkerlab.workers import n_cores
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
+ROUGH = "2,000 pieces, 20 rocks"
+GROUNDS = {
+    "flat": {},
+    "stairs": WORLDS["stairs"],
+    ROUGH: WORLDS[ROUGH],
+    "a pack and a sledge": WORLDS["a pack"] | WORLDS["a sledge"],
+}
+
+Walk = Callable[[], object]
 
 
-def prepare(genome, settings):
-    """Compile one world, and lay out the controls of settling and walking as one array."""
-    scene = wl.compile_scene(wl.Genome(genome), settings)
+def rows(pairs: int) -> Iterator[tuple[str, str, list[float]]]:
+    """Yield what is left of the floor's speed on each ground, and in a run."""
+    for ground, changes in GROUNDS.items():
+        settings = wl.Settings().with_(**changes)
+        genomes = wl.generate_robot_population(settings.robot, WALKS, seed=0)
+        evaluate = partial(wl.evaluate, genomes, settings)
+        yield ground, "floor / evaluate", against_floor(pairs, genomes, settings, evaluate)
+    n_generations = max(2, WALKS // 20)
+    settings = wl.Settings().with_(population_size=max(4, WALKS // 2), generations=n_generations)
+    evolve = partial(wl.evolve, settings, progress=False)
+    genomes = evolve().records.drop_duplicates("individual").genome
+    yield f"evolve, {n_generations} generations", "floor / evolve", against_floor(pairs, genomes, settings, evolve)
+
+
+def against_floor(pairs, genomes, settings, work) -> list[float]:
+    """Divide the floor's time for these robots by that of some work in which they walk."""
+    with ThreadPoolExecutor(n_cores()) as threads:
+        walks = list(threads.map(partial(prepare, settings=settings), genomes))
+        costs = list(threads.map(seconds, walks))
+        costliest_first = [walks[i] for i in np.argsort(costs)[::-1]]
+        for _ in range(2):  # so that each worker has met every body plan
+            work()
+        return in_turn(
+            pairs,
+            lambda: seconds(lambda: list(threads.map(lambda walk: walk(), costliest_first))),
+            lambda: seconds(work),
+        )
+
+
+def prepare(genome, settings) -> Walk:
+    """Compile and place one world, and lay out the controls of settling and walking: what is left is to step it."""
+    scene = wl.compile_scene(genome, settings)
     settled = wl.simulate(scene.genome, settings, poses=False).settled
     timestep, duration = settings.simulation.timestep, settings.simulation.duration
     hold = np.tile(scene.rest, (round(settled / timestep), 1))
     controls = np.concatenate([hold, scene.controls(round(duration / timestep) + 1)])
     data = mujoco.MjData(scene.model)
     scene.place(data)
-    state = np.empty(mujoco.mj_stateSize(scene.model, STATE))
-    mujoco.mj_getState(scene.model, data, state, STATE)
-    return scene.model, data, state[np.newaxis], controls[np.newaxis]
-
-
-def step(world):
-    model, data, state, controls = world
-    step_through(model, [data], state, controls)
-
-
-def timed(work):
-    start = perf_counter()
-    work()
-    return perf_counter() - start
-
-
-def main():
-    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--walks", type=int, default=200)
-    options.add_argument("--runs", type=int, default=5)
-    options.add_argument("--structure", default="flat")
-    given = options.parse_args()
-
-    settings = wl.Settings(terrain=wl.Terrain(structure=given.structure))
-    genomes = generate_robot_population(settings.robot, given.walks, seed=0)
-    worlds = [prepare(genome, settings) for genome in genomes]
-    wl.evaluate(genomes, settings)  # starts the workers, and has them build every body plan
-    with ThreadPoolExecutor(n_cores()) as threads:
-        ratios = []
-        for run in range(given.runs):
-            floor = timed(lambda: list(threads.map(step, worlds)))
-            whole = timed(lambda: wl.evaluate(genomes, settings))
-            ratios.append(floor / whole)
-            print(f"run {run}: floor {floor:.2f} s, evaluate {whole:.2f} s, ratio {ratios[-1]:.3f}")
-    print(f"{given.structure}, {given.walks} walks on {n_cores()} cores: median ratio {median(ratios):.3f}")
-
-
-if __name__ == "__main__":
-    main()
+    state = np.empty((1, mujoco.mj_stateSize(scene.model, STATE)))
+    mujoco.mj_getState(scene.model, data, state[0], STATE)
+    return partial(rollout, [scene.model], [data], state, controls[np.newaxis], nstep=len(controls), skip_checks=True)

@@ -1,22 +1,16 @@
-"""What a world costs: the same walkers in each, against bare flat ground, taking turns within one run.
+"""What a world costs: the same walkers in it and on bare flat ground, evaluated on one thread.
 
-    python benchmarks/worlds.py [--walks 40] [--runs 5] [--csv FILE]
-
-Prints, for each world, the median of the runs' ratios: 2 is twice the time for compiling and walking. One thread.
+2 is twice the time. Every body plan is built beforehand.
 """
 
-import argparse
-from statistics import median
-from time import perf_counter
-
-import pandas as pd
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import walkerlab as wl
-from walkerlab.algorithm import generate_robot_population
+from benchmarks.timing import WALKS, in_turn, note, seconds
 from walkerlab.layout import lay_out
-from walkerlab.rollout import walk
 
-BARE = {}
 WORLDS = {
     "20 boxes": {"obstacle": "box", "obstacle_density": 20 / 90},
     "20 balls": {"obstacle": "ball", "obstacle_density": 20 / 90},
@@ -37,38 +31,18 @@ WORLDS = {
 }  # fmt: skip
 
 
-def timed(genomes, settings):
-    start = perf_counter()
-    for genome in genomes:
-        walk(wl.compile_scene(genome, settings), poses=False)
-    return perf_counter() - start
-
-
-def main():
-    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--walks", type=int, default=40)
-    options.add_argument("--runs", type=int, default=5)
-    options.add_argument("--csv")
-    given = options.parse_args()
-
+def rows(pairs: int) -> Iterator[tuple[str, str, list[float]]]:
+    """Yield what each world costs."""
     bare = wl.Settings()
-    genomes = [wl.Genome(values) for values in generate_robot_population(bare.robot, given.walks, seed=0)]
-    timed(genomes, bare)  # has every body plan built
-    rows = []
-    for name, changes in WORLDS.items():
-        world = bare.with_(**changes)
-        timed(genomes, world)
-        ratios = []
-        for _ in range(given.runs):
-            against = timed(genomes, bare)
-            ratios.append(timed(genomes, world) / against)
-        layout = lay_out(world.terrain)
-        rows.append((name, len(layout.pieces), len(layout.obstacles), median(ratios), min(ratios), max(ratios)))
-        print("{:24} {:5} pieces {:3} obstacles   {:.2f} × bare flat ground ({:.2f} to {:.2f})".format(*rows[-1]))
-    if given.csv:
-        columns = ["world", "pieces", "obstacles", "ratio", "least", "most"]
-        pd.DataFrame(rows, columns=columns).to_csv(given.csv, index=False)
-
-
-if __name__ == "__main__":
-    main()
+    genomes = wl.generate_robot_population(bare.robot, WALKS // 8 or 1, seed=0)
+    with ThreadPoolExecutor(1) as thread:
+        on_bare = partial(seconds, wl.evaluate, genomes, bare, thread)
+        on_bare()  # has every body plan built
+        for name, changes in WORLDS.items():
+            world = bare.with_(**changes)
+            layout = lay_out(world.terrain)
+            if len(layout.pieces) or len(layout.obstacles):
+                note(f"{name}: {len(layout.pieces)} pieces and {len(layout.obstacles)} obstacles")
+            in_world = partial(seconds, wl.evaluate, genomes, world, thread)
+            in_world()
+            yield name, "world / flat", in_turn(pairs, in_world, on_bare)

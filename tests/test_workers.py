@@ -2,6 +2,7 @@
 
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
@@ -125,3 +126,10 @@ def test_an_executor_tells_how_many_work_in_it(workers):
     assert n_workers(workers) == n_cores()
     with ThreadPoolExecutor(5) as threads:
         assert n_workers(threads) == 5
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="this system binds no process to cores")
+def test_only_the_cores_that_the_process_may_use_count():
+    code = "import os; os.sched_setaffinity(0, [min(os.sched_getaffinity(0))]); import walkerlab.workers as w"
+    bound = subprocess.run([sys.executable, "-c", f"{code}; print(w.n_cores())"], capture_output=True, text=True)
+    assert bound.stdout.split() == ["1"], bound.stderr

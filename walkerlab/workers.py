@@ -21,8 +21,10 @@ class WorkersLostError(RuntimeError):
 
 
 def n_cores() -> int:
-    """How many cores this process may use, which on a shared machine can be fewer than there are."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    """How many cores this process may use: on a shared machine, or in a container, fewer than there are."""
+    from loky import cpu_count
+
+    return cpu_count()
 
 
 def n_workers(executor: Executor) -> int:

@@ -1,0 +1,1 @@
+"""What walkerlab costs, measured as ratios: python -m benchmarks."""

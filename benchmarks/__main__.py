@@ -1,0 +1,66 @@
+"""Measure what walkerlab costs, print it as a table and write it as CSV.
+
+    python -m benchmarks [--pairs 5] [--only floor,scaling] [--csv FILE]
+
+Every figure is a ratio of two things that are timed in turn within one run. Run it from the root of the repository.
+With BENCHMARK_WALKS=16 before it fewer robots walk, for a try.
+"""
+
+import argparse
+import csv
+import os
+from collections.abc import Iterator
+from importlib import import_module
+from itertools import chain
+from statistics import median
+
+from benchmarks.floor import ROUGH
+
+BENCHMARKS = ("floor", "scaling", "worlds", "panel", "first", "growth")
+"""What is measured, each by the module of that name."""
+
+AIMS = {
+    ("floor", "flat"): "at least 0.90",
+    ("floor", ROUGH): "at least 0.93",
+    ("scaling", "loky"): "at least 0.95",
+    ("scaling", "dask"): "at least 0.90",
+    ("panel", "a run"): "at least 0.95",
+}
+"""What the median should come to, where that is settled."""
+
+COLUMNS = ("benchmark", "case", "compared", "median", "least", "most", "pairs", "aim")
+LINE = "{:10} {:27} {:29} {:>7} {:>7} {:>7} {:>5}  {}"
+
+
+def measure(names: list[str], pairs: int) -> Iterator[tuple[object, ...]]:
+    """Yield a row for each case of each benchmark, as soon as it is measured."""
+    for name in names:
+        for case, compared, ratios in import_module(f"benchmarks.{name}").rows(pairs):
+            figures = (f"{of(ratios):.3f}" for of in (median, min, max))
+            yield name, case, compared, *figures, len(ratios), AIMS.get((name, case), "")
+
+
+def main() -> None:
+    """Run the benchmarks that are asked for."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--pairs", type=int, default=5, help="how often each two are timed in turn")
+    parser.add_argument("--only", default=",".join(BENCHMARKS), help="some of them; all are %(default)s")
+    parser.add_argument("--csv", metavar="FILE", default=os.devnull, help="where to write the table as well")
+    given = parser.parse_args()
+    names = given.only.split(",")
+    if unknown := sorted(set(names) - set(BENCHMARKS)):
+        parser.error(f"there is no benchmark {', '.join(unknown)}; there are {', '.join(BENCHMARKS)}")
+    if given.pairs < 1:
+        parser.error(f"--pairs is {given.pairs}; it must be 1 or more")
+
+    with open(given.csv, "w", buffering=1, newline="", encoding="utf-8") as file:
+        table = csv.writer(file)
+        for row in chain([COLUMNS], measure(names, given.pairs)):
+            print(LINE.format(*row).rstrip(), flush=True)
+            table.writerow(row)
+
+
+if __name__ == "__main__":
+    main()
