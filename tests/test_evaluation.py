@@ -1,6 +1,7 @@
 """Many walks on any executor: the same answers, in the order of the questions."""
 
 import os
+import pickle
 import subprocess
 import sys
 import time
@@ -13,8 +14,9 @@ import pytest
 import walkerlab as wl
 from walkerlab import evaluation
 from walkerlab.algorithm import generate_robot_population
-from walkerlab.rollout import nudge, walk
-from walkerlab.scene import compile_scene
+from walkerlab.phenotype import express
+from walkerlab.rollout import from_every_start, nudge, walk
+from walkerlab.scene import compile_scene, scene_on_stage
 
 SETTINGS = wl.Settings().with_(duration=1.0)
 GENOMES = generate_robot_population(SETTINGS.robot, 9, seed=3)
@@ -182,3 +184,40 @@ class TestSeveralStarts:
         one, three = (wl.evaluate(GENOMES, self.settings.with_(n_starts=n)) for n in (1, 3))
         assert all(many.fitness <= single.fitness for many, single in zip(three, one, strict=True))
         assert any(many.fitness < single.fitness for many, single in zip(three, one, strict=True))
+
+
+GROUNDS = {
+    "flat": {},
+    "gravel, rocks, a pack and a sledge": {
+        "texture": "gravel", "texture_density": 0.05, "obstacle": "rock", "carry_weight": 2, "drag_weight": 2,
+    },
+    "balls, two starts": {"obstacle": "ball", "obstacle_density": 0.3, "n_starts": 2},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+def test_whoever_walked_before_changes_nothing_about_a_walk(ground):
+    """Robots of one body plan walk on one stage, one after the other: each as if it were the first, bit for bit."""
+    settings = SETTINGS.with_(**GROUNDS[ground])
+    robots = [wl.Genome(values).within(settings.robot) for values in GENOMES]
+    plans = {express(robot).plan for robot in robots}
+    assert len(plans) < len(robots), "or nobody follows anybody"
+    with ThreadPoolExecutor(1) as stages:
+        in_turn = stages.submit(evaluation._walk_all, [*robots, *robots[::-1]], settings).result()
+    for robot, *walks in zip(robots, in_turn[: len(robots)], in_turn[: len(robots) - 1 : -1], strict=True):
+        first = from_every_start(compile_scene(robot, settings), poses=False)
+        assert [exact(each) for each in walks] == 2 * [exact(first)]
+
+
+def exact(rollouts):
+    """All that a fitness could see of them, as bytes."""
+    return [pickle.dumps(tuple(vars(rollout).items())) for rollout in rollouts]
+
+
+def test_a_walk_that_broke_down_leaves_nothing_behind():
+    scene, data = scene_on_stage(wl.Genome(GENOMES[0]), SETTINGS)
+    expected = walk(scene, poses=False)
+    for state in (data.qpos, data.qvel, data.ctrl, data.qacc_warmstart, data.xfrc_applied, data.warning.number):
+        state[:] = np.nan if state.dtype.kind == "f" else 3
+    data.time = np.nan
+    assert exact([walk(scene, data, poses=False)]) == exact([expected])
