@@ -58,8 +58,8 @@ class Jupyter:
         """End what earlier notebooks have left running, and remove what they have left in the folder."""
         for kernel in json.loads(self.ask("/api/kernels")):
             self.ask(f"/api/kernels/{kernel['id']}", "DELETE")
-        shutil.rmtree(self.folder)
-        self.folder.mkdir()
+        for left in self.folder.iterdir():  # but not the folder: the server works in it
+            shutil.rmtree(left) if left.is_dir() else left.unlink()
 
     def ask(self, path: str, method: str = "GET") -> bytes:
         """Ask the server itself."""

@@ -2,7 +2,7 @@
 
 import threading
 import time
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
 
 import pytest
 
@@ -20,8 +20,14 @@ def one_for_each_worker(monkeypatch):
     monkeypatch.setattr("walkerlab.gate.AT_ONCE", 1)
 
 
+def gate_before(inside, n_workers):
+    gate = Gate(inside, lambda _: n_workers)
+    gate._n_workers = n_workers
+    return gate
+
+
 def test_answers_and_errors_come_through(pool):
-    gate = Gate(lambda: pool, 2)
+    gate = gate_before(lambda: pool, 2)
     assert [gate.submit(pow, 2, n).result() for n in range(20)] == [2**n for n in range(20)]
     with pytest.raises(ZeroDivisionError):
         gate.submit(divmod, 1, 0).result()
@@ -40,14 +46,14 @@ def test_no_more_are_inside_at_once_than_allowed(pool):
         with lock:
             inside -= 1
 
-    gate = Gate(lambda: pool, 2)
+    gate = gate_before(lambda: pool, 2)
     for future in [gate.submit(work) for _ in range(20)]:
         future.result()
     assert most == 2
 
 
 def test_shut_it_holds_back_what_waits_and_opened_lets_it_in(pool):
-    gate, done = Gate(lambda: pool, 1), []
+    gate, done = gate_before(lambda: pool, 1), []
     gate.close()
     futures = [gate.submit(done.append, n) for n in range(5)]
     assert not futures[0].done()
@@ -59,7 +65,7 @@ def test_shut_it_holds_back_what_waits_and_opened_lets_it_in(pool):
 
 
 def test_stopped_it_answers_all_that_wait_at_once(pool):
-    gate, hold = Gate(lambda: pool, 1), threading.Event()
+    gate, hold = gate_before(lambda: pool, 1), threading.Event()
     futures = [gate.submit(hold.wait), *(gate.submit(int) for _ in range(3))]
     gate.stop()
     for future in futures:
@@ -72,7 +78,7 @@ def test_stopped_it_answers_all_that_wait_at_once(pool):
 
 
 def test_what_is_given_up_before_its_turn_does_not_run(pool):
-    gate, ran = Gate(lambda: pool, 1), []
+    gate, ran = gate_before(lambda: pool, 1), []
     gate.close()
     given_up, kept = gate.submit(ran.append, "no"), gate.submit(ran.append, "yes")
     assert given_up.cancel()
@@ -86,7 +92,7 @@ def test_a_gate_to_nowhere_says_so():
         raise RuntimeError("no workers")
 
     with pytest.raises(RuntimeError, match="no workers"):
-        Gate(nobody, 1).submit(int)
+        gate_before(nobody, 1).submit(int)
 
 
 class Closed(Executor):
@@ -105,8 +111,23 @@ class Forgetful(Executor):
         return given_up
 
 
-@pytest.mark.parametrize(("inside", "answer"), [(Closed(), RuntimeError), (Forgetful(), Stopped)])
+@pytest.mark.parametrize(("inside", "answer"), [(Closed(), RuntimeError), (Forgetful(), CancelledError)])
 def test_what_the_executor_inside_does_not_do_is_answered(inside, answer):
-    future = Gate(lambda: inside, 1).submit(int)
+    future = gate_before(lambda: inside, 1).submit(int)
     with pytest.raises(answer):
         future.result(1)
+
+
+def test_it_asks_anew_how_many_work_inside(pool):
+    numbers = iter((1, 3))
+    gate = Gate(lambda: pool, lambda inside: next(numbers) if inside is pool else 0)
+    assert [gate.n_workers(), gate.n_workers()] == [1, 3]
+    gate.close()
+    inside, open_up = threading.Semaphore(0), threading.Event()
+    futures = [gate.submit(lambda: (inside.release(), open_up.wait(5))) for _ in range(6)]
+    gate.open()
+    assert all(inside.acquire(timeout=5) for _ in range(3))
+    assert not inside.acquire(timeout=0.1)
+    open_up.set()
+    for future in futures:
+        future.result(5)

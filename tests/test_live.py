@@ -83,7 +83,7 @@ def test_stepped_and_paused_it_is_the_same(alive, waited_for):
 
 
 def test_paused_in_the_middle_of_a_generation_those_that_walk_finish_and_no_other_begins(alive, monkeypatch):
-    monkeypatch.setattr(live_module, "n_cores", lambda: 1)
+    monkeypatch.setattr(live_module, "n_workers", lambda _: 1)
     live, listener = alive(SMALL.with_(population_size=200, n_elites=0))
     live.go_on()
     listener.until(lambda: live.n_done > 0)

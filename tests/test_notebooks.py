@@ -3,6 +3,7 @@
 With WALKERLAB_SCREENSHOTS=<folder>, pictures of all their cells in JupyterLab are left there for people to look at.
 """
 
+import importlib.util
 import itertools
 import os
 import re
@@ -13,6 +14,7 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
+from tests.conftest import lacking
 from tests.frontends import picture_cells, run_all
 
 NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
@@ -62,6 +64,8 @@ def test_a_question_stands_before_every_cell(path):
 
 
 def shortened(path: Path) -> nbformat.NotebookNode:
+    if path.stem == "05_cluster" and not importlib.util.find_spec("dask_jobqueue"):
+        lacking("dask_jobqueue")
     notebook = read(path)
     [parameters] = [cell for cell in notebook.cells if "parameters" in cell.metadata.get("tags", [])]
     parameters.source, replaced = re.subn(r"^generations = \d+$", BUDGET, parameters.source, flags=re.MULTILINE)

@@ -1,8 +1,9 @@
 """Many genomes become many evaluations, on any executor; the answers come in the order of the questions."""
 
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor
+from concurrent.futures import CancelledError, Executor
 from dataclasses import dataclass
+from uuid import uuid4
 
 import numpy as np
 
@@ -79,18 +80,22 @@ def evaluate(
         GenomeError: if a text is no genome.
         ValueError: if a single genome is given, an array is none, or a fitness function gives anything but a finite
             number.
+        RuntimeError: if the executor is closed.
     """
     robots = _within(genomes, settings.robot)
     world = settings.model_copy(update={"algorithm": Algorithm()})
     pool = executor or default_executor()
     tasks = _tasks(robots, n_workers(pool))
-    futures = [pool.submit(_walk_all, [robots[i] for i in task], world) for task in tasks]
+    asked = uuid4().hex
+    futures = [pool.submit(_walk_all, [robots[i] for i in task], world, asked) for task in tasks]
     evaluations = dict[int, Evaluation]()
     try:
         for task, future in zip(tasks, futures, strict=True):
             for i, rollouts in zip(task, future.result(), strict=True):
                 evaluations[i] = _rate(robots[i], rollouts, settings)
             on_done(len(task))
+    except CancelledError as error:
+        raise RuntimeError("the executor was closed while robots were walking in it") from error
     finally:
         for future in futures:
             future.cancel()
@@ -128,8 +133,15 @@ def _cost(robot: Genome) -> int:
     return len(phenotype.segments) + phenotype.n_legs
 
 
-def _walk_all(genomes: Sequence[Genome], settings: Settings) -> list[list[Rollout]]:
-    """Let each walk from every start, in a worker."""
+def _walk_all(genomes: Sequence[Genome], settings: Settings, asked: str = "") -> list[list[Rollout]]:  # noqa: ARG001
+    """Let each walk from every start, in a worker.
+
+    Args:
+        genomes: within the limits.
+        settings: of the world.
+        asked: what tells this question from an equal one of another run, for Dask answers equal ones together, and
+            gives both up when one of them is.
+    """
     return [from_every_start(*scene_on_stage(genome, settings), poses=False) for genome in genomes]
 
 

@@ -3,7 +3,7 @@
 import threading
 from collections import deque
 from collections.abc import Callable
-from concurrent.futures import Executor, Future
+from concurrent.futures import CancelledError, Executor, Future
 from contextlib import suppress
 from functools import cache, partial
 from typing import Any
@@ -22,18 +22,23 @@ class Gate(Executor):
     words on a panel; and of two that share an executor, neither fills it up.
     """
 
-    def __init__(self, inside: Callable[[], Executor], n_workers: int) -> None:
+    def __init__(self, inside: Callable[[], Executor], n_workers: Callable[[Executor], int]) -> None:
         """Make it, open.
 
         Args:
             inside: returns the executor that does the work; called once, when the first work comes.
-            n_workers: how many pieces of work that does at once.
+            n_workers: tells how many pieces of work that does at once.
         """
-        self._inside, self._max_workers = cache(inside), n_workers
+        self._inside, self._count, self._n_workers = cache(inside), n_workers, 1
         self._waiting = deque[tuple[Future[Any], Callable[[], Any]]]()
         self._within = set[Future[Any]]()
         self._is_open, self._is_stopped = True, False
         self._lock = threading.RLock()
+
+    def n_workers(self) -> int:
+        """Ask how many work inside, where some may have joined or left, and from now on keep so many busy."""
+        self._n_workers = self._count(self._inside())
+        return self._n_workers
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Let a piece of work wait before the gate.
@@ -77,7 +82,7 @@ class Gate(Executor):
 
     def _let_in(self) -> None:
         with self._lock:
-            while self._is_open and self._waiting and len(self._within) < AT_ONCE * self._max_workers:
+            while self._is_open and self._waiting and len(self._within) < AT_ONCE * self._n_workers:
                 outer, work = self._waiting.popleft()
                 if not outer.set_running_or_notify_cancel():
                     continue
@@ -94,7 +99,7 @@ class Gate(Executor):
             self._within.discard(outer)
         with suppress(Exception):  # stopped just now
             if inner.cancelled():
-                outer.set_exception(Stopped())
+                outer.set_exception(CancelledError())  # by somebody else: who stopped has been answered
             elif error := inner.exception():
                 outer.set_exception(error)
             else:

@@ -13,7 +13,7 @@ from walkerlab.gate import Gate, Stopped
 from walkerlab.genome import Genome
 from walkerlab.run import Run
 from walkerlab.settings import Settings
-from walkerlab.workers import default_executor, n_cores, n_workers
+from walkerlab.workers import default_executor, n_workers
 
 
 class State(StrEnum):
@@ -67,7 +67,7 @@ class LiveRun:
         self.error: BaseException | None = None
         self.n_walks = n_walks(settings)
         self._executor, self._on_news = executor, on_news
-        self._gate = Gate(self._workers, n_workers(executor) if executor else n_cores())
+        self._gate = Gate(self._workers, n_workers)
         self._evolution = Evolution(settings, path, self._gate, on_walks=self._walked)
         self._may_go, self._pause_at = threading.Event(), settings.algorithm.generations
         self._since, self._seconds, self._first = 0.0, 0.0, (0.0, 0)

@@ -28,12 +28,20 @@ def n_cores() -> int:
 
 
 def n_workers(executor: Executor) -> int:
-    """How many pieces of work an executor does at once, as far as it tells; if it does not, as many as there are cores.
+    """How many pieces of work an executor does at once, now; if it does not tell, as many as there are cores here.
 
-    The pools of the standard library and of loky tell it, and Dask's executor knows whom to ask.
+    The pools of the standard library and of loky tell it, a gate asks whoever is inside, and Dask's executor its
+    cluster, where workers join and leave.
+
+    Raises:
+        RuntimeError: if it is Dask's, and its client is closed.
     """
+    if count := getattr(executor, "n_workers", None):
+        return count()
     if client := getattr(executor, "_client", None):
-        return max(1, sum(client.nthreads().values()))
+        if client.status == "closed":
+            raise RuntimeError("this executor's Dask client is closed; make another: Client(cluster).get_executor()")
+        return sum(client.nthreads().values()) or n_cores()  # nobody is there yet
     return getattr(executor, "_max_workers", n_cores())
 
 
