@@ -245,6 +245,8 @@ def test_ten_thousand_random_genomes_come_back_from_their_text():
 @given(genomes())
 def test_any_finite_numbers_come_back_from_their_text(genome):
     assert Genome.parse(str(genome)) == genome
+    word_by_word = str(genome).replace(" | ", "|\n")
+    assert Genome.parse(word_by_word) == genome
 
 
 def test_the_text_is_short_as_repair_leaves_no_long_numbers():

@@ -22,16 +22,16 @@ import walkerlab as wl
 from walkerlab import story
 from walkerlab.algorithm import generate_robot_population, operators
 from walkerlab.choices import Obstacle, Structure
-from walkerlab.evaluation import Evaluation
 from walkerlab.fitness import poorest_walk
 from walkerlab.footfalls import feet, footfalls
 from walkerlab.ga.loop import first_population, next_population
 from walkerlab.ground import height
 from walkerlab.judge import VERDICTS
 from walkerlab.limits import genes_of, repair
+from walkerlab.plots import genomes as plots_of_genomes
 from walkerlab.plots.bodies import add_body, at_rest
 from walkerlab.plots.family import MOST, SOME
-from walkerlab.records import COLUMNS, births, fitter_line, join, name_fitness, parent_numbers, tabulate, tidy
+from walkerlab.records import COLUMNS, Walked, births, fitter_line, join, name_fitness, parent_numbers, tabulate, tidy
 from walkerlab.shapes import skins
 
 
@@ -55,7 +55,7 @@ def bred(generations=6, size=10, *, void=0.2, **changes):
         robot, counts = wl.express(wl.Genome(values)), rng.random() >= void
         measured = (len(robot.segments), robot.n_legs, robot.weight, robot.body_length)
         fitness, verdict = (rng.normal(), "ok") if counts else (-np.inf, rng.choice(list(VERDICTS)[1:]))
-        return Evaluation(wl.Genome(values), fitness, str(verdict), "", rng.normal(), rng.normal(), *measured)
+        return Walked(fitness, str(verdict), "", rng.normal(), rng.normal(), *measured, str(wl.Genome(values)))
 
     def evaluate(genomes):
         return [rate(values) for values in genomes]
@@ -431,6 +431,27 @@ def test_diversity_is_the_distance_of_two_robots_over_all_pairs(records, ax):
             apart = np.divide(a - b, span, where=span > 0, out=np.zeros(len(table)))
             squares.append(np.where(table.is_cyclic, np.sin(np.pi * apart), apart)[np.ptp(values, axis=0) > 0] ** 2)
         assert diversity == pytest.approx(np.sqrt(np.mean(squares)))
+
+
+def test_of_a_large_generation_some_stand_for_all(ax, monkeypatch):
+    table = bred(size=60)
+    for read in (60, 59, 30):
+        monkeypatch.setattr(plots_of_genomes, "READ", read)
+        chosen = table[plots_of_genomes._evenly_spread(table)]
+        assert chosen.groupby("generation").size().tolist() == [read] * 6
+        places = chosen.index[chosen.generation == 0]
+        assert np.diff(places, append=60).max() <= -(-60 // read)
+        wl.plots.diversity(table, ax)
+        wl.plots.genes(table, Figure().add_subplot(), generation=2)
+    exact, *estimated = (line.get_ydata() for line in ax.lines)
+    for some in estimated:
+        np.testing.assert_allclose(some, exact, rtol=0.15)
+
+
+def test_of_a_large_generation_all_genes_are_drawn(ax, monkeypatch):
+    monkeypatch.setattr(plots_of_genomes, "READ", 4)
+    wl.plots.genes(bred(), ax)
+    assert ax.collections[0].get_array().shape[0] == 10
 
 
 def test_clones_have_no_diversity_and_the_order_of_rows_does_not_matter(records, ax):

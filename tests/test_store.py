@@ -12,6 +12,8 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from walkerlab import store
+from walkerlab.algorithm import generate_robot_population
+from walkerlab.genome import Genome
 from walkerlab.records import COLUMNS, tidy
 from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
@@ -85,6 +87,27 @@ def test_rows_keep_the_order_in_which_they_were_written(path):
     table = generation(0).iloc[::-1].reset_index(drop=True)
     store.append(path, table)
     assert same(table_of(path), table)
+
+
+def test_some_generations_and_some_individuals_are_read_alone(path):
+    tables = [generation(number) for number in range(4)]
+    for table in tables:
+        store.append(path, table)
+    assert same(store.read_generations(path, 1, 3), tidy(pd.concat(tables[1:3], ignore_index=True)))
+    assert same(store.read_generations(path, 3, 99), tables[3])
+    assert same(store.read_generations(path, 4, 4), EMPTY)
+    born = [(2, 203), (0, 0), (1, 203), (9, 900)]  # the last two are not there
+    found = store.read_births(path, ["generation", "individual", "genome"], born)
+    assert found == [(2, 203, tables[2].genome[3]), (0, 0, tables[0].genome[0])]
+
+
+def test_a_robot_takes_no_more_than_a_kilobyte_or_so(path):
+    settings = Settings()
+    genomes = [str(Genome(values)) for values in generate_robot_population(settings.robot, 500, seed=0)]
+    for number in range(4):
+        made = generation(number, 500).assign(genome=genomes, operators="gradient > paired > randomized", parents="7 9")
+        store.append(path, made.assign(reason="", verdict="ok"))
+    assert path.stat().st_size / 2000 < 1000
 
 
 def test_settings_change_and_the_table_stays(path):
@@ -169,6 +192,8 @@ def refusals(path):
     """Return what each way to use a run file says against this one."""
     for use in (
         lambda: store.read(path),
+        lambda: store.read_generations(path, 0, 1),
+        lambda: store.read_births(path, ["genome"], [(0, 0)]),
         lambda: store.append(path, generation(9)),
         lambda: store.change_settings(path, {}),
     ):

@@ -1,4 +1,4 @@
-"""The wiring: settings become generation after generation, each tabulated, and stored if there is a run file."""
+"""The wiring: settings become generation after generation, each tabulated and stored."""
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
@@ -14,14 +14,15 @@ from tqdm.auto import tqdm
 
 from walkerlab import fitness, records, store
 from walkerlab.algorithm import check_own_operators, generate_robot_population, operators, slot_names
-from walkerlab.evaluation import Evaluation, evaluate
+from walkerlab.archive import Archive
+from walkerlab.evaluation import evaluate
 from walkerlab.ga.loop import Population, first_population, next_population
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.interrupts import interrupts_held
 from walkerlab.limits import genes_of, repair
 from walkerlab.quantity import SettingsError
-from walkerlab.records import Individual
+from walkerlab.records import Individual, Walked
 from walkerlab.run import Run, load, with_functions
 from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
@@ -61,7 +62,8 @@ class Evolution:
 
         Args:
             settings: of all four domains.
-            path: the run file, made with the first generation; without one, the run lives in memory only.
+            path: the run file, made with the first generation; without one, nothing is left of the run when it is
+                no longer looked at.
             executor: any ``concurrent.futures.Executor``; loky on all cores if None.
             on_walks: told how many more walks are done.
 
@@ -79,18 +81,17 @@ class Evolution:
         self.path = None if path is None else Path(path)
         if self.path:
             store.claim(self.path)
+        self._archive, self._on_walks = Archive(self.path), on_walks
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
-        self._tables: list[pd.DataFrame] = []
-        self._population: Population[Evaluation] | None = None
+        self._population: Population[Walked] | None = None
         self._guests, self._next_bred, self._breeding = list[Genome](), 0, Lock()
 
     @classmethod
     def _of(cls, run: Run, settings: Settings, **options: Any) -> Self:
         """Take up a run where its table ends."""
         evolution = cls(settings, **options)
-        evolution.path = run.path
+        evolution.path, evolution._archive = run.path, Archive.of(run.path, run.records)
         if not run.records.empty:
-            evolution._tables = [run.records]
             try:
                 evolution._population = records.last_population(run.records)
                 evolution._next_bred = evolution._population.generation + 1
@@ -101,7 +102,7 @@ class Evolution:
     @property
     def run(self) -> Run:
         """All that is done so far."""
-        return Run(self.settings, records.join(self._tables), self.path)
+        return Run(self.settings, partial(self._archive.table, self.n_generations), self.path)
 
     @property
     def n_generations(self) -> int:
@@ -144,15 +145,11 @@ class Evolution:
             table = records.tabulate(population, slot_names(algorithm))
             records.name_fitness(table, *fitness.label(algorithm.fitness))
             with interrupts_held():  # what is stored and what is in hand must not part
-                if self.path and self._tables:
-                    store.append(self.path, table)
-                elif self.path:
-                    store.create(self.path, self.settings.model_dump(), table)
+                self._archive.add(table, self.settings.model_dump())
                 self._population = population
-                self._tables.append(table)
-            yield Generation(population.generation, table.copy())
+            yield Generation(population.generation, table)
 
-    def _next(self) -> Population[Evaluation]:
+    def _next(self) -> Population[Walked]:
         robot, algorithm = self.settings.robot, self.settings.algorithm
         if self._population is None:
             genomes = generate_robot_population(robot, algorithm.population_size, seed=algorithm.seed)
@@ -172,8 +169,17 @@ class Evolution:
             guests=np.array([genome.values for genome in guests]) if guests else None,
         )
 
-    def _walk(self, genomes: Floats) -> list[Evaluation]:
-        return self._evaluate(genomes)
+    def _walk(self, genomes: Floats) -> list[Walked]:
+        """Let each genome walk that has not walked before in this run; walks are repeatable, so once is enough."""
+        texts = [str(Genome(values)) for values in genomes]
+        known = self._archive.find(texts)
+        fresh = {text: i for i, text in enumerate(texts) if text not in known}
+        if fresh:
+            evaluations = self._evaluate(genomes[list(fresh.values())])
+            known |= {text: Walked.of(one, text) for text, one in zip(fresh, evaluations, strict=True)}
+        if len(fresh) < len(texts):
+            self._on_walks(len(texts) - len(fresh))
+        return [known[text] for text in texts]
 
 
 def evolve(
@@ -186,7 +192,7 @@ def evolve(
 
     Args:
         settings: of all four domains; the defaults if None.
-        path: the run file to be made; without one, the run lives in memory only.
+        path: the run file to be made; without one, nothing is left of the run when it is no longer looked at.
         executor: any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: whether to show a bar.
 
@@ -230,6 +236,7 @@ def resume(
         raise SettingsError(f"{path} has {done} generations already; generations must be {done} or more, in all.")
     with _bar(settings, progress, done=done) as bar:
         evolution = Evolution._of(run, settings, executor=executor, on_walks=bar.update)
+        del run  # its table is in the file, and need not be kept while it grows
         store.change_settings(store.locate(path), settings.model_dump())
         return _finish(evolution, bar)
 

@@ -7,9 +7,10 @@ Segments first, each with its legs; then the gait, a step for each segment:
 
 import math
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from operator import itemgetter
 from typing import Any, Protocol, Self
 
 import numpy as np
@@ -105,7 +106,10 @@ class Genome:
 
     def __str__(self) -> str:
         """Write the text form, from which ``parse`` gives back the very same numbers."""
-        return " ".join(_write(token, index, self.values) for token, index in _layout(self.n_parts))
+        numbers = [repr(value).removesuffix(".0") for value in self.values.tolist()]
+        for place in range(_FIRST_LEGS, len(numbers), len(PART)):
+            numbers[place] = _LEG_WORDS.get(numbers[place], f"legs={numbers[place]}")
+        return _form(self.n_parts).format(*numbers)
 
     def __repr__(self) -> str:
         """Show what can be pasted back."""
@@ -240,8 +244,11 @@ def _layout(n_parts: int) -> tuple[tuple[str, int | None], ...]:
 
 _MOTIONS = ("amplitude", "phase", "offset")
 _LEGS = {"nolegs": 0.0, "legs": 1.0}
+_LEG_WORDS = {"0": "nolegs", "1": "legs"}
+_FIRST_LEGS = len(WHOLE) + PART.index(Feature.legs)
 _MAX_TEXT = 20_000
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d{1,3})?"
+_PLAIN = r"(-?\d{1,9}+\.?\d{0,17}+)"  # as nearly all of our own numbers are
 
 
 @lru_cache
@@ -249,14 +256,25 @@ def _pattern(key: str) -> re.Pattern[str]:
     return re.compile(re.escape(key) + _NUMBER)
 
 
-def _write(token: str, index: int | None, values: Floats) -> str:
-    if index is None:
-        return token
-    value = float(values[index])
-    number = repr(value).removesuffix(".0")
-    if token == "legs":
-        return next((word for word, meaning in _LEGS.items() if meaning == value), f"legs={number}")
-    return token + number
+@lru_cache(maxsize=int(MAX_SEGMENTS))
+def _form(n_parts: int) -> str:
+    """Return the text form with a gap for each gene."""
+    return " ".join(
+        token if index is None else f"{{{index}}}" if token == "legs" else f"{token}{{{index}}}"
+        for token, index in _layout(n_parts)
+    )
+
+
+@lru_cache(maxsize=int(MAX_SEGMENTS))
+def _plain(n_parts: int) -> tuple[re.Pattern[str], Callable[[Sequence[str]], tuple[str, ...]]]:
+    """Return what the text form is like where all numbers are plain decimals, and what puts its genes in order."""
+    layout = _layout(n_parts)
+    words = (
+        re.escape(token) if index is None else "((?:no)?legs)" if token == "legs" else re.escape(token) + _PLAIN
+        for token, index in layout
+    )
+    written = [index for _, index in layout if index is not None]
+    return re.compile(" ".join(words), re.ASCII), itemgetter(*(written.index(gene) for gene in range(len(written))))
 
 
 def _parse(text: str) -> list[float]:
@@ -264,6 +282,9 @@ def _parse(text: str) -> list[float]:
         raise GenomeError(f"a genome is read from its text, a str; got {text!r:.60}")
     if len(text) > _MAX_TEXT:
         raise GenomeError(f"a genome's text has at most {_MAX_TEXT} characters; this one has {len(text)}")
+    pattern, in_order = _plain(min(max(text.count("| seg "), 1), int(MAX_SEGMENTS)))
+    if plain := pattern.fullmatch(text):  # what was edited may not be, and is read word by word
+        return [_LEGS[gene] if gene in _LEGS else float(gene) for gene in in_order(plain.groups())]
     found = [(match.group(), match.start()) for match in re.finditer(r"\||[^\s|]+", text)]
     n_parts = sum(word == "seg" for word, _ in found)
     n_parts = min(max(n_parts, 1), int(MAX_SEGMENTS))

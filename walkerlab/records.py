@@ -1,10 +1,12 @@
 """The tidy table: a row for each individual and generation. What is written, shown and plotted is this table."""
 
 from dataclasses import dataclass
-from typing import Any, cast
+from operator import attrgetter
+from typing import Any, NamedTuple, Self, cast
 
 import numpy as np
 import pandas as pd
+from pandas.api.types import is_numeric_dtype
 
 from walkerlab.evaluation import Evaluation
 from walkerlab.ga.loop import Population
@@ -33,10 +35,31 @@ COLUMNS: dict[str, tuple[type, str, str]] = {
 
 BY_HAND = "by hand"  # what made a robot that somebody put into a generation
 
-MEASURED = ("fitness", "verdict", "reason", "distance", "velocity", "n_segments", "n_legs", "weight", "body_length")
+
+class Walked(NamedTuple):
+    """What has come of a walk, as the table has it: its columns from ``fitness`` on."""
+
+    fitness: float
+    verdict: str
+    reason: str
+    distance: float
+    velocity: float
+    n_segments: int
+    n_legs: int
+    weight: float
+    body_length: float
+    genome: str
+
+    @classmethod
+    def of(cls, evaluation: Evaluation, genome: str) -> Self:
+        """Take what was measured, and the text of the genome, which takes longer to write than all else."""
+        return cls._make((*_measured(evaluation), genome))
 
 
-def tabulate(population: Population[Evaluation], operators: str) -> pd.DataFrame:
+_measured = attrgetter(*Walked._fields[:-1])
+
+
+def tabulate(population: Population[Walked], operators: str) -> pd.DataFrame:
     """Write a generation as a table.
 
     Args:
@@ -46,21 +69,16 @@ def tabulate(population: Population[Evaluation], operators: str) -> pd.DataFrame
     Returns:
         A row for each individual, with the columns of ``COLUMNS`` and their units in ``.attrs``.
     """
-    rows = [
-        {
-            "generation": population.generation,
-            "individual": individual,
-            "born": born,
-            "parents": " ".join(map(str, parents)),
-            "operators": operators if parents else BY_HAND if born else "random",
-            **{name: getattr(evaluation, name) for name in MEASURED},
-            "genome": str(evaluation.genome),
-        }
-        for individual, born, parents, evaluation in zip(
-            population.individuals, population.born, population.parents, population.evaluations, strict=True
-        )
-    ]
-    return tidy(pd.DataFrame(rows))
+    origins = zip(population.parents, population.born.tolist(), strict=True)
+    columns = {
+        "generation": population.generation,
+        "individual": population.individuals,
+        "born": population.born,
+        "parents": [" ".join(map(str, parents)) for parents in population.parents],
+        "operators": [operators if parents else BY_HAND if born else "random" for parents, born in origins],
+        **dict(zip(Walked._fields, zip(*population.evaluations, strict=True), strict=True)),
+    }
+    return tidy(pd.DataFrame(columns))
 
 
 def tidy(table: pd.DataFrame) -> pd.DataFrame:
@@ -81,21 +99,17 @@ def join(tables: list[pd.DataFrame]) -> pd.DataFrame:
     return tidy(pd.concat(tables, ignore_index=True)) if tables else tidy(pd.DataFrame(columns=list(COLUMNS)))
 
 
-def last_population(records: pd.DataFrame) -> Population[Evaluation]:
+def last_population(records: pd.DataFrame) -> Population[Walked]:
     """Read the last generation back out of the table, ready to breed: the inverse of ``tabulate``."""
     last = records[records.generation == records.generation.max()]
-    measured = zip(*(last[name].tolist() for name in MEASURED), strict=True)
-    evaluations = [
-        Evaluation(genome=Genome.parse(text), **dict(zip(MEASURED, row, strict=True)))
-        for text, row in zip(last.genome, measured, strict=True)
-    ]
+    walked = [Walked(*row) for row in zip(*(last[name].tolist() for name in Walked._fields), strict=True)]
     return Population(
         generation=int(last.generation.iloc[0]),
-        genomes=np.array([evaluation.genome.values for evaluation in evaluations]),
+        genomes=np.array([Genome.parse(one.genome).values for one in walked]),
         individuals=last.individual.to_numpy(dtype=np.intp).copy(),
         born=last.born.to_numpy(dtype=np.intp).copy(),
         parents=tuple(parent_numbers(parents) for parents in last.parents),
-        evaluations=evaluations,
+        evaluations=walked,
         n_born=int(records.individual.max()) + 1,
     )
 
@@ -109,10 +123,13 @@ def parent_numbers(parents: object) -> tuple[int, ...]:
 
 def births(records: pd.DataFrame) -> pd.DataFrame:
     """Return the first row of each individual that a table has, by its number; an elite's others are left out."""
-    first = records.sort_values("generation", kind="stable").drop_duplicates("individual")
-    parents = [" ".join(map(str, parent_numbers(cell))) for cell in first.parents]
-    reason = first.reason.astype(object).where(first.reason.notna(), "")
-    return first.assign(parents=parents, reason=reason).set_index("individual", drop=False)
+    in_order = records.generation.is_monotonic_increasing
+    ordered = records if in_order else records.sort_values("generation", kind="stable")
+    first = ordered.drop_duplicates("individual").set_index("individual", drop=False)
+    if first.reason.hasnans or first.parents.hasnans or is_numeric_dtype(first.parents):  # as read_csv leaves them
+        parents = [" ".join(map(str, parent_numbers(cell))) for cell in first.parents]
+        return first.assign(parents=parents, reason=first.reason.astype(object).where(first.reason.notna(), ""))
+    return first
 
 
 def fitter_line(born: pd.DataFrame, individual: int) -> list[int]:
@@ -168,7 +185,9 @@ def champion(records: pd.DataFrame) -> Individual:
     """
     if records.empty:
         raise ValueError("no robot has walked yet, so there is no champion")
-    row = records.sort_values(["fitness", "individual"], ascending=[False, True], kind="stable").iloc[0]
+    fitness = records.fitness.fillna(-np.inf)
+    fittest: Any = records[fitness == fitness.max()]
+    row = fittest.sort_values("individual", kind="stable").iloc[0]
     return Individual(
         individual=int(row.individual),
         genome=Genome.parse(row.genome),
@@ -192,10 +211,10 @@ def lineage(records: pd.DataFrame, individual: int) -> pd.DataFrame:
     if individual not in born.index:
         low, high = born.index.min(), born.index.max()
         raise ValueError(f"individual {individual} is not in this run; its numbers go from {low} to {high}")
-    parents = {one: parent_numbers(cell) for one, cell in born.parents.items()}
+    parents = born.parents.to_dict()
     waiting, found = [individual], {individual}
     while waiting:
-        fresh = {one for one in parents[waiting.pop()] if one in parents} - found
+        fresh = {one for one in parent_numbers(parents[waiting.pop()]) if one in parents} - found
         found |= fresh
         waiting += fresh
     return tidy(born.loc[sorted(found, reverse=True)].reset_index(drop=True))

@@ -1,7 +1,7 @@
 """A run: its settings and its table, from memory or from a run file."""
 
-from dataclasses import dataclass, replace
-from functools import partial
+from collections.abc import Callable
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,23 +23,37 @@ _OURS = {"fitness": fitness} | {kind.__name__.lower(): room for kind, room in RO
 """Each slot that can hold a function, and the room of our own functions for it."""
 
 
-@dataclass(frozen=True, eq=False)
 class Run:
     """What an evolution has brought forth so far.
 
     Attributes:
         settings: from which it was made.
-        records: the tidy table; the units are in ``records.attrs["units"]``.
         path: its run file, or None.
     """
 
-    settings: Settings
-    records: pd.DataFrame
-    path: Path | None = None
+    def __init__(
+        self, settings: Settings, records: pd.DataFrame | Callable[[], pd.DataFrame], path: Path | None = None
+    ) -> None:
+        """Put it together.
 
-    def __post_init__(self) -> None:
-        """Write on the table what its fitness is."""
-        records.name_fitness(self.records, *fitness.label(self.settings.algorithm.fitness))
+        Args:
+            settings: from which it was made.
+            records: the tidy table, or what reads it when it is first asked for.
+            path: its run file, or None.
+        """
+        self.settings, self.path, self._given = settings, path, records
+
+    @cached_property
+    def records(self) -> pd.DataFrame:
+        """The tidy table; its units, and what its fitness is, are in ``.attrs``."""
+        given = self._given
+        self._given = table = given if isinstance(given, pd.DataFrame) else given()
+        records.name_fitness(table, *fitness.label(self.settings.algorithm.fitness))
+        return table
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Let it be sent elsewhere, with its table."""
+        return Run, (self.settings, self.records, self.path)
 
     def __repr__(self) -> str:
         """Say in a line what has come of it."""
@@ -174,7 +188,7 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
             f"{run.path} was made with functions of your own, and a run file holds no code. Give back the same, by "
             f"name and bound numbers: resume(path, {given})"
         )
-    return replace(run, settings=settings)
+    return Run(settings, run.records, run.path)
 
 
 def _names(fill: tuple[Any, ...]) -> list[str]:

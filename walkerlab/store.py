@@ -7,11 +7,12 @@ it can run when it is opened.
 import json
 import platform
 import sqlite3
-from collections.abc import Generator
+import weakref
+from collections.abc import Generator, Iterable, Sequence
 from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import pandas as pd
 
@@ -20,6 +21,11 @@ from walkerlab.records import COLUMNS, tidy
 APPLICATION = 0x77616C6B  # "walk", in the file's header
 SCHEMA = 2
 RUN_FILE = "run.walk"  # its name in a folder of its own
+PAGE = 8192  # bytes; rows of nearly a kilobyte leave less of it empty than of the 4096 that SQLite takes
+PATIENCE = 60  # s that a writer waits for who is reading, and the other way round
+
+File: TypeAlias = Path | sqlite3.Connection
+"""A run file, by its path; or a passing one, which has none."""
 
 _SQL = {int: "INTEGER", float: "REAL", str: "TEXT"}
 _FACTS = "CREATE TABLE run (fact TEXT PRIMARY KEY, value TEXT NOT NULL)"
@@ -58,11 +64,21 @@ def claim(path: Path) -> None:
         raise RunFileError(f"no run file can be made at {path}: {error.strerror}. Give it another folder.") from error
 
 
-def create(path: Path, settings: dict[str, Any], generation: pd.DataFrame) -> None:
+def passing(keeper: object) -> sqlite3.Connection:
+    """Make a file for a run that nobody keeps: it has no name, and goes with its keeper, whatever ends that.
+
+    It is in memory while it is small. It is for one thread at a time, whichever that is.
+    """
+    db = sqlite3.connect("", check_same_thread=False)
+    weakref.finalize(keeper, db.close)
+    return db
+
+
+def create(file: File, settings: dict[str, Any], generation: pd.DataFrame) -> None:
     """Make a run file with its first generation: all of it, or nothing.
 
     Args:
-        path: claimed before.
+        file: claimed before, or passing.
         settings: as plain data.
         generation: the tidy table of generation 0.
 
@@ -75,7 +91,7 @@ def create(path: Path, settings: dict[str, Any], generation: pd.DataFrame) -> No
         "machine": f"{platform.system()} {platform.machine()}",
         **{name: version(name) for name in ("walkerlab", "mujoco", "dm-control", "numpy")},
     }
-    with _open(path, new=True) as db:
+    with _open(file, new=True) as db:
         db.execute(f"PRAGMA application_id = {APPLICATION}")
         db.execute(f"PRAGMA user_version = {SCHEMA}")
         db.execute(_FACTS)
@@ -84,14 +100,14 @@ def create(path: Path, settings: dict[str, Any], generation: pd.DataFrame) -> No
         _insert(db, generation)
 
 
-def append(path: Path, generation: pd.DataFrame) -> None:
+def append(file: File, generation: pd.DataFrame) -> None:
     """Add one generation: all of it, or nothing."""
-    with _open(path) as db:
+    with _open(file) as db:
         _insert(db, generation)
 
 
 def _insert(db: sqlite3.Connection, generation: pd.DataFrame) -> None:
-    rows = generation[list(COLUMNS)].astype(object).itertuples(index=False, name=None)
+    rows = zip(*(generation[name].tolist() for name in COLUMNS), strict=True)
     db.executemany(f"INSERT INTO records VALUES ({', '.join('?' * len(COLUMNS))})", rows)
 
 
@@ -109,38 +125,67 @@ def read(path: Path) -> tuple[dict[str, str], dict[str, Any], pd.DataFrame]:
     """
     with _open(path) as db:
         facts = dict(db.execute("SELECT fact, value FROM run"))
-        rows = db.execute(f"SELECT {', '.join(COLUMNS)} FROM records ORDER BY generation, rowid").fetchall()
+        table = _table(db, path)
     try:
-        return facts, json.loads(facts["settings"]), tidy(pd.DataFrame(rows, columns=list(COLUMNS)))
+        return facts, json.loads(facts["settings"]), table
     except (KeyError, TypeError, ValueError, RecursionError) as error:
         raise RunFileError(f"{path} is damaged: {error!r}") from error
 
 
-@contextmanager
-def _open(path: Path, *, new: bool = False) -> Generator[sqlite3.Connection, None, None]:
-    """Open a run file for one transaction."""
-    if not new and not path.is_file():
-        raise RunFileError(f"there is no run file at {path}")
-    db = sqlite3.connect(path)
+def read_generations(file: File, first: int, end: int) -> pd.DataFrame:
+    """Read the table of some generations: the first of them, and those after it that are before the end."""
+    with _open(file) as db:
+        return _table(db, file, "WHERE generation >= ? AND generation < ?", (first, end))
+
+
+def read_births(file: File, columns: Sequence[str], births: Iterable[Sequence[int]]) -> list[tuple[Any, ...]]:
+    """Read some columns of some individuals, each in the generation given, where it is there.
+
+    Args:
+        file: of the run.
+        columns: their names.
+        births: generation and number of each individual.
+    """
+    of_one = f"SELECT {', '.join(columns)} FROM records WHERE generation = ? AND individual = ?"
+    with _open(file) as db:
+        return [row for birth in births for row in db.execute(of_one, birth)]
+
+
+def _table(db: sqlite3.Connection, file: File, where: str = "", given: Sequence[int] = ()) -> pd.DataFrame:
+    rows = db.execute(f"SELECT {', '.join(COLUMNS)} FROM records {where} ORDER BY generation, rowid", given).fetchall()
     try:
+        return tidy(pd.DataFrame(rows, columns=list(COLUMNS)))
+    except (TypeError, ValueError) as error:
+        raise RunFileError(f"{file} is damaged: {error!r}") from error
+
+
+@contextmanager
+def _open(file: File, *, new: bool = False) -> Generator[sqlite3.Connection, None, None]:
+    """Open a run file for one transaction."""
+    if isinstance(file, Path) and not new and not file.is_file():
+        raise RunFileError(f"there is no run file at {file}")
+    db = sqlite3.connect(file, timeout=PATIENCE) if isinstance(file, Path) else file
+    try:
+        db.execute(f"PRAGMA page_size = {PAGE}")  # of a new file; any other has its own
         db.execute("PRAGMA trusted_schema = OFF")
         if not new and db.execute("PRAGMA application_id").fetchone() != (APPLICATION,):
-            raise RunFileError(f"{path} is a SQLite file, but not a run of walkerlab's")
+            raise RunFileError(f"{file} is a SQLite file, but not a run of walkerlab's")
         found = SCHEMA if new else db.execute("PRAGMA user_version").fetchone()[0]
         if found > SCHEMA:
             raise RunFileError(
-                f"{path} has layout {found}, and this walkerlab knows layouts up to {SCHEMA}: a newer one wrote it. "
+                f"{file} has layout {found}, and this walkerlab knows layouts up to {SCHEMA}: a newer one wrote it. "
                 "Update with: pip install --upgrade walkerlab"
             )
         if found < SCHEMA:
             raise RunFileError(
-                f"{path} has layout {found}, from before walkerlab's first release, and cannot be read any more. "
+                f"{file} has layout {found}, from before walkerlab's first release, and cannot be read any more. "
                 "Evolve it anew."
             )
         with db:
             db.execute("BEGIN")
             yield db
     except sqlite3.Error as error:
-        raise RunFileError(f"{path} cannot be used as a run file: {error}") from error
+        raise RunFileError(f"{file} cannot be used as a run file: {error}") from error
     finally:
-        db.close()
+        if db is not file:
+            db.close()

@@ -180,8 +180,8 @@ def next_population(
         raise ValueError(f"{len(guests)} genomes are to be put into a generation of {n_children} children")
     children = np.concatenate([repair(mutated)[:n_bred], guests])
 
-    origins = population.individuals[chosen][crossed.parents[:n_bred]]
-    parents = [tuple(np.unique(row).tolist()) for row in origins] + [()] * len(guests)
+    origins: list[list[int]] = population.individuals[chosen][crossed.parents[:n_bred]].tolist()
+    parents = [tuple(sorted(set(row))) for row in origins] + [()] * len(guests)
     return Population(
         generation=generation,
         genomes=np.concatenate([population.genomes[elites], children]),

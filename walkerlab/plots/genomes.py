@@ -1,7 +1,6 @@
 """Pictures of what a population inherits: how varied it is, and every gene of every robot."""
 
 import math
-from functools import lru_cache
 from itertools import groupby
 from typing import Any
 
@@ -31,7 +30,7 @@ from walkerlab.plots.style import (
 from walkerlab.quantity import count
 from walkerlab.settings import Robot
 
-KEPT = 32_768  # genomes, some 20 MB, so that a run that is drawn while it grows is read once
+READ = 200  # robots of a generation, evenly spread over it, whose genes stand for those of a larger one
 OF_ANY_BODY = (Feature.length, Feature.mass, Feature.legs)  # a grown segment's genes that it needs no legs for
 
 
@@ -43,7 +42,8 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
     value in the whole table; in a cyclic gene, it is the chord between two points on a circle, as a share of the
     diameter, so that 0.01 and 6.28 rad are neighbours. Drawn is the root of the mean square over all pairs of robots
     and all genes that vary in the run: 0 if all are clones, some 0.4 (0.7 in cyclic genes) if genes are drawn evenly.
-    Genes that a robot has not grown count as well: it hands them on, and its children may grow them.
+    Genes that a robot has not grown count as well: it hands them on, and its children may grow them. Of a generation
+    of more than 200 robots, 200 are looked at, evenly spread over it.
 
     Args:
         records: the tidy table of a run, or the run.
@@ -82,9 +82,9 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     """Draw all genes of one population as a map: a row for each robot, the fittest on top; a column for each gene.
 
     The colour is the place of a value within the gene's range in the run, from the least (dark) to the greatest
-    (bright) in the whole table; a cyclic gene's range is the whole turn, of which both ends are the same. What a robot
-    has not grown is hatched: whole segments, and the legs of segments without. Where a column is of one colour, the
-    robots agree.
+    (bright) in the whole table; a cyclic gene's range is the whole turn, of which both ends are the same. Of each other
+    generation of more than 200 robots, the range is that of 200, evenly spread over it. What a robot has not grown is
+    hatched: whole segments, and the legs of segments without. Where a column is of one colour, the robots agree.
 
     Args:
         records: the tidy table of a run, or the run.
@@ -105,9 +105,10 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
         return axes
     last = int(records.generation.max())
     shown = last if generation is None else generation
-    rows = np.flatnonzero(records.generation == shown)
-    if not len(rows):
+    if not (records.generation == shown).any():
         raise ValueError(f"generation {generation} is not in this table; it has {records.generation.min()} to {last}")
+    records = records.loc[_evenly_spread(records) | (records.generation == shown), :]
+    rows = np.flatnonzero(records.generation == shown)
     order = np.lexsort((records.individual.to_numpy()[rows], -records.fitness.to_numpy()[rows]))
     rows = rows[order]
     values, table = _read(records)
@@ -174,9 +175,11 @@ def _spoken(name: str) -> str:
 # ------------------------------------------------------------------------------------------------------ the numbers
 
 
-@lru_cache(maxsize=KEPT)
-def _values(text: str) -> Floats:
-    return Genome.parse(text).values
+def _evenly_spread(records: pd.DataFrame) -> pd.Series:
+    """Choose at most ``READ`` rows of each generation: all of them, or every so many."""
+    grouped: Any = records.groupby("generation").generation
+    place, size = grouped.cumcount(), grouped.transform("size").clip(lower=READ)
+    return place * READ // size != (place - 1) * READ // size
 
 
 def _read(records: pd.DataFrame) -> tuple[Floats, Genes]:
@@ -189,7 +192,7 @@ def _read(records: pd.DataFrame) -> tuple[Floats, Genes]:
         ValueError: if the genomes are not all of one length, as those of one run are.
     """
     codes, texts = pd.factorize(records.genome)
-    found = [_values(text) for text in texts]
+    found = [Genome.parse(text).values for text in texts]
     if len({len(values) for values in found}) > 1:
         raise ValueError("the genomes of this table differ in length; draw the table of one run at a time")
     values = np.array(found)
@@ -229,12 +232,14 @@ def _diversity(records: pd.DataFrame) -> dict[int, float]:
     """Return the diversity of each generation."""
     if records.empty:
         return {}
+    records = records.loc[_evenly_spread(records), :]
     values, table = _read(records)
-    vary = np.ptp(values, axis=0) > 0
+    ends = np.stack([values.min(axis=0), values.max(axis=0)])
+    vary = ends[1] > ends[0]
     number = records.generation.to_numpy()
     found: dict[int, float] = {}
     for generation in np.unique(number).tolist():
-        spread = _spread(values[number == generation], values, table)[vary]
+        spread = _spread(values[number == generation], ends, table)[vary]
         found[generation] = math.sqrt(spread.mean()) if vary.any() else 0.0
     return found
 

@@ -25,8 +25,8 @@ def as_python(settings: Settings, records: pd.DataFrame | None = None) -> str:
     by_hand = dict[int, list[str]]()
     if records is not None and not records.empty:
         settings = settings.with_(generations=int(records.generation.max()) + 1)
-        born: Any = births(records)
-        for row in born[born.operators == BY_HAND].itertuples():
+        born: Any = births(records.loc[records.operators == BY_HAND, :])
+        for row in born.itertuples():
             by_hand.setdefault(int(row.born), []).append(str(row.genome))
     imports = {f"from {home} import {name}" for home, name in _functions(settings) if home.startswith(OURS)}
     imports |= {"from functools import partial"} if any(isinstance(one, partial) for one in _slots(settings)) else set()

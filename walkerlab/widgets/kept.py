@@ -67,8 +67,8 @@ def best_of(run: Run) -> str:
     """Say what the champion of a run has reached."""
     if not run.n_generations:
         return ""
-    unit = label(run.settings.algorithm.fitness)[1]
-    return f"{run.champion.fitness:.2f} {unit}".strip() if run.champion.verdict == "ok" else "no walk counted"
+    best, unit = run.champion, label(run.settings.algorithm.fitness)[1]
+    return f"{best.fitness:.2f} {unit}".strip() if best.verdict == "ok" else "no walk counted"
 
 
 def told_apart(all_settings: Sequence[Settings]) -> list[str]:

@@ -1,0 +1,80 @@
+"""What a run has brought forth so far: all of it in a file, and of each genome a hash that says where it is there.
+
+So a run does not outgrow the memory, whether anybody keeps its file or not, and no genome need walk twice.
+"""
+
+from collections.abc import Collection
+from pathlib import Path
+from threading import Lock
+from typing import Any, Self
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from walkerlab import store
+from walkerlab.records import Walked, join
+
+
+class Archive:
+    """The generations of a run that goes on."""
+
+    def __init__(self, path: Path | None = None) -> None:
+        """Make it, empty; the file is made with the first generation.
+
+        Args:
+            path: the run file; None for one that goes with the archive.
+        """
+        self._file: store.File | None = path
+        self._known = list[NDArray[np.int64]]()  # (3, n) each: hash, ascending; generation of birth; number
+        self._table, self._lock = join([]), Lock()
+
+    @classmethod
+    def of(cls, path: Path | None, table: pd.DataFrame) -> Self:
+        """Take up a run file; its table is not kept."""
+        archive = cls(path)
+        archive._remember(table)
+        return archive
+
+    def add(self, generation: pd.DataFrame, settings: dict[str, Any]) -> None:
+        """Store a generation; with the first one go the settings, as plain data."""
+        with self._lock:
+            if self._file and self._known:
+                store.append(self._file, generation)
+            else:
+                self._file = self._file or store.passing(self)
+                store.create(self._file, settings, generation)
+            self._remember(generation)
+
+    def table(self, n_generations: int) -> pd.DataFrame:
+        """Return the table of the first so many generations, the caller's own; what was read once is not read again."""
+        with self._lock:
+            n_read = 0 if self._table.empty else int(self._table.generation.iloc[-1]) + 1
+            if self._file and n_read < n_generations:
+                self._table = join([self._table, store.read_generations(self._file, n_read, n_generations)])
+            end = int(self._table.generation.searchsorted(n_generations))
+            return self._table.iloc[:end].copy(deep=False)
+
+    def find(self, genomes: Collection[str]) -> dict[str, Walked]:
+        """Return what is known of these genomes, by their texts; of most, nothing."""
+        hashes = np.fromiter(map(hash, genomes), np.int64, len(genomes))
+        births = list[list[int]]()
+        for known in self._known:
+            found = known.take(known[0].searchsorted(hashes), axis=1, mode="clip")
+            births += found[1:, found[0] == hashes].T.tolist()
+        with self._lock:
+            rows = store.read_births(self._file, Walked._fields, births) if self._file and births else []
+        return {one.genome: one for one in map(Walked._make, rows)}  # of two with the same hash, the one it is
+
+    def _remember(self, table: pd.DataFrame) -> None:
+        """Lay down the hashes of those born in these generations; what is as large is merged, so that parts are few."""
+        born = table.loc[table.born == table.generation, ["genome", "generation", "individual"]]
+        if born.empty:
+            return
+        self._known.append(_sorted(np.array([list(map(hash, born.genome)), born.generation, born.individual])))
+        while len(self._known) > 1 and self._known[-1].size >= self._known[-2].size:
+            self._known[-2:] = [_sorted(np.concatenate(self._known[-2:], axis=1))]
+
+
+def _sorted(known: NDArray[np.int64]) -> NDArray[np.int64]:
+    return known[:, known[0].argsort(kind="stable")]
