@@ -55,7 +55,7 @@ class LiveRun:
 
         Args:
             settings: of all four domains.
-            path: its run file; without one, it lives in memory only.
+            path: its run file; without one, nothing of it is kept.
             executor: any ``concurrent.futures.Executor``; loky on all cores if None.
             on_news: called with it, on its thread or the caller's, when more walks are done or its state has changed.
 

@@ -190,7 +190,7 @@ def test_without_the_right_to_write_a_run_is_in_memory(pool, tmp_path):
     lab = wl.Lab(SMALL.with_(generations=1), tmp_path / "lab", executor=pool)
     press(lab, "start")
     until(lambda: lab.transport.state == "finished")
-    assert "in memory only" in lab.runs.drawer.words
+    assert "will not be kept" in lab.runs.drawer.words
     assert lab.run.n_generations == 1
     lab.close()
 

@@ -57,7 +57,7 @@ class Lab(ipywidgets.Box):
         Args:
             settings: with which the form begins; the defaults if None.
             folder: where every run is kept, in a folder of its own, made with the first run; if nothing can be written
-                there, runs are in memory only.
+                there, runs go with the panel.
             executor: any ``concurrent.futures.Executor``; loky on all cores if None.
         """
         settings = settings or Settings()
@@ -186,7 +186,7 @@ class Lab(ipywidgets.Box):
             return LiveRun(settings, new_file(self._folder), self._executor, on_news=self._news)
         except (RunFileError, OSError) as error:
             live = LiveRun(settings, None, self._executor, on_news=self._news)
-            self.runs.drawer.words = f"This run is in memory only. {error}"
+            self.runs.drawer.words = f"This run will not be kept. {error}"
             return live
 
     def _news(self, live: LiveRun) -> None:
