@@ -1,9 +1,10 @@
-"""Measure what walkerlab costs, print it as a table and write it as CSV.
+"""Measure what walkerlab costs, and print it as a table; --csv writes it too.
 
     python -m benchmarks [--pairs 5] [--only floor,scaling] [--csv FILE]
 
 Every figure is a ratio of two things that are timed in turn within one run. Run it from the root of the repository.
-With BENCHMARK_WALKS=16 before it fewer robots walk, for a try.
+What each means stands at the head of its file, benchmarks/floor.py and so on; the aims are for the median of 5 pairs on
+a machine that does nothing else. With BENCHMARK_WALKS=16 before it fewer robots walk, for a try: no aim is for that.
 """
 
 import argparse

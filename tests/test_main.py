@@ -326,7 +326,7 @@ def test_walks_are_told_from_rows_because_elites_do_not_walk_again(done):
     from walkerlab.story import verdict_counts
 
     assert verdict_counts(wl.load(done).records).startswith(
-        "Verdicts of 10 walks (12 rows in the table, for elites do not walk again):"
+        "Verdicts of 10 robots (12 rows in the table, where elites stand once for each generation):"
     )
 
 

@@ -128,6 +128,16 @@ def test_an_executor_tells_how_many_work_in_it(workers):
         assert n_workers(threads) == 5
 
 
+@pytest.mark.parametrize("executor", [2, "dask", ThreadPoolExecutor])
+@pytest.mark.parametrize("asked", [
+    lambda it: wl.evolve(SETTINGS, executor=it, progress=False), lambda it: wl.Evolution(SETTINGS, executor=it),
+    lambda it: LiveRun(SETTINGS, executor=it), lambda it: wl.evaluate([], SETTINGS, it), lambda it: wl.Lab(executor=it),
+], ids=["evolve", "Evolution", "LiveRun", "evaluate", "Lab"])  # fmt: skip
+def test_what_is_no_executor_is_refused_at_once_with_the_mend(asked, executor):
+    with pytest.raises(TypeError, match=r"Client\(cluster\)\.get_executor\(\).*got"):
+        asked(executor)
+
+
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="this system binds no process to cores")
 def test_only_the_cores_that_the_process_may_use_count():
     code = "import os; os.sched_setaffinity(0, [min(os.sched_getaffinity(0))]); import walkerlab.workers as w"

@@ -15,7 +15,7 @@ from walkerlab.phenotype import express
 from walkerlab.rollout import Rollout, from_every_start
 from walkerlab.scene import scene_on_stage
 from walkerlab.settings import Algorithm, Robot, Settings
-from walkerlab.workers import default_executor, n_workers
+from walkerlab.workers import check, default_executor, n_workers
 
 LARGEST = 16  # robots of a task, some half a second of walks, so that a run can be paused at once
 SHARE = 3  # a task is at most one part in so many of what is left for a worker, so that all are done at once
@@ -80,10 +80,12 @@ def evaluate(
         GenomeError: if a text is no genome.
         ValueError: if a single genome is given, an array is none, or a fitness function gives anything but a finite
             number.
-        RuntimeError: if the executor is closed.
+        TypeError: if the executor is none.
+        RuntimeError: if it is closed.
     """
     robots = _within(genomes, settings.robot)
     world = settings.model_copy(update={"algorithm": Algorithm()})
+    check(executor)
     pool = executor or default_executor()
     tasks = _tasks(robots, n_workers(pool))
     asked = uuid4().hex

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from tqdm.auto import tqdm
 
-from walkerlab import fitness, records, store
+from walkerlab import fitness, records, store, workers
 from walkerlab.algorithm import check_own_operators, generate_robot_population, operators, slot_names
 from walkerlab.archive import Archive
 from walkerlab.evaluation import evaluate
@@ -77,6 +77,7 @@ class Evolution:
             )
         check_own_operators(settings.algorithm, genes_of(settings.robot))
         fitness.check_own(settings.algorithm.fitness)
+        workers.check(executor)
         self.settings = settings
         self.path = None if path is None else Path(path)
         if self.path:

@@ -13,7 +13,7 @@ from walkerlab.gate import Gate, Stopped
 from walkerlab.genome import Genome
 from walkerlab.run import Run
 from walkerlab.settings import Settings
-from walkerlab.workers import default_executor, n_workers
+from walkerlab.workers import check, default_executor, n_workers
 
 
 class State(StrEnum):
@@ -63,6 +63,7 @@ class LiveRun:
             OperatorError: if an operator or fitness of the user's own does not do what its slot needs.
             RunFileError: if there is a file at ``path``, or none can be made there.
         """
+        check(executor)
         self.settings, self.state, self.n_done = settings, State.paused, 0
         self.error: BaseException | None = None
         self.n_walks = n_walks(settings)

@@ -125,9 +125,9 @@ def round_steps(last: int) -> list[int]:
 
 def verdict_counts(records: pd.DataFrame) -> str:
     """Count the verdicts, each walk once: an elite is in the table again, but walked when it was born."""
-    n_walks = len(births(records))
-    elites = ", for elites do not walk again" if n_walks < len(records) else ""
-    title = f"Verdicts of {count(n_walks, 'walk')} ({count(len(records), 'row')} in the table{elites}):"
+    n_robots = len(births(records))
+    elites = ", where elites stand once for each generation" if n_robots < len(records) else ""
+    title = f"Verdicts of {count(n_robots, 'robot')} ({count(len(records), 'row')} in the table{elites}):"
     return "\n".join([title, *(f"  {n:6}  {verdict}: {meaning}" for verdict, n, meaning in verdicts(records))])
 
 

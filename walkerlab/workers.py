@@ -45,6 +45,19 @@ def n_workers(executor: Executor) -> int:
     return getattr(executor, "_max_workers", n_cores())
 
 
+def check(executor: object) -> None:
+    """Make sure that work can be handed to it, or that it is None.
+
+    Raises:
+        TypeError: if not; it names the mend.
+    """
+    if executor is not None and (isinstance(executor, type) or not hasattr(executor, "submit")):
+        raise TypeError(
+            "executor must be a concurrent.futures.Executor, as ThreadPoolExecutor(4) or, of a Dask cluster, "
+            f"Client(cluster).get_executor(); or None, for all cores of this computer; got {executor!r:.80}"
+        )
+
+
 @cache
 def default_executor() -> Executor:
     """Return the workers of this process: they start with the first work, and are kept for the next."""

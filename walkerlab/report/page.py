@@ -135,8 +135,8 @@ def _in_short(run: Subject, drawn: Mapping[str, Html]) -> Html:
     ]
     figures = [
         *(reached if run.champion.verdict == "ok" else []),
-        (f"{len(born)}", "robots have walked"),
-        (f"{(born.verdict == 'ok').mean():.0%}", "of these walks count"),
+        (f"{len(born)}", "robots were born"),
+        (f"{(born.verdict == 'ok').mean():.0%}", "of their walks count"),
     ]
     cards = (tag("div", tag("b", figure), tag("span", about)) for figure, about in figures)
     watch = tag("p", tag("a", "Watch it walk, in 3D", href=REPLAY, class_="watch"))
