@@ -125,6 +125,46 @@ def test_tasks_hold_every_robot_once_the_costly_first_and_the_last_alone(n, n_wo
     assert sizes[-n_workers:] == [1] * min(n, n_workers, len(sizes))
 
 
+def test_a_task_is_no_longer_than_a_pause_may_last():
+    robots = [wl.Genome(values) for values in generate_robot_population(SETTINGS.robot, 100, seed=1)]
+    assert max(map(len, evaluation._tasks(robots, 1))) == 16
+
+
+class Asked(Executor):
+    """Works at once, and remembers what it was asked."""
+
+    def __init__(self):
+        self.asked = []
+
+    def submit(self, function, /, *args):
+        self.asked.append(args)
+        future = Future()
+        if len(self.asked) == 1:
+            future.set_result(function(*args))
+        return future
+
+
+def test_equal_questions_are_told_apart_and_what_is_no_longer_wanted_is_given_up():
+    """By an executor that answers equal questions together, as Dask's does."""
+
+    class Wrong(Exception):
+        pass
+
+    def wrong(rollout):
+        raise Wrong
+
+    executors = Asked(), Asked()
+    for executor in executors:
+        given, submit = [], executor.submit
+        executor.submit = lambda *args, given=given, submit=submit: given.append(submit(*args)) or given[-1]
+        with pytest.raises(Wrong):
+            wl.evaluate(GENOMES, SETTINGS.with_(fitness=wrong), executor)
+        assert all(future.cancelled() for future in given[1:])
+    first, second = (executor.asked[0] for executor in executors)
+    assert first[0] == second[0]
+    assert first[2:] != second[2:]
+
+
 def test_limbs_tell_how_long_a_walk_takes_to_compute():
     """Or the costly ones first would be anyone first."""
     robots = [wl.Genome(values) for values in generate_robot_population(SETTINGS.robot, 200, seed=1)]

@@ -131,3 +131,43 @@ def test_it_asks_anew_how_many_work_inside(pool):
     open_up.set()
     for future in futures:
         future.result(5)
+
+
+class Locked(Executor):
+    """Answers under a lock that it needs to take work too, as the standard library's process pool when it is broken."""
+
+    def __init__(self):
+        self.lock, self.taken = threading.Lock(), []
+
+    def submit(self, fn, /, *args, **kwargs):
+        with self.lock:
+            self.taken.append(Future())
+            return self.taken[-1]
+
+    def answer(self):
+        with self.lock:
+            self.taken.pop(0).set_exception(ZeroDivisionError())
+
+
+def test_an_executor_that_answers_under_its_lock_does_not_wait_for_itself():
+    inside = Locked()
+    gate = gate_before(lambda: inside, 1)
+    futures = [gate.submit(int) for _ in range(3)]
+    for future in futures:
+        done = threading.Thread(target=inside.answer, daemon=True)
+        done.start()
+        done.join(5)
+        assert not done.is_alive()
+        with pytest.raises(ZeroDivisionError):
+            future.result(5)
+        time.sleep(0.1)  # in which the next is let in
+
+
+def test_one_is_next_while_one_is_done(pool, monkeypatch):
+    monkeypatch.undo()
+    gate, hold = gate_before(lambda: pool, 1), threading.Event()
+    futures = [gate.submit(hold.wait, 5) for _ in range(5)]
+    assert len(gate._within) == 2
+    hold.set()
+    for future in futures:
+        future.result(5)

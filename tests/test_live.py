@@ -248,6 +248,26 @@ class TestByHand:
         assert "generation 3 is the last" in refused[3]
         assert (records[records.operators == "by hand"].born == 3).sum() == 1
 
+    def test_it_waits_when_its_generation_is_interrupted(self):
+        interruptions = []
+
+        def walked(_):
+            if evolution.n_generations == 1 and not interruptions:
+                interruptions.append(evolution.insert(self.GENE))  # while its elder walks already
+                raise KeyboardInterrupt
+
+        with ThreadPoolExecutor(2) as pool:
+            evolution = wl.Evolution(SMALL, executor=pool, on_walks=walked)
+            next(iter(evolution))
+            told = [evolution.insert(self.GENE) for _ in range(4)]
+            with pytest.raises(KeyboardInterrupt):
+                next(iter(evolution))
+            assert evolution.n_generations == 1
+            records = [generation.records for generation in evolution]
+        assert told == 4 * [1]
+        by_hand = [int(((table.operators == "by hand") & (table.born == table.generation)).sum()) for table in records]
+        assert by_hand[:2] == [4, 1]
+
     def test_between_two_generations_it_is_in_the_second(self):
         with ThreadPoolExecutor(2) as pool:
             evolution = wl.Evolution(SMALL, executor=pool)

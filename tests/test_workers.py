@@ -6,7 +6,8 @@ import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import CancelledError, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from multiprocessing import get_context
 
 import pandas as pd
 import pytest
@@ -44,10 +45,10 @@ def kill_one(workers):
 
 @pytest.fixture
 def lost(workers, monkeypatch):
-    """The errors with which work came back from a pool."""
-    errors, fail = [], type(workers)._fail
-    monkeypatch.setattr(type(workers), "_fail", lambda self, *given: errors.append(given[-1]) or fail(self, *given))
-    return errors
+    """The pools that were lost, once for each work that was in them."""
+    pools, again = [], type(workers)._again
+    monkeypatch.setattr(type(workers), "_again", lambda self, *given: pools.append(given[-1]) or again(self, *given))
+    return pools
 
 
 @UNIX
@@ -84,21 +85,53 @@ def test_a_run_in_the_panel_outlives_a_worker(workers, lost, undisturbed):
 
 
 def test_work_that_ends_its_worker_each_time_is_given_up_in_words_and_others_are_not(workers, lost):
-    with pytest.raises(WorkersLostError, match=r"3 times a worker process ended .* executor=ThreadPoolExecutor"):
+    with pytest.raises(
+        WorkersLostError, match=r"3 times in a row the worker processes ended .* executor=ThreadPoolExecutor"
+    ):
         workers.submit(os._exit, 1).result(60)
-    assert len(lost) == TRIES
+    assert len(lost) == len(set(lost)) == TRIES
     assert workers.submit(abs, -1).result(60) == 1
 
 
 def test_an_error_in_the_work_is_its_own(workers, lost):
     with pytest.raises(ZeroDivisionError):
         workers.submit(divmod, 1, 0).result(60)
-    assert len(lost) == 1
+    assert not lost
+
+
+@UNIX
+def test_workers_may_die_as_often_as_they_like_as_long_as_something_is_done(workers, lost):
+    futures = [workers.submit(time.sleep, 0.2) for _ in range(12 * n_cores())]
+    for n in range(TRIES + 1):
+        while sum(future.done() for future in futures) < 2 * (n + 1):
+            time.sleep(0.01)
+        kill_one(workers)
+    for future in futures:
+        future.result(60)
+    assert len(set(lost)) > TRIES
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="this system splits off no processes")
+@pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
+def test_a_process_that_is_split_off_hires_its_own(workers):
+    assert workers.submit(abs, -1).result(60) == 1
+    child = get_context("fork").Process(target=_evaluate_in_child)
+    child.start()
+    child.join(60)
+    child.kill()
+    assert child.exitcode == 0
+
+
+def _evaluate_in_child():
+    assert default_executor().submit(abs, -2).result(30) == 2
+    default_executor().shutdown()
 
 
 def test_what_is_given_up_is_not_begun(workers, tmp_path):
-    busy = [workers.submit(time.sleep, 1) for _ in range(3 * n_cores())]
+    workers.submit(int).result(60)
+    busy = [workers.submit(time.sleep, 1) for _ in range(3 * n_cores() + 2)]
     late = workers.submit((tmp_path / "begun").touch)
+    time.sleep(0.3)  # now all are in the pool
     for future in (late, *busy):
         future.cancel()
     with pytest.raises(CancelledError):
@@ -106,6 +139,14 @@ def test_what_is_given_up_is_not_begun(workers, tmp_path):
     time.sleep(2)
     assert workers.submit(abs, -2).result(10) == 2, "and nobody waits for what was given up"
     assert not (tmp_path / "begun").exists()
+
+
+def test_what_somebody_else_gives_up_is_given_up(workers):
+    outer, inner = Future(), Future()
+    inner.cancel()
+    workers._answer(outer, int, workers._pool, inner)
+    with pytest.raises(CancelledError):
+        outer.result(1)
 
 
 def test_sent_home_they_leave_and_others_come_with_the_next_work(workers):

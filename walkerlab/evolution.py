@@ -110,6 +110,11 @@ class Evolution:
         """How many generations are done."""
         return 0 if self._population is None else self._population.generation + 1
 
+    @property
+    def _room(self) -> int:
+        """How many children a generation has."""
+        return self.settings.algorithm.population_size - self.settings.algorithm.n_elites
+
     def insert(self, genome: Genome | str) -> int:
         """Put a genome of your own into the next generation that is bred, in the place of a child.
 
@@ -125,15 +130,14 @@ class Evolution:
         """
         genome = Genome.of(genome).within(self.settings.robot)
         algorithm = self.settings.algorithm
-        room = algorithm.population_size - algorithm.n_elites
         with self._breeding:
             if self._population is None:
                 raise ValueError("the first generation is random; let it walk, and put the gene into the next one")
             if self._next_bred >= algorithm.generations:
                 raise ValueError(f"no generation is bred any more: generation {algorithm.generations - 1} is the last")
-            if len(self._guests) >= room:
+            if len(self._guests) >= self._room:
                 raise ValueError(
-                    f"the next generation has {room} places for children, and genes of yours have them all"
+                    f"the next generation has {self._room} places for children, and genes of yours have them all"
                 )
             self._guests.append(genome)
             return self._next_bred
@@ -157,18 +161,23 @@ class Evolution:
             self._next_bred = 1
             return first_population(genomes, self._walk)
         with self._breeding:
-            guests, self._guests = self._guests, []
+            guests, self._guests = self._guests[: self._room], self._guests[self._room :]
             self._next_bred = self._population.generation + 2
-        return next_population(
-            self._population,
-            operators(algorithm),
-            genes_of(robot),
-            self._walk,
-            repair=partial(repair, robot=robot),
-            n_elites=algorithm.n_elites,
-            seed=algorithm.seed,
-            guests=np.array([genome.values for genome in guests]) if guests else None,
-        )
+        try:
+            return next_population(
+                self._population,
+                operators(algorithm),
+                genes_of(robot),
+                self._walk,
+                repair=partial(repair, robot=robot),
+                n_elites=algorithm.n_elites,
+                seed=algorithm.seed,
+                guests=np.array([genome.values for genome in guests]) if guests else None,
+            )
+        except BaseException:  # as Ctrl-C while they walk: it will be bred anew, and guests wait for that
+            with self._breeding:
+                self._guests, self._next_bred = guests + self._guests, self._population.generation + 1
+            raise
 
     def _walk(self, genomes: Floats) -> list[Walked]:
         """Let each genome walk that has not walked before in this run; walks are repeatable, so once is enough."""

@@ -3,7 +3,7 @@
 import threading
 from collections import deque
 from collections.abc import Callable
-from concurrent.futures import CancelledError, Executor, Future
+from concurrent.futures import CancelledError, Executor, Future, InvalidStateError, ThreadPoolExecutor
 from contextlib import suppress
 from functools import cache, partial
 from typing import Any
@@ -81,27 +81,43 @@ class Gate(Executor):
         self.stop()
 
     def _let_in(self) -> None:
+        """Let in what there is room for; no lock is held meanwhile, for the executor inside may hold its own."""
+        while next_in := self._next():
+            outer, work = next_in
+            try:
+                inner = self._inside().submit(work)
+            except Exception as error:
+                with self._lock:
+                    self._within.discard(outer)
+                with suppress(InvalidStateError):  # stopped just now
+                    outer.set_exception(error)
+            else:
+                inner.add_done_callback(partial(self._answer, outer))
+
+    def _next(self) -> tuple[Future[Any], Callable[[], Any]] | None:
         with self._lock:
             while self._is_open and self._waiting and len(self._within) < AT_ONCE * self._n_workers:
                 outer, work = self._waiting.popleft()
-                if not outer.set_running_or_notify_cancel():
-                    continue
-                try:
-                    inner = self._inside().submit(work)
-                except Exception as error:
-                    outer.set_exception(error)
-                    continue
-                self._within.add(outer)
-                inner.add_done_callback(partial(self._answer, outer))
+                if outer.set_running_or_notify_cancel():
+                    self._within.add(outer)
+                    return outer, work
+        return None
 
     def _answer(self, outer: Future[Any], inner: Future[Any]) -> None:
+        """Pass an answer on, on a thread of the executor's; the next is let in on another."""
         with self._lock:
             self._within.discard(outer)
-        with suppress(Exception):  # stopped just now
+        with suppress(InvalidStateError):  # stopped just now
             if inner.cancelled():
                 outer.set_exception(CancelledError())  # by somebody else: who stopped has been answered
             elif error := inner.exception():
                 outer.set_exception(error)
             else:
                 outer.set_result(inner.result())
-        self._let_in()
+        with suppress(RuntimeError):  # Python ends
+            _porter().submit(self._let_in)
+
+
+@cache
+def _porter() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(1, "walkerlab gate")

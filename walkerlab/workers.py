@@ -5,7 +5,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable
-from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, Future, InvalidStateError, ThreadPoolExecutor
 from contextlib import suppress
 from functools import cache, partial
 from typing import Any
@@ -13,11 +13,11 @@ from typing import Any
 from walkerlab.interrupts import interrupts_held
 
 IDLE_TIMEOUT = 300  # s without work after which loky's workers go home
-TRIES = 3  # how often the same work may lose its worker
+TRIES = 3  # how many pools may be lost in a row before anything is done
 
 
 class WorkersLostError(RuntimeError):
-    """The processes that should do some work ended in the middle of it, time and again."""
+    """The processes that should do some work ended before any of it was done, time and again."""
 
 
 def n_cores() -> int:
@@ -64,6 +64,10 @@ def default_executor() -> Executor:
     return _Workers()
 
 
+if hasattr(os, "register_at_fork"):  # a process that is split off has none of the threads, and hires workers of its own
+    os.register_at_fork(after_in_child=default_executor.cache_clear)
+
+
 class _Workers(Executor):
     """Passes work on to loky's pool, and once more to a new one if a process of the pool was lost.
 
@@ -76,14 +80,15 @@ class _Workers(Executor):
         # loky keeps a pool for each thread that asks for one, so a single thread asks, whoever wants work done.
         self._keeper = ThreadPoolExecutor(1, "walkerlab pool")
         self._pool: Executor | None = None
+        self._lost, self._n_lost = self._pool, 0  # the pool that was lost last, and how many were in a row
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Have some work done by one of the processes.
 
-        The future raises ``WorkersLostError`` if the work has lost its worker ``TRIES`` times.
+        The future raises ``WorkersLostError`` if ``TRIES`` pools in a row were lost before anything was done.
         """
         outer = Future[Any]()
-        self._keeper.submit(self._send, outer, partial(fn, *args, **kwargs), TRIES)
+        self._keeper.submit(self._send, outer, partial(fn, *args, **kwargs))
         return outer
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
@@ -96,7 +101,7 @@ class _Workers(Executor):
         if self._pool:
             self._pool.shutdown(wait=False)
 
-    def _send(self, outer: Future[Any], work: Callable[[], Any], tries: int) -> None:
+    def _send(self, outer: Future[Any], work: Callable[[], Any]) -> None:
         """Hand work to the pool, on the keeper's thread."""
         if outer.done():
             return
@@ -108,35 +113,42 @@ class _Workers(Executor):
                     n_cores(), timeout=IDLE_TIMEOUT, initializer=_prepare_worker, initargs=(os.getpid(),)
                 )
                 inner: Future[Any] = self._pool.submit(work)
+        except BrokenExecutor:
+            self._again(outer, work, self._pool)
         except Exception as error:
-            self._fail(outer, work, tries, error)
-            return
-        outer.add_done_callback(lambda _: inner.cancel())
-        inner.add_done_callback(partial(self._answer, outer, work, tries))
-
-    def _answer(self, outer: Future[Any], work: Callable[[], Any], tries: int, inner: Future[Any]) -> None:
-        """Pass an answer on, on a thread of loky's."""
-        if inner.cancelled():
-            outer.cancel()
-        elif error := inner.exception():
-            self._fail(outer, work, tries, error)
+            outer.set_exception(error)
         else:
-            with suppress(Exception):  # given up just now
+            outer.add_done_callback(lambda _: inner.cancel())
+            inner.add_done_callback(partial(self._answer, outer, work, self._pool))
+
+    def _answer(self, outer: Future[Any], work: Callable[[], Any], pool: Executor, inner: Future[Any]) -> None:
+        """Pass an answer on, on a thread of loky's."""
+        with suppress(InvalidStateError):  # given up just now
+            if inner.cancelled():
+                outer.cancel()
+            elif isinstance(error := inner.exception(), BrokenExecutor):
+                self._keeper.submit(self._again, outer, work, pool)
+            elif error:
+                outer.set_exception(error)
+            else:
+                self._n_lost = 0
                 outer.set_result(inner.result())
 
-    def _fail(self, outer: Future[Any], work: Callable[[], Any], tries: int, error: BaseException) -> None:
-        """Try again, or say why not."""
-        if isinstance(error, BrokenExecutor):
-            if tries > 1:
-                self._keeper.submit(self._send, outer, work, tries - 1)
-                return
-            error = WorkersLostError(
-                f"{TRIES} times a worker process ended in the middle of the same work: it was killed, or crashed. "
-                "Often memory is short: close other programs, or hand over an executor with fewer workers, as in "
-                "executor=ThreadPoolExecutor(1)."
+    def _again(self, outer: Future[Any], work: Callable[[], Any], lost: Executor | None) -> None:
+        """Send work that was in a pool that was lost to the next one, or say why not, on the keeper's thread."""
+        if lost is not self._lost:
+            self._lost, self._n_lost = lost, self._n_lost % TRIES + 1
+        if self._n_lost < TRIES:
+            self._send(outer, work)
+            return
+        with suppress(InvalidStateError):  # given up just now
+            outer.set_exception(
+                WorkersLostError(
+                    f"{TRIES} times in a row the worker processes ended before anything was done: they were killed, "
+                    "or crashed. Often memory is short: close other programs, or hand over an executor with fewer "
+                    "workers, as in executor=ThreadPoolExecutor(1)."
+                )
             )
-        with suppress(Exception):  # given up just now
-            outer.set_exception(error)
 
 
 def _prepare_worker(caller: int) -> None:
