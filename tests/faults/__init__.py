@@ -1,0 +1,8 @@
+"""What can go wrong, brought about on purpose: in reduced number in every test run, in full by ``python -m tests.faults``."""
+
+import os
+
+
+def number(reduced, full):
+    """How often a fault is brought about."""
+    return full if os.environ.get("FAULTS") == "full" else reduced
