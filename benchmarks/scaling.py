@@ -21,6 +21,8 @@ from benchmarks import floor
 from benchmarks.timing import WALKS, in_turn, note, seconds
 from walkerlab.workers import n_cores
 
+HERE = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}  # a cluster for this computer only
+
 
 def rows(pairs: int) -> Iterator[tuple[str, str, list[float]]]:
     """Yield what is left of the machine's gain with each kind of worker, and of its throughput with Dask."""
@@ -62,7 +64,7 @@ def dask(pairs, evaluate) -> list[float]:
     from distributed import Client, LocalCluster
 
     logging.getLogger("distributed").setLevel(logging.ERROR)
-    one_a_core = LocalCluster(n_workers=n_cores(), threads_per_worker=1, dashboard_address=":0")
+    one_a_core = LocalCluster(n_workers=n_cores(), threads_per_worker=1, **HERE)
     with one_a_core as cluster, Client(cluster) as client:
         cluster_wide = client.get_executor()
         for _ in range(2):

@@ -15,9 +15,10 @@ import walkerlab
 HOUSE = Path(walkerlab.__file__).parent
 
 FLOORS = (
-    ("quantity", "randomness", "genes", "interrupts", "markup", "graphics", "gate"),
+    ("faults",),
+    ("quantity", "randomness", "genes", "interrupts", "markup", "graphics", "gate", "provenance", "time_limit"),
     ("choices", "glossary", "workers"),
-    ("settings", "ga"),
+    ("settings", "ga", "waiting"),
     ("limits", "ground", "textures", "cameras"),
     ("layout",),
     ("genome", "entities"),
@@ -29,6 +30,7 @@ FLOORS = (
     ("fitness", "footfalls"),
     ("evaluation", "confirmation"),
     ("records",),
+    ("layouts",),
     ("store",),
     ("archive", "plots", "story", "sketch"),
     ("viewer", "cinema"),
@@ -45,7 +47,7 @@ FLOORS = (
 FLOOR = {room: height for height, rooms in enumerate(FLOORS) for room in rooms}
 
 ONLY_FROM = {
-    "ga": {"genes", "randomness"},
+    "ga": {"faults", "genes", "randomness", "time_limit"},
     "entities": {"choices", "settings", "genes", "ground", "layout", "textures"},
 }
 """Rooms that know less than their floor allows: ga meets no robot, entities spend no chance."""
@@ -60,7 +62,7 @@ ONLY_IN = {
     "ipywidgets": {"widgets"},
     "IPython": {"widgets"},
     "loky": {"workers"},
-    "sqlite3": {"store"},
+    "sqlite3": {"store", "layouts"},
     "random": set(),
     "pickle": set(),
     "cloudpickle": set(),

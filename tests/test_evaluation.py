@@ -157,7 +157,7 @@ def test_equal_questions_are_told_apart_and_what_is_no_longer_wanted_is_given_up
     for executor in executors:
         given, submit = [], executor.submit
         executor.submit = lambda *args, given=given, submit=submit: given.append(submit(*args)) or given[-1]
-        with pytest.raises(Wrong):
+        with pytest.raises(wl.OperatorError, match="Wrong"):
             wl.evaluate(GENOMES, SETTINGS.with_(fitness=wrong), executor)
         assert all(future.cancelled() for future in given[1:])
     first, second = (executor.asked[0] for executor in executors)

@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 import walkerlab as wl
-from walkerlab import store
+from walkerlab import provenance, store
 from walkerlab.ga import crossover, mutation, selection
 from walkerlab.settings import Crossover, Fitness, Mutation, Selection
 
@@ -127,12 +127,12 @@ class TestNeverLost:
 
     @pytest.mark.parametrize("moment", ["before", "after"])
     def test_ctrl_c_while_storing_leaves_run_and_file_the_same(self, moment, threads, tmp_path, monkeypatch):
-        def interrupted(path, table, append=store.append):
+        def interrupted(*what, append=store.append):
             if moment == "after":
-                append(path, table)
+                append(*what)
             signal.raise_signal(signal.SIGINT)
             if moment == "before":
-                append(path, table)
+                append(*what)
 
         path = tmp_path / "run.walk"
         monkeypatch.setattr(store, "append", interrupted)
@@ -145,7 +145,7 @@ class TestNeverLost:
             return float(rollout.com[-1, 0]) if next(calls) < 4 else 1 / 0
 
         path = tmp_path / "run.walk"
-        with pytest.raises(ZeroDivisionError):
+        with pytest.raises(wl.OperatorError, match="'stumbles' raised ZeroDivisionError"):
             wl.evolve(SETTINGS.with_(fitness=stumbles, n_elites=0), path, executor=threads, progress=False)
         assert not path.exists()
 
@@ -203,6 +203,42 @@ class TestNeverLost:
         assert killed.returncode == -signal.SIGKILL, killed.stderr.decode()
         assert wl.load(path).n_generations == 1
         same(wl.resume(path, executor=threads, progress=False).records, run.records)
+
+    @pytest.mark.parametrize("name", ["run.walk", None])
+    def test_a_fault_says_what_is_kept_and_how_to_go_on_and_so_it_is(self, name, threads, tmp_path):
+        calls, path = itertools.count(), tmp_path / name if name else None
+
+        def shake(genomes, genes, *, rng):
+            """Fail in generation 2, after two trials and generation 1."""
+            if next(calls) == 3:
+                raise LookupError("of a student's own")
+            return genomes
+
+        settings = SETTINGS.with_(mutation=shake)
+        with pytest.raises(wl.OperatorError) as caught:
+            wl.evolve(settings, path, threads, progress=False)
+        told, kept = caught.value.__notes__[-1], caught.value.run
+        assert told.startswith("2 generations done, and kept")
+        assert kept.n_generations == 2
+        sys.last_value = caught.value  # as Python does where nobody catches it
+        code = told.splitlines()[-1].replace(")", ", executor=threads, progress=False)").strip()
+        names = {"wl": wl, "shake": shake, "threads": threads, "sys": sys}
+        exec(code, names)
+        whole = wl.evolve(settings, executor=threads, progress=False)
+        same(names["run"].records, whole.records)
+        same(kept.records, whole.records.head(12))
+        assert names["run"].path == path
+
+    def test_resumed_with_other_versions_it_says_so(self, run, threads, tmp_path, monkeypatch):
+        path = tmp_path / "run.walk"
+        wl.evolve(SETTINGS.with_(generations=2), path, threads, progress=False)
+        here = provenance.here()
+        monkeypatch.setattr(provenance, "here", lambda: {**here, "mujoco": "9.9", "processor": "abacus"})
+        with pytest.warns(UserWarning, match="was made with") as said:
+            same(wl.resume(path, 3, threads, progress=False).records, run.records)
+        [words] = [str(one.message) for one in said]
+        assert f"mujoco {here['mujoco']} (here 9.9), processor {here['processor']} (here abacus)" in words
+        assert store.read_facts(path)[1]["mujoco"] == "9.9"
 
 
 class TestOperatorSlots:

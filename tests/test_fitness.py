@@ -1,5 +1,7 @@
 """A fitness rates the walk that was made, and nothing else."""
 
+import pickle
+import random
 from dataclasses import replace
 
 import numpy as np
@@ -84,12 +86,39 @@ class TestTriedBeforeAnyPhysics:
             (lambda rollout: 10**400, "one finite number"),
             (lambda rollout: np.complex128(1), "one finite number"),
             (lambda rollout: np.random.default_rng().random(), "the same walk"),
-            (lambda rollout: rollout.com.sort(), "read-only"),
+            (lambda rollout: rollout.com.sort(), r"wrote into what is read-only \(line .*com = rollout.com.copy"),
+            (lambda rollout: setattr(rollout, "com", 0), "wrote into what is read-only"),
+            (lambda rollout: float("nan"), r"it returned nan, when .*\. Is a return missing"),
+            (lambda rollout: np.random.random() * 0, "used np.random.* nothing but the walk"),  # noqa: NPY002
+            (lambda rollout: random.random() * 0, "used random.* nothing but the walk"),
         ],
     )
     def test_an_unsound_one_is_told_what_is_wrong(self, own, told):
-        with pytest.raises(OperatorError, match=told):
+        with pytest.raises(OperatorError, match=told) as caught:
             fitness.check_own(own)
+        assert "when tried on a made-up walk" in str(caught.value)
+
+    def test_one_that_never_returns_is_told_so(self, monkeypatch):
+        monkeypatch.setenv("WALKERLAB_PATIENCE", "0.1")
+
+        def waits(rollout):
+            while rollout:
+                pass
+
+        with pytest.raises(OperatorError, match=r"'waits' had not returned after 0\.1 s \(line \d+\), when tried"):
+            fitness.check_own(waits)
+
+
+def test_a_walk_that_is_rated_cannot_be_written_into_wherever_it_comes_from():
+    def puts_itself_first(rollout):
+        rollout.com[-1, 0] = 1e9
+        return rollout.distance
+
+    walk = pickle.loads(pickle.dumps(walked(TIME)))
+    assert walk.com.flags.writeable
+    with pytest.raises(OperatorError, match="'puts_itself_first' must leave what it is given as it was"):
+        fitness.score(walk, puts_itself_first)
+    assert walk.distance == 9
 
 
 @pytest.mark.parametrize("answer", [None, float("nan"), float("inf"), "far", np.zeros(2)])

@@ -146,7 +146,7 @@ def test_a_genome_is_the_same_as_its_text_and_its_values(genome):
 
 
 def test_what_is_not_even_numbers_is_refused_in_words():
-    for bad in (None, {}, object(), b"wl1", [None], "wl1".split, [[1], [2, 3]]):
+    for bad in (None, {}, object(), b"wl1", [None], "wl1".split, [[1], [2, 3]], [10**400] * 14):
         with pytest.raises(ValueError, match=r"^a genome('s values are a row of numbers| has 2 genes)|finite number"):
             Genome.of(bad)
     for bad in (None, 3, b"wl1", Genome.random(Robot(), rng=rng(0))):
@@ -286,7 +286,7 @@ def points_at(text, place):
     head, shown, caret = message.split("\n")
     assert int(re.search(r"at character (\d+) expected", head).group(1)) == place + 1
     assert caret.strip() == "^"
-    assert shown[caret.index("^") :] == re.sub(r"\s", " ", text[place : place + 30])
+    assert shown[caret.index("^") :] == re.sub(r"[\0\x1b\u202e]", "�", re.sub(r"\s", " ", text[place : place + 30]))
     return head
 
 
@@ -326,15 +326,16 @@ def test_each_corrupt_word_is_pointed_at():
     tokens = SHORT.split()
     for i, token in enumerate(tokens):
         key = token.partition("=")[0] if "=" in token else token
-        bad = [f"{token}x", f"x{token}", token.upper(), "…", "0", "=", "\0"]
+        bad = [f"{token}x", f"x{token}", token.upper(), "…", "0", "=", "\0", "\x1b[2J", "\u202e", "１"]
         bad += [
-            f"{key}={number}" for number in ("", "nan", "inf", "1e999", "1e9999", "0x1", "1_0", "1,5", "--1", "1.2.3")
+            f"{key}={number}"
+            for number in ("", "nan", "inf", "1e999", "1e9999", "0x1", "1_0", "1,5", "--1", "1.2.3", "１", "١٢")
         ]
         for corrupt in bad:
             if "|" in corrupt:  # a bar is a word by itself, wherever it stands
                 continue
             words = [*tokens[:i], corrupt, *tokens[i + 1 :]]
-            assert f"got '{corrupt}'" in points_at(" ".join(words), starts(words)[i])
+            assert f"got {corrupt!r}" in points_at(" ".join(words), starts(words)[i])
 
 
 @pytest.mark.parametrize("blank", [" ", "\n", "\t", "\r\n", "  \n  ", "\v", "\u2028", "\u3000"])

@@ -149,7 +149,8 @@ def test_a_fitness_that_fails_fails_the_run_and_keeps_the_rest(alive):
     live.go_on()
     listener.until(lambda: live.is_over)
     assert live.state == State.failed
-    assert isinstance(live.error, ArithmeticError)
+    assert isinstance(live.error, wl.OperatorError)
+    assert isinstance(live.error.__cause__, ArithmeticError)
     assert live.n_generations == 1
 
 

@@ -1,10 +1,14 @@
 import argparse
 import os
 import re
+import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
+from contextlib import closing
 from pathlib import Path
+from types import SimpleNamespace
 
 import mujoco
 import pandas as pd
@@ -322,6 +326,26 @@ def test_show_tells_settings_versions_generations_verdicts_champion_and_descent(
     assert (f"beyond the first {n_grown} are not grown" in said) == (n_grown < n_carried)
 
 
+def test_what_is_whole_of_a_damaged_run_is_saved_and_gone_on_with(
+    done: Path, here: Path, undrawn: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    damaged = here / "damaged"
+    shutil.copytree(done, damaged)
+    with closing(sqlite3.connect(damaged / "run.walk")) as db, db:
+        db.execute("UPDATE records SET fitness = 99 WHERE generation = 1 AND individual = 8")
+    before = (damaged / "run.walk").read_bytes()
+    assert main(["show", "damaged"]) == 2
+    told = capsys.readouterr().err
+    assert "generation 1 is not as it was written" in told
+    assert main(re.search(r"walkerlab (rescue \S+),", told).group(1).replace('"', "").split()) == 0
+    assert "1 of 2 generations are whole, and saved in rescued" in capsys.readouterr().out
+    assert main(["rescue", "damaged"]) == 2
+    assert "never written over" in capsys.readouterr().err
+    assert (damaged / "run.walk").read_bytes() == before
+    assert main(["resume", "rescued", "--quiet"]) == 0
+    assert wl.load("rescued").records.equals(wl.load(done).records)
+
+
 def test_walks_are_told_from_rows_because_elites_do_not_walk_again(done):
     from walkerlab.story import verdict_counts
 
@@ -369,7 +393,10 @@ def test_a_line_of_descent_goes_back_to_a_random_robot_by_the_fitter_parent(done
 
 def test_lab_copies_the_notebooks_but_never_over_a_students_work(here, monkeypatch, capsys):
     calls: list[list[str]] = []
-    monkeypatch.setattr("jupyterlab.labapp.LabApp.launch_instance", calls.append)
+    server = SimpleNamespace(identity_provider=SimpleNamespace(token="a token"), start=lambda: None)
+    monkeypatch.setattr(
+        "jupyterlab.labapp.LabApp.initialize_server", lambda options: (calls.append(options), server)[1]
+    )
     assert main(["lab", "--no-browser", "--port", "8899"]) == 0
     n = len(lab.originals())
     assert f"New in {lab.FOLDER}: {n} notebook{'' if n == 1 else 's'}. " in capsys.readouterr().out
@@ -407,7 +434,7 @@ def test_an_unknown_command_is_met_with_the_one_that_was_meant(capsys):
     assert main(["evovle", "--quiet"]) == 2
     assert capsys.readouterr().err == "There is no command 'evovle'. Did you mean: walkerlab evolve?\n"
     assert main(["dance"]) == 2
-    assert "There are evolve, resume, show, doctor, lab." in capsys.readouterr().err
+    assert "There are evolve, resume, show, rescue, doctor, lab." in capsys.readouterr().err
 
 
 def test_help_is_quick_because_nothing_heavy_is_loaded():

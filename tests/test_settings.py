@@ -81,7 +81,7 @@ def test_a_number_outside_its_range_is_refused_with_field_value_unit_range_and_m
     declared = domain.declared()[name]
     just_under = declared.low - 1 if declared.whole else nextafter(declared.low, -inf)
     just_over = declared.high + 1 if declared.whole else nextafter(declared.high, inf)
-    for bad in (just_under, just_over, nan, inf, -inf, 10**400):
+    for bad in (just_under, just_over, nan, inf, -inf, 10**40):
         for value in with_part(domain, name, bad):
             message = refusal(domain, **{name: value})
             assert message.startswith(f"{domain.__name__}.{name}")

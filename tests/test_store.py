@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from walkerlab import store
+from walkerlab import layouts, provenance, store
 from walkerlab.algorithm import generate_robot_population
 from walkerlab.genome import Genome
 from walkerlab.records import COLUMNS, tidy
@@ -41,8 +41,12 @@ def generation(number, n=5):
     return tidy(table.assign(generation=number, individual=np.arange(n) + 100 * number))
 
 
+def add(path, table):
+    store.append(path, table, store.read_facts(path)[0]["id"])
+
+
 def table_of(path):
-    return store.read(path)[2]
+    return store.read(path)[1]
 
 
 def same(one, other):
@@ -65,11 +69,10 @@ def test_a_run_comes_back_as_it_was_written(path):
     assert same(table_of(path), tidy(pd.DataFrame(columns=list(COLUMNS))))
     tables = [generation(number) for number in range(3)]
     for table in tables:
-        store.append(path, table)
+        add(path, table)
     assert same(table_of(path), tidy(pd.concat(tables, ignore_index=True)))
-    facts, settings, _ = store.read(path)
-    assert Settings(**settings) == Settings()
-    assert {"python", "machine", "walkerlab", "mujoco", "dm-control", "numpy"} <= set(facts)
+    assert Settings(**store.read(path)[0]) == Settings()
+    assert store.read_facts(path)[1] == provenance.here()
 
 
 @hypothesis_settings(max_examples=25)
@@ -79,20 +82,20 @@ def test_any_table_comes_back_bit_for_bit(tmp_path_factory, rows):
     store.claim(path)
     store.create(path, {}, EMPTY)
     table = tidy(pd.DataFrame(rows).assign(generation=0, individual=range(len(rows))))
-    store.append(path, table)
+    add(path, table)
     assert same(table_of(path), table)
 
 
 def test_rows_keep_the_order_in_which_they_were_written(path):
     table = generation(0).iloc[::-1].reset_index(drop=True)
-    store.append(path, table)
+    add(path, table)
     assert same(table_of(path), table)
 
 
 def test_some_generations_and_some_individuals_are_read_alone(path):
     tables = [generation(number) for number in range(4)]
     for table in tables:
-        store.append(path, table)
+        add(path, table)
     assert same(store.read_generations(path, 1, 3), tidy(pd.concat(tables[1:3], ignore_index=True)))
     assert same(store.read_generations(path, 3, 99), tables[3])
     assert same(store.read_generations(path, 4, 4), EMPTY)
@@ -106,15 +109,15 @@ def test_a_robot_takes_no_more_than_a_kilobyte_or_so(path):
     genomes = [str(Genome(values)) for values in generate_robot_population(settings.robot, 500, seed=0)]
     for number in range(4):
         made = generation(number, 500).assign(genome=genomes, operators="gradient > paired > randomized", parents="7 9")
-        store.append(path, made.assign(reason="", verdict="ok"))
+        add(path, made.assign(reason="", verdict="ok"))
     assert path.stat().st_size / 2000 < 1000
 
 
 def test_settings_change_and_the_table_stays(path):
-    store.append(path, generation(0))
+    add(path, generation(0))
     before = table_of(path)
-    store.change_settings(path, Settings().with_(generations=99).model_dump())
-    assert Settings(**store.read(path)[1]).algorithm.generations == 99
+    store.go_on(path, Settings().with_(generations=99).model_dump())
+    assert Settings(**store.read(path)[0]).algorithm.generations == 99
     assert same(table_of(path), before)
 
 
@@ -122,14 +125,14 @@ def test_settings_change_and_the_table_stays(path):
 
 
 def test_of_a_generation_that_fails_half_way_nothing_is_there(path):
-    store.append(path, generation(0))
+    add(path, generation(0))
     before = table_of(path)
     half = generation(1)
     half.loc[4, "individual"] = half.loc[0, "individual"]  # no two rows may be the same individual
     with pytest.raises(RunFileError, match="cannot be used"):
-        store.append(path, half)
+        add(path, half)
     assert same(table_of(path), before)
-    store.append(path, generation(1))
+    add(path, generation(1))
     assert len(table_of(path)) == 10
 
 
@@ -138,28 +141,28 @@ import os, signal, sys
 from pathlib import Path
 sys.path[:0] = sys.argv[2:]
 import pandas as pd
-from tests.test_store import generation, store
+from tests.test_store import add, generation
 
 class Deadly:
     def __conform__(self, protocol):
         os.kill(os.getpid(), signal.SIGKILL)
 
-half = generation(1, n=4000).astype({"genome": object})
+half = generation(99, n=4000).astype({"genome": object})
 genomes = ["x" * 2000] * 3999  # far more than SQLite holds in memory: half of it is on the disk already
 half["genome"] = pd.Series([*genomes, Deadly()], dtype=object)
-store.append(Path(sys.argv[1]), half)
+add(Path(sys.argv[1]), half)
 """
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="nothing there kills like SIGKILL")
 def test_of_a_generation_that_was_killed_half_way_nothing_is_there(path, request):
-    store.append(path, generation(0))
+    add(path, generation(0))
     size, before = path.stat().st_size, table_of(path)
     killed = subprocess.run([sys.executable, "-c", KILLED_HALF_WAY, path, request.config.rootpath], check=False)
     assert killed.returncode == -9
     assert path.stat().st_size > 10 * size
     assert same(table_of(path), before)
-    store.append(path, generation(1))
+    add(path, generation(1))
     assert len(table_of(path)) == 10
 
 
@@ -177,12 +180,74 @@ def test_a_folder_means_the_run_in_it(tmp_path):
 
 
 def test_a_file_is_made_whole_or_not_at_all(tmp_path, monkeypatch):
-    monkeypatch.setattr(store, "_RECORDS", "CREATE TABLE nonsense")
+    monkeypatch.setitem(layouts._TABLES, layouts.LAYOUT, (layouts._RUN, "CREATE TABLE nonsense"))
     with pytest.raises(RunFileError):
         store.create(tmp_path / "run.wl", {}, EMPTY)
     with closing(sqlite3.connect(tmp_path / "run.wl")) as db:
         assert db.execute("SELECT * FROM sqlite_schema").fetchall() == []
         assert db.execute("PRAGMA application_id").fetchone() == (0,)
+
+
+def test_another_run_in_its_place_is_left_as_it_is(path):
+    add(path, generation(0))
+    mine = store.read_facts(path)[0]["id"]
+    path.unlink()
+    store.create(path, Settings().model_dump(), generation(0))
+    before = path.read_bytes()
+    with pytest.raises(RunFileError, match="replaced by another run"):
+        store.append(path, generation(1), mine)
+    assert path.read_bytes() == before
+
+
+def test_of_two_processes_that_go_on_with_a_run_one_is_told(path):
+    for number in range(3):
+        add(path, generation(number))
+    before = table_of(path)
+    with pytest.raises(RunFileError, match=r"another process has gone on with .* 3 generations"):
+        add(path, generation(2))
+    assert same(table_of(path), before)
+
+
+def test_a_run_that_was_made_meanwhile_is_told_and_left(path):
+    before = path.read_bytes()
+    with pytest.raises(RunFileError, match="already"):
+        store.create(path, {}, generation(0))
+    assert path.read_bytes() == before
+
+
+def test_each_generation_keeps_what_it_was_made_with(path, monkeypatch, tmp_path):
+    add(path, generation(0))
+    add(path, generation(1))
+    here = provenance.here()
+    monkeypatch.setattr(provenance, "here", lambda: {**here, "mujoco": "9.9"})
+    add(path, generation(2))
+    assert store.read_facts(path)[1]["mujoco"] == "9.9"
+    with closing(sqlite3.connect(path)) as db:
+        made_with = [json.loads(facts)["mujoco"] for _, facts, _ in layouts.generations(db)]
+        assert db.execute("SELECT count(*) FROM provenance").fetchone() == (2,)
+    assert made_with == [here["mujoco"], here["mujoco"], "9.9"]
+
+
+@pytest.mark.parametrize("change", [
+    "UPDATE records SET fitness = fitness + 1e-12 WHERE individual = 102",
+    "UPDATE records SET genome = genome || ' ' WHERE individual = 102",
+    "UPDATE records SET individual = 99 WHERE individual = 102",
+    "DELETE FROM records WHERE individual = 102",
+    "INSERT INTO records (generation, individual) VALUES (1, 999)",
+    "INSERT INTO records (generation, individual) VALUES (7, 999)",
+    "DELETE FROM generations WHERE generation = 1",
+    "UPDATE generations SET seal = (SELECT seal FROM generations WHERE generation = 0) WHERE generation = 1",
+    "UPDATE provenance SET made_with = '{}'",
+    "DELETE FROM provenance",
+    "UPDATE run SET value = 'me' WHERE fact = 'id'",
+    """UPDATE run SET value = replace(value, '"seed": 0', '"seed": 1') WHERE fact = 'settings'""",
+])  # fmt: skip
+def test_whatever_is_changed_by_hand_is_found(path, change):
+    for number in range(3):
+        add(path, generation(number).assign(reason="it's"))
+    broken(path, change)
+    with pytest.raises(store.DamagedError, match="walkerlab rescue"):
+        store.read(path)
 
 
 # --------------------------------------------------------------------------------------------------- wrong files
@@ -194,8 +259,8 @@ def refusals(path):
         lambda: store.read(path),
         lambda: store.read_generations(path, 0, 1),
         lambda: store.read_births(path, ["genome"], [(0, 0)]),
-        lambda: store.append(path, generation(9)),
-        lambda: store.change_settings(path, {}),
+        lambda: store.append(path, generation(9), "somebody's"),
+        lambda: store.go_on(path, {}),
     ):
         with pytest.raises(RunFileError) as caught:
             use()
@@ -204,7 +269,7 @@ def refusals(path):
 
 
 def test_a_run_is_never_written_over(path, tmp_path):
-    store.append(path, generation(0))
+    add(path, generation(0))
     text = tmp_path / "thesis.txt"
     text.write_text("three years of work")
     for taken in (path, text, tmp_path):
@@ -219,7 +284,7 @@ def test_files_that_are_no_runs_are_refused_and_left_as_they_were(tmp_path):
     text.write_text("generation,individual\n0,1\n" * 100)
     empty.touch()
     broken(foreign, "CREATE TABLE records (generation)", "CREATE TABLE run (fact, value)")
-    for path, reason in ((text, "not a database"), (empty, "not a run"), (foreign, "not a run")):
+    for path, reason in ((text, "not a database"), (empty, "is empty"), (foreign, "not a run")):
         before = path.read_bytes()
         assert all(reason in refusal for refusal in refusals(path))
         assert path.read_bytes() == before
@@ -233,7 +298,7 @@ def test_what_is_not_there_is_refused_and_not_made(tmp_path):
 
 
 def test_a_run_of_a_newer_walkerlab_is_refused_with_the_mend(path):
-    broken(path, f"PRAGMA user_version = {store.SCHEMA + 1}")
+    broken(path, f"PRAGMA user_version = {store.LAYOUT + 1}")
     before = path.read_bytes()
     assert all("newer" in refusal and "pip install --upgrade walkerlab" in refusal for refusal in refusals(path))
     assert path.read_bytes() == before
@@ -259,14 +324,14 @@ def test_a_run_from_before_the_first_release_says_so(path):
     ],
 )
 def test_a_damaged_run_is_refused(path, damage):
-    store.append(path, generation(0))
+    add(path, generation(0))
     broken(path, damage)
     with pytest.raises(RunFileError, match=path.name):
         store.read(path)
 
 
 def test_a_cut_off_file_is_refused(path):
-    store.append(path, generation(0, n=2000))
+    add(path, generation(0, n=2000))
     path.write_bytes(path.read_bytes()[:20_000])
     with pytest.raises(RunFileError, match=path.name):
         store.read(path)
@@ -276,9 +341,9 @@ def test_a_cut_off_file_is_refused(path):
 
 
 def test_a_file_holds_text_and_numbers_only(path):
-    store.append(path, generation(0))
+    add(path, generation(0))
     with closing(sqlite3.connect(path)) as db:
-        for table in ("run", "records"):
+        for table in ("run", "records", "generations"):
             columns = [column for _, column, *_ in db.execute(f"PRAGMA table_info({table})")]
             kinds = ", ".join(f"typeof({column})" for column in columns)
             found = {kind for row in db.execute(f"SELECT {kinds} FROM {table}") for kind in row}
@@ -290,13 +355,13 @@ def test_a_run_is_one_file_in_a_folder_that_is_made_if_need_be(tmp_path):
     path = tmp_path / "new" / "folder" / "my run?#%20.wl"
     store.claim(path)
     store.create(path, {}, EMPTY)
-    store.append(path, generation(0))
+    add(path, generation(0))
     store.read(path)
     assert list(path.parent.iterdir()) == [path]
 
 
 def test_reading_changes_nothing(path):
-    store.append(path, generation(0))
+    add(path, generation(0))
     before, when = path.read_bytes(), path.stat().st_mtime_ns
     store.read(path)
     assert (path.read_bytes(), path.stat().st_mtime_ns) == (before, when)

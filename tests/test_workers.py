@@ -14,7 +14,7 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.live import LiveRun, State
-from walkerlab.workers import TRIES, WorkersLostError, default_executor, n_cores, n_workers
+from walkerlab.workers import TRIES, WorkerLostWarning, WorkersLostError, default_executor, n_cores, n_workers
 
 SETTINGS = wl.Settings().with_(population_size=12, generations=3, n_elites=2, duration=2)
 UNIX = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL")
@@ -63,8 +63,9 @@ def test_a_worker_killed_in_mid_generation_loses_nothing_and_changes_nothing(wor
 
     walks = []
     evolution = wl.Evolution(SETTINGS, on_walks=walked)
-    for _ in evolution:
-        pass
+    with pytest.warns(WorkerLostWarning, match=r"killed \(SIGKILL\).* nothing is lost"):
+        for _ in evolution:
+            pass
     pd.testing.assert_frame_equal(evolution.run.records, undisturbed, check_exact=True)
     assert len(kills) == 2
     assert lost, "or nobody was walking when they were killed"
@@ -81,6 +82,7 @@ def test_a_run_in_the_panel_outlives_a_worker(workers, lost, undisturbed):
     live._thread.join(60)
     assert live.state == State.finished
     assert lost
+    assert "killed (SIGKILL)" in live.note
     pd.testing.assert_frame_equal(live.run.records, undisturbed, check_exact=True)
 
 

@@ -35,7 +35,7 @@ _ROOMS = {
     "entities": ("generate_robot", "generate_terrain"),
     "evaluation": ("Evaluation", "evaluate", "evaluate_population"),
     "evolution": ("Evolution", "Generation", "evolve", "resume"),
-    "run": ("Run", "load"),
+    "run": ("Run", "load", "rescue"),
     "export": ("export_mjcf",),
     "ga.crossover": ("Children",),
     "ga.slots": ("OperatorError",),
@@ -103,6 +103,7 @@ if TYPE_CHECKING:
     from walkerlab.rollout import simulate as simulate
     from walkerlab.run import Run as Run
     from walkerlab.run import load as load
+    from walkerlab.run import rescue as rescue
     from walkerlab.scene import Scene as Scene
     from walkerlab.scene import compile_scene as compile_scene
     from walkerlab.settings import Algorithm as Algorithm

@@ -26,24 +26,30 @@ class Archive:
             path: the run file; None for one that goes with the archive.
         """
         self._file: store.File | None = path
+        self._id = ""  # of the run, once its file is made
         self._known = list[NDArray[np.int64]]()  # (3, n) each: hash, ascending; generation of birth; number
         self._table, self._lock = join([]), Lock()
 
     @classmethod
-    def of(cls, path: Path | None, table: pd.DataFrame) -> Self:
-        """Take up a run file; its table is not kept."""
+    def of(cls, path: Path | None, table: pd.DataFrame, settings: dict[str, Any]) -> Self:
+        """Take up a run, to go on with it under these settings, plain data; of one that has a file no table is kept."""
         archive = cls(path)
-        archive._remember(table)
+        if path:
+            archive._id = store.go_on(path, settings)
+            archive._remember(table)
+        else:
+            for _, generation in table.groupby("generation"):
+                archive.add(generation, settings)
         return archive
 
     def add(self, generation: pd.DataFrame, settings: dict[str, Any]) -> None:
         """Store a generation; with the first one go the settings, as plain data."""
         with self._lock:
-            if self._file and self._known:
-                store.append(self._file, generation)
+            if self._file and self._id:
+                store.append(self._file, generation, self._id)
             else:
                 self._file = self._file or store.passing(self)
-                store.create(self._file, settings, generation)
+                self._id = store.create(self._file, settings, generation)
             self._remember(generation)
 
     def table(self, n_generations: int) -> pd.DataFrame:

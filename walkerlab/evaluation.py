@@ -2,12 +2,14 @@
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, Executor
+from contextlib import closing
 from dataclasses import dataclass
 from uuid import uuid4
 
 import numpy as np
 
 from walkerlab import fitness as measures
+from walkerlab.ga.own import OperatorError
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome, read_genomes
 from walkerlab.limits import genes_of, repair
@@ -15,10 +17,15 @@ from walkerlab.phenotype import express
 from walkerlab.rollout import Rollout, from_every_start
 from walkerlab.scene import scene_on_stage
 from walkerlab.settings import Algorithm, Robot, Settings
+from walkerlab.waiting import in_turn
 from walkerlab.workers import check, default_executor, n_workers
 
 LARGEST = 16  # robots of a task, some half a second of walks, so that a run can be paused at once
+LONGEST = LARGEST * 1600  # physics steps of a task of more than one robot, for the same reason
 SHARE = 3  # a task is at most one part in so many of what is left for a worker, so that all are done at once
+
+START = 60.0  # s that workers are given to begin
+SLOWEST = 0.002  # s for a physics step, as long as ten of the costliest world on a slow laptop
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,20 +89,24 @@ def evaluate(
             number.
         TypeError: if the executor is none.
         RuntimeError: if it is closed.
+        WorkersLostError: if its workers give no answer, or have no memory left.
     """
     robots = _within(genomes, settings.robot)
     world = settings.model_copy(update={"algorithm": Algorithm()})
     check(executor)
     pool = executor or default_executor()
-    tasks = _tasks(robots, n_workers(pool))
+    steps = round(settings.simulation.duration / settings.simulation.timestep) * settings.simulation.n_starts
+    tasks = _tasks(robots, n_workers(pool), largest=max(1, min(LARGEST, LONGEST // steps)))
+    limit = START + SLOWEST * steps * len(max(tasks, key=len, default=()))
     asked = uuid4().hex
     futures = [pool.submit(_walk_all, [robots[i] for i in task], world, asked) for task in tasks]
     evaluations = dict[int, Evaluation]()
     try:
-        for task, future in zip(tasks, futures, strict=True):
-            for i, rollouts in zip(task, future.result(), strict=True):
-                evaluations[i] = _rate(robots[i], rollouts, settings)
-            on_done(len(task))
+        with closing(in_turn(futures, pool, limit)) as answers:
+            for task, walks in zip(tasks, answers, strict=True):
+                for i, rollouts in zip(task, walks, strict=True):
+                    evaluations[i] = _rate(i, robots[i], rollouts, settings)
+                on_done(len(task))
     except CancelledError as error:
         raise RuntimeError("the executor was closed while robots were walking in it") from error
     finally:
@@ -115,7 +126,7 @@ def _within(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Geno
     return [genome.within(robot) for genome in read_genomes(genomes)]
 
 
-def _tasks(robots: Sequence[Genome], n_workers: int) -> list[list[int]]:
+def _tasks(robots: Sequence[Genome], n_workers: int, largest: int = LARGEST) -> list[list[int]]:
     """Deal robots out, by their places: the costly ones first and many at a time, at last one by one.
 
     So no worker is left with a long task when all others are done.
@@ -123,7 +134,7 @@ def _tasks(robots: Sequence[Genome], n_workers: int) -> list[list[int]]:
     costly_first = sorted(range(len(robots)), key=lambda i: _cost(robots[i]), reverse=True)
     tasks: list[list[int]] = []
     while costly_first:
-        size = min(LARGEST, max(1, len(costly_first) // (SHARE * n_workers)))
+        size = min(largest, max(1, len(costly_first) // (SHARE * n_workers)))
         tasks.append(costly_first[:size])
         del costly_first[:size]
     return tasks
@@ -147,9 +158,18 @@ def _walk_all(genomes: Sequence[Genome], settings: Settings, asked: str = "") ->
     return [from_every_start(*scene_on_stage(genome, settings), poses=False) for genome in genomes]
 
 
-def _rate(genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Evaluation:
-    """Rate the poorest of its walks."""
-    scores = [measures.score(rollout, settings.algorithm.fitness) for rollout in rollouts]
+def _rate(place: int, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Evaluation:
+    """Rate the poorest of its walks.
+
+    Raises:
+        OperatorError: if the fitness function goes wrong; it says for which of the robots given.
+    """
+    try:
+        scores = [measures.score(rollout, settings.algorithm.fitness) for rollout in rollouts]
+    except OperatorError as error:
+        error.place, error.genome, error.where = place, genome, f"for robot {place} of those given"
+        error.add_note("To look at that walk: import sys; rollout = wl.simulate(sys.last_value.genome, settings)")
+        raise
     fitness = min(scores)
     rollout = rollouts[scores.index(fitness)]
     phenotype = rollout.phenotype

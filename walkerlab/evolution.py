@@ -1,5 +1,6 @@
 """The wiring: settings become generation after generation, each tabulated and stored."""
 
+import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from dataclasses import dataclass
@@ -12,20 +13,21 @@ import numpy as np
 import pandas as pd
 from tqdm.auto import tqdm
 
-from walkerlab import fitness, records, store, workers
+from walkerlab import fitness, provenance, records, store, workers
 from walkerlab.algorithm import check_own_operators, generate_robot_population, operators, slot_names
 from walkerlab.archive import Archive
 from walkerlab.evaluation import evaluate
 from walkerlab.ga.loop import Population, first_population, next_population
+from walkerlab.ga.own import OperatorError
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.interrupts import interrupts_held
 from walkerlab.limits import genes_of, repair
-from walkerlab.quantity import SettingsError
+from walkerlab.quantity import SettingsError, count
 from walkerlab.records import Individual, Walked
-from walkerlab.run import Run, load, with_functions
+from walkerlab.run import Run, load, own_slots, with_functions
 from walkerlab.settings import Settings
-from walkerlab.store import RunFileError
+from walkerlab.store import DamagedError
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,13 +93,14 @@ class Evolution:
     def _of(cls, run: Run, settings: Settings, **options: Any) -> Self:
         """Take up a run where its table ends."""
         evolution = cls(settings, **options)
-        evolution.path, evolution._archive = run.path, Archive.of(run.path, run.records)
+        evolution.path = run.path
+        evolution._archive = Archive.of(run.path, run.records, settings.model_dump())
         if not run.records.empty:
             try:
                 evolution._population = records.last_population(run.records)
                 evolution._next_bred = evolution._population.generation + 1
             except ValueError as error:
-                raise RunFileError(f"{run.path} is damaged: {error}") from error
+                raise DamagedError(run.path or "this run", str(error)) from error
         return evolution
 
     @property
@@ -146,13 +149,30 @@ class Evolution:
         """Yield each further generation once it is evaluated and stored, until the settings' number is reached."""
         algorithm = self.settings.algorithm
         while self._population is None or self._population.generation + 1 < algorithm.generations:
-            population = self._next()
-            table = records.tabulate(population, slot_names(algorithm))
-            records.name_fitness(table, *fitness.label(algorithm.fitness))
-            with interrupts_held():  # what is stored and what is in hand must not part
-                self._archive.add(table, self.settings.model_dump())
-                self._population = population
+            try:
+                population = self._next()
+                table = records.tabulate(population, slot_names(algorithm))
+                records.name_fitness(table, *fitness.label(algorithm.fitness))
+                with interrupts_held():  # what is stored and what is in hand must not part
+                    self._archive.add(table, self.settings.model_dump())
+                    self._population = population
+            except Exception as error:
+                self._tell_what_is_kept(error)
+                raise
             yield Generation(population.generation, table)
+
+    def _tell_what_is_kept(self, error: Exception) -> None:
+        """Note on an error that ends the run where its generations are, and how to go on when it is mended."""
+        if not self.n_generations:
+            return
+        error.run = self.run  # type: ignore[attr-defined]
+        where = "sys.last_value.run" if self.path is None else repr(str(self.path))
+        own = "".join(f", {slot}={how}" for slot, how in own_slots(self.settings).items())
+        error.add_note(
+            f"{count(self.n_generations, 'generation')} done, and kept{f' in {self.path}' if self.path else ''}. "
+            f"When the fault is mended, go on with:\n"
+            f"    {'import sys; ' if self.path is None else ''}run = wl.resume({where}{own})"
+        )
 
     def _next(self) -> Population[Walked]:
         robot, algorithm = self.settings.robot, self.settings.algorithm
@@ -185,7 +205,13 @@ class Evolution:
         known = self._archive.find(texts)
         fresh = {text: i for i, text in enumerate(texts) if text not in known}
         if fresh:
-            evaluations = self._evaluate(genomes[list(fresh.values())])
+            rows = list(fresh.values())
+            try:
+                evaluations = self._evaluate(genomes[rows])
+            except OperatorError as error:
+                individual = rows[error.place] + (self._population.n_born if self._population else 0)
+                error.where = f"for individual {individual} of generation {self.n_generations}"
+                raise
             known |= {text: Walked.of(one, text) for text, one in zip(fresh, evaluations, strict=True)}
         if len(fresh) < len(texts):
             self._on_walks(len(texts) - len(fresh))
@@ -219,7 +245,7 @@ def evolve(
 
 
 def resume(
-    path: str | Path,
+    path: str | Path | Run,
     generations: int | None = None,
     executor: Executor | None = None,
     progress: bool = True,
@@ -228,26 +254,37 @@ def resume(
     """Go on with a run, to the very table that it would have had without the stop.
 
     Args:
-        path: its run file, or the folder with it.
+        path: its run file, or the folder with it; or a run that has no file.
         generations: how many it shall have in all; as the settings say if None.
         executor: any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: whether to show a bar.
         **functions: the user's own functions, by slot, if the run was made with any: ``mutation=my_mutation``.
+
+    Warns:
+        UserWarning: if the run was made with other versions, or on another kind of processor.
 
     Raises:
         RunFileError: if there is no such file, it is not a run, or a function of the user's own was not given back,
             or another was given in its place.
         SettingsError: if ``generations`` is out of range.
     """
-    run = with_functions(load(path), functions)
-    done = run.n_generations
+    if isinstance(path, Run) and path.path:
+        path = path.path
+    given = path if isinstance(path, Run) else load(path)
+    run, done = with_functions(given, functions), given.n_generations
+    if run.path and (changed := provenance.differences(store.read_facts(run.path)[1], provenance.here())):
+        warnings.warn(
+            f"{run.path} was made with {changed}. What is done stays as it is; what comes now can differ in its last "
+            "digits from what it would have been there, and so can all that follows from it. The file says of each "
+            "generation what it was made with.",
+            stacklevel=2,
+        )
     settings = run.settings if generations is None else run.settings.with_(generations=generations)
     if settings.algorithm.generations < done:
         raise SettingsError(f"{path} has {done} generations already; generations must be {done} or more, in all.")
     with _bar(settings, progress, done=done) as bar:
         evolution = Evolution._of(run, settings, executor=executor, on_walks=bar.update)
-        del run  # its table is in the file, and need not be kept while it grows
-        store.change_settings(store.locate(path), settings.model_dump())
+        del run, given  # its table is in the file, and need not be kept while it grows
         return _finish(evolution, bar)
 
 
@@ -271,5 +308,5 @@ def _finish(evolution: Evolution, bar: Any) -> Run:
             bar.set_postfix_str(f"generation {generation.number}, best {best:.2f}")
     except KeyboardInterrupt:
         if not evolution.n_generations:
-            raise
+            raise KeyboardInterrupt("before the first generation was done, so there is nothing to keep") from None
     return evolution.run

@@ -8,6 +8,9 @@ from walkerlab.genome import Genome
 from walkerlab.scene import describe_scene
 from walkerlab.settings import Settings
 
+NOT_IN_A_NAME = set('/\\:*?"<>|')
+"""What some system does not have in the name of a file, or takes for a folder."""
+
 
 def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, name: str = "walker") -> Path:
     """Write one individual's world as MJCF, which plain ``mujoco.MjModel.from_xml_path`` loads.
@@ -28,7 +31,7 @@ def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, na
         GenomeError: if a text is no genome.
         ValueError: if the name is no plain file name.
     """
-    if Path(name).name != name or not name:
+    if not name.isprintable() or not name.strip(" .") or set(name) & NOT_IN_A_NAME:
         raise ValueError(f"the name {name!r} is no plain file name; the folder is given apart")
     spec, scene = describe_scene(genome, settings, scenery=True)
     start = mujoco.MjData(scene.model)

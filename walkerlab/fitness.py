@@ -9,7 +9,7 @@ import numpy as np
 
 from walkerlab.choices import Fitness
 from walkerlab.ga.loop import NOT_COUNTED
-from walkerlab.ga.slots import OperatorError
+from walkerlab.ga.own import IN_A_CHECK, IN_A_RUN, OperatorError, Slot, ask, portrait
 from walkerlab.genome import Genome
 from walkerlab.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.quantity import function_name
@@ -18,6 +18,14 @@ from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
 
 UNITS = {Fitness.distance: "m", Fitness.velocity: "m/s", Fitness.efficiency: "m/J", Fitness.straightness: "m"}
+SLOT = Slot(
+    "the fitness function",
+    "fitness(rollout)",
+    "com = rollout.com.copy()",
+    advice="It is called with one Rollout: .time (n,) in s, .com (n, 3) in m, .on_ground (n,), .phenotype; .poses are "
+    "not recorded in an evolution.",
+    chance="It must look at nothing but the walk.",
+)
 IDLE = 10.0  # J counted on top, about what trembling contacts do to a robot that stands: doing nothing is not efficient
 
 
@@ -54,21 +62,31 @@ def label(fitness: Fitness | Callable[..., Any]) -> tuple[str, str]:
     return (fitness.name, UNITS[fitness]) if isinstance(fitness, Fitness) else (function_name(fitness), "")
 
 
-def score(rollout: Rollout, fitness: Fitness | Callable[..., Any]) -> float:
+def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: float = IN_A_RUN) -> float:
     """Rate one walk; a walk that does not count gets ``NOT_COUNTED``, whatever the function would say.
 
+    Args:
+        rollout: the walk; it is read-only from then on.
+        fitness: one of ours, or a function of the user's own.
+        seconds: that such a function may take.
+
     Raises:
-        OperatorError: if a function of the user's own gives anything but a finite number.
+        OperatorError: if it gives anything but a finite number, or does anything else that it must not.
     """
     if not rollout.counts:
         return NOT_COUNTED
+    for record in vars(rollout).values():
+        if isinstance(record, np.ndarray):  # who comes from another process can be written into
+            record.setflags(write=False)
     function = FUNCTIONS[fitness] if isinstance(fitness, Fitness) else fitness
-    value = function(rollout)
-    if isinstance(value, int | float | np.integer | np.floating) and abs(value) <= sys.float_info.max:
+    value = ask(SLOT, function, lambda: function(rollout), seconds)
+    is_number = isinstance(value, int | float | np.integer | np.floating)
+    if is_number and abs(value) <= sys.float_info.max:
         return float(value)
+    returned = f"{value!s:.60}" if is_number else portrait(value)
     raise OperatorError(
-        f"the fitness function {function_name(function)!r} returned {value!r:.60} for a walk; it must return "
-        "one finite number, higher being better"
+        f"{SLOT.who(function)} must return one finite number, higher being better; it returned {returned}",
+        "Is a return missing, something divided by zero, or an array not yet made one number, as by .mean()?",
     )
 
 
@@ -95,21 +113,14 @@ def check_own(fitness: Fitness | Callable[..., Any]) -> None:
     """
     if isinstance(fitness, Fitness):
         return
-    name = f"the fitness function {function_name(fitness)!r}"
     try:
-        first, second = score(_made_up_walk(), fitness), score(_made_up_walk(), fitness)
-    except OperatorError:
+        first, second = (score(_made_up_walk(), fitness, seconds=IN_A_CHECK) for _ in range(2))
+        if first != second:
+            gave = f"gave {first} and then {second} for the same walk, so that no run could be repeated"
+            raise OperatorError(f"{SLOT.who(fitness)} {gave}", SLOT.chance)
+    except OperatorError as error:
+        error.where = "when tried on a made-up walk"
         raise
-    except Exception as error:
-        raise OperatorError(
-            f"{name} failed on a made-up walk: {type(error).__name__}: {error}\nIt is called with one Rollout: .time "
-            "(n,) in s, .com (n, 3) in m, .on_ground (n,), .phenotype; .poses are not recorded in an evolution."
-        ) from error
-    if first != second:
-        raise OperatorError(
-            f"{name} gave {first} and then {second} for the same walk; it must look at nothing but the walk, or no "
-            "run could be repeated."
-        )
 
 
 def _made_up_walk() -> Rollout:
@@ -120,8 +131,6 @@ def _made_up_walk() -> Rollout:
     segment = Segment(length=0.4, mass=4.0, legs=Legs(length=0.3, force=8.0, hip=swing, knee=swing, stride=math.pi))
     on_ground = np.arange(401) % 4 > 0
     sink, work, poses = np.where(on_ground, 0.001, 0.0), 20 * time, np.empty((0, 11))
-    for record in (time, com, on_ground, sink, work):
-        record.setflags(write=False)
     return Rollout(
         time, com, on_ground, sink, work, np.empty((0, 3)), np.empty(0), Phenotype((segment,), frequency=1.5),
         settled=0.25, creep=0.0, overlap=0.0, drive=1.5, warnings=0, verdict="ok", reason="", poses=poses,

@@ -20,6 +20,10 @@ class Gate(Executor):
 
     What waits before the gate can be held back, so that a pause is a pause of the machine as well, and not of the
     words on a panel; and of two that share an executor, neither fills it up.
+
+    Attributes:
+        inside: returns the executor that does the work; made when the first work comes.
+        is_open: whether it lets work through.
     """
 
     def __init__(self, inside: Callable[[], Executor], n_workers: Callable[[Executor], int]) -> None:
@@ -29,15 +33,15 @@ class Gate(Executor):
             inside: returns the executor that does the work; called once, when the first work comes.
             n_workers: tells how many pieces of work that does at once.
         """
-        self._inside, self._count, self._n_workers = cache(inside), n_workers, 1
+        self.inside, self._count, self._n_workers = cache(inside), n_workers, 1
         self._waiting = deque[tuple[Future[Any], Callable[[], Any]]]()
         self._within = set[Future[Any]]()
-        self._is_open, self._is_stopped = True, False
+        self.is_open, self._is_stopped = True, False
         self._lock = threading.RLock()
 
     def n_workers(self) -> int:
         """Ask how many work inside, where some may have joined or left, and from now on keep so many busy."""
-        self._n_workers = self._count(self._inside())
+        self._n_workers = self._count(self.inside())
         return self._n_workers
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
@@ -47,7 +51,7 @@ class Gate(Executor):
             Stopped: if the gate is shut for good.
         """
         outer = Future[Any]()
-        self._inside()
+        self.inside()
         with self._lock:
             if self._is_stopped:
                 raise Stopped
@@ -58,18 +62,18 @@ class Gate(Executor):
     def open(self) -> None:
         """Let work through."""
         with self._lock:
-            self._is_open = True
+            self.is_open = True
         self._let_in()
 
     def close(self) -> None:
         """Hold back what waits; what is inside already goes on."""
         with self._lock:
-            self._is_open = False
+            self.is_open = False
 
     def stop(self) -> None:
         """Shut it for good: whoever waits for an answer gets ``Stopped``, now."""
         with self._lock:
-            self._is_stopped, self._is_open = True, False
+            self._is_stopped, self.is_open = True, False
             unanswered = [*self._within, *(outer for outer, _ in self._waiting)]
             self._waiting.clear()
         for outer in unanswered:
@@ -85,7 +89,7 @@ class Gate(Executor):
         while next_in := self._next():
             outer, work = next_in
             try:
-                inner = self._inside().submit(work)
+                inner = self.inside().submit(work)
             except Exception as error:
                 with self._lock:
                     self._within.discard(outer)
@@ -96,7 +100,7 @@ class Gate(Executor):
 
     def _next(self) -> tuple[Future[Any], Callable[[], Any]] | None:
         with self._lock:
-            while self._is_open and self._waiting and len(self._within) < AT_ONCE * self._n_workers:
+            while self.is_open and self._waiting and len(self._within) < AT_ONCE * self._n_workers:
                 outer, work = self._waiting.popleft()
                 if outer.set_running_or_notify_cancel():
                     self._within.add(outer)

@@ -18,14 +18,15 @@ from numpy.random import Generator
 from numpy.typing import ArrayLike
 
 from walkerlab.choices import Feature
+from walkerlab.faults import Fault
 from walkerlab.genes import Floats
 from walkerlab.limits import MAX_SEGMENTS, PART, WHOLE, genes_of, repair
 from walkerlab.markup import Html, code, details, join, shown, table, tag
-from walkerlab.quantity import count
+from walkerlab.quantity import brief, count
 from walkerlab.settings import Robot, Settings
 
 
-class GenomeError(ValueError):
+class GenomeError(Fault, ValueError):
     """A text that is no genome; it says where, and what was expected there."""
 
 
@@ -55,19 +56,19 @@ class Genome:
     def __post_init__(self) -> None:
         """Take a read-only copy."""
         try:
-            values = np.array(self.values, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise ValueError(f"a genome's values are a row of numbers; got {self.values!r:.60}") from None
-        values = values + 0.0  # -0.0 becomes 0.0: equal genomes are alike bit for bit
+            values = np.asarray(self.values, dtype=np.float64)
+        except (TypeError, ValueError, OverflowError):
+            raise ValueError(f"a genome's values are a row of numbers; got {brief(self.values)}") from None
         n_parts, rest = divmod(values.size - len(WHOLE), len(PART))
         if values.ndim != 1 or rest or not 1 <= n_parts <= MAX_SEGMENTS:
-            got = f"an array of shape {values.shape}" if values.ndim else repr(self.values)
+            got = f"an array of shape {values.shape}" if values.ndim else brief(self.values)
             raise ValueError(
                 f"a genome has {len(WHOLE)} genes and {len(PART)} more for each of 1 to {MAX_SEGMENTS} segments, "
                 f"in one row; got {got}"
             )
         if not np.isfinite(values).all():
             raise ValueError(f"gene {int(np.argmin(np.isfinite(values)))} of the genome is not a finite number")
+        values = values + 0.0  # a copy, in which -0.0 is 0.0: equal genomes are alike bit for bit
         values.setflags(write=False)
         object.__setattr__(self, "values", values)
 
@@ -253,7 +254,7 @@ _PLAIN = r"(-?\d{1,9}+\.?\d{0,17}+)"  # as nearly all of our own numbers are
 
 @lru_cache
 def _pattern(key: str) -> re.Pattern[str]:
-    return re.compile(re.escape(key) + _NUMBER)
+    return re.compile(re.escape(key) + _NUMBER, re.ASCII)
 
 
 @lru_cache(maxsize=int(MAX_SEGMENTS))
@@ -279,7 +280,7 @@ def _plain(n_parts: int) -> tuple[re.Pattern[str], Callable[[Sequence[str]], tup
 
 def _parse(text: str) -> list[float]:
     if not isinstance(text, str):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise GenomeError(f"a genome is read from its text, a str; got {text!r:.60}")
+        raise GenomeError(f"a genome is read from its text, a str; got {brief(text)}")
     if len(text) > _MAX_TEXT:
         raise GenomeError(f"a genome's text has at most {_MAX_TEXT} characters; this one has {len(text)}")
     pattern, in_order = _plain(min(max(text.count("| seg "), 1), int(MAX_SEGMENTS)))
@@ -313,9 +314,11 @@ def _parse(text: str) -> list[float]:
 
 
 def _error(text: str, start: int, expected: str, got: str) -> GenomeError:
-    before, after = (re.sub(r"\s", " ", part) for part in (text[max(0, start - 30) : start], text[start : start + 30]))
-    got = got if len(got) <= 40 else got[:40] + "…"
+    """Point at a place; a sign that cannot be printed, or does things to a terminal, is shown by another."""
+    n_before = min(start, 30)
+    near = text[start - n_before : start + 30]
+    signs = (" " if sign.isspace() else sign if sign.isprintable() else "�" for sign in near)
     return GenomeError(
-        f"not a genome: at character {start + 1} expected {expected}, got '{got}'\n"
-        f"    {before}{after}\n    {' ' * len(before)}^"
+        f"not a genome: at character {start + 1} expected {expected}, got {brief(got)}\n"
+        f"    {''.join(signs)}\n    {' ' * n_before}^"
     )

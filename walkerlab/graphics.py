@@ -4,8 +4,11 @@ MuJoCo chooses its GL once, by the variable ``MUJOCO_GL``, when it is first impo
 whole process. So all drawing is done, or tried, in a process of its own.
 """
 
+from __future__ import annotations  # for the doctor, whom a Python that is too old must be able to read
+
 import os
 import platform
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
@@ -21,7 +24,7 @@ print(GL.glGetString(GL.GL_RENDERER).decode())
 """
 
 GL_PACKAGES = {
-    "debian": "sudo apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri",
+    "debian": "sudo apt-get update && sudo apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri",
     "fedora": "sudo dnf install mesa-libEGL mesa-libGL mesa-dri-drivers",
     "suse": "sudo zypper install Mesa-libEGL1 Mesa-dri",
     "arch": "sudo pacman -S mesa",
@@ -66,7 +69,7 @@ def missing_gl() -> str:
 
 def mend() -> str:
     """Say how this very system gets GL."""
-    chosen, here = os.environ.get("MUJOCO_GL"), mend_for_gl(platform.system(), _release())
+    chosen, here = os.environ.get("MUJOCO_GL"), allowed(mend_for_gl(platform.system(), _release()))
     return f"unset MUJOCO_GL, which is {chosen!r} here; if that is not enough, {here}" if chosen else here
 
 
@@ -86,6 +89,14 @@ def mend_for_gl(system: str, release: Mapping[str, str]) -> str:
     )
     known = next((GL_PACKAGES[family] for family in GL_PACKAGES if family in families), None)
     return known or "install Mesa's EGL (libEGL and its software driver) with this system's package manager"
+
+
+def allowed(command: str) -> str:
+    """Leave ``sudo`` out for root, who needs none and in a container has none; who has none otherwise must ask."""
+    bare = command.replace("sudo ", "")
+    if bare == command or (sys.platform != "win32" and os.geteuid() == 0):
+        return bare
+    return command if shutil.which("sudo") else f"ask whoever runs this computer for: {bare}"
 
 
 def _release() -> Mapping[str, str]:

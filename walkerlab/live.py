@@ -13,7 +13,7 @@ from walkerlab.gate import Gate, Stopped
 from walkerlab.genome import Genome
 from walkerlab.run import Run
 from walkerlab.settings import Settings
-from walkerlab.workers import check, default_executor, n_workers
+from walkerlab.workers import WorkerLostWarning, check, default_executor, n_workers
 
 
 class State(StrEnum):
@@ -75,6 +75,7 @@ class LiveRun:
         self._lock = threading.RLock()
         self._thread = threading.Thread(target=self._evolve, name="walkerlab run", daemon=True)
         self._pool: Executor | None = None
+        self._n_losses = 0
         _RUNS.add(self)
 
     @property
@@ -155,10 +156,17 @@ class LiveRun:
         """How long it will still take at its pace; None before it has one."""
         return None if self.pace is None else self.pace * (self.n_walks - self.n_done)
 
+    @property
+    def note(self) -> str:
+        """What befell its workers last, in words; "" if nothing has."""
+        losses = getattr(self._pool, "losses", [])[self._n_losses :]
+        return str(WorkerLostWarning(losses[-1])) if losses else ""
+
     def _workers(self) -> Executor:
         if self._executor:
             return self._executor
         self._pool = default_executor()
+        self._n_losses = len(getattr(self._pool, "losses", []))
         return self._pool
 
     def _walked(self, n: int) -> None:

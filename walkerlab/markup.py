@@ -1,4 +1,7 @@
-"""HTML for people: every text is escaped when it is put in, so that what comes from a file or a user stays text."""
+"""HTML for people: every text is escaped when it is put in, so that what comes from a file or a user stays text.
+
+And the same for other places in which a text could do something: a terminal, an SVG, a comment, a spreadsheet.
+"""
 
 import re
 from collections.abc import Collection, Iterable, Sequence
@@ -40,6 +43,25 @@ SHOWN = """
 .walkerlab figure>svg,.walkerlab figure>img{display:block;width:100%;height:auto;background:#fff;border-radius:6px}
 """
 """How it looks below a cell: the colours are the notebook's own, so it is at home in a light theme and a dark one."""
+
+
+def printable(text: object, *, keep: str = "") -> str:
+    """Write out as its code whatever would not be seen in a text, but act: on a terminal, in an SVG, in a comment.
+
+    Args:
+        text: from a file or a user.
+        keep: what is meant, as the ends of lines.
+    """
+    said = str(text)
+    if said.isprintable():
+        return said
+    return "".join(one if one.isprintable() or one in keep else ascii(one)[1:-1] for one in said)
+
+
+def cell(text: str) -> str:
+    """Keep a spreadsheet from taking a text for a formula, by the apostrophe that one would type there."""
+    said = printable(text, keep="\n")
+    return f"'{said}" if said.startswith(("=", "+", "-", "@")) else said
 
 
 class Html(str):

@@ -9,20 +9,30 @@ Read by whoever asks for 0.9:
     Terrain.step_height is 0.9 m; it must be 0.01 to 0.4 m. It is the rise of each stair.
 """
 
+import math
 from collections.abc import Generator, Iterable, Mapping, Sequence, Set
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from enum import IntEnum
 from functools import partial
+from itertools import islice
 from numbers import Integral
+from reprlib import Repr
 from typing import Any, Self, cast
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_serializer, field_validator
 
+from walkerlab.faults import Fault
 
-class SettingsError(ValueError):
+_LINE = 80  # characters of a value that a message shows
+_MOST_FAULTS = 100  # that a message tells
+_MOST_IN_TURN = 100  # choices in a list
+_MAX_JSON = 100_000  # characters; settings take some two thousand
+
+
+class SettingsError(Fault, ValueError):
     """Settings that cannot be: every fault of one call, a line each."""
 
 
@@ -83,14 +93,14 @@ class Quantity:
         if isinstance(value, str) and value in self.presets:
             return self.presets[value]
         try:
-            items = list(cast(Iterable[object], value))
+            items = list(islice(cast(Iterable[object], value), len(self.parts) + 1))
         except TypeError:
             items = []
         if isinstance(value, str | bytes | bytearray | Mapping | Set) or len(items) != len(self.parts):
             named = f" Or the name of one: {', '.join(self.presets)}." if self.presets else ""
             guess = did_you_mean(value, self.presets) if isinstance(value, str) else ""
             raise ValueError(
-                f" is {value!r}; it must be {len(self.parts)} numbers: {', '.join(self.parts)}.{named}{guess}"
+                f" is {brief(value)}; it must be {len(self.parts)} numbers: {', '.join(self.parts)}.{named}{guess}"
             )
         numbers, faults = tuple[float, ...](), list[str]()
         for item, part in zip(items, self.parts, strict=True):
@@ -119,9 +129,9 @@ class Quantity:
             value = value.item()
         kind = "a whole number" if self.whole else "a number"
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f"{part} is {value!r}; it must be {kind}, {self.range}.")
+            raise ValueError(f"{part} is {brief(value)}; it must be {kind}, {self.range}.")
         if not self.low <= value <= self.high:
-            raise ValueError(f"{part} is {value}{self.its_unit}; it must be {self.range}.")
+            raise ValueError(f"{part} is {brief(value)}{self.its_unit}; it must be {self.range}.")
         if self.whole and value != int(value):
             raise ValueError(f"{part} is {value}{self.its_unit}; it must be {kind}, {self.range}.")
         return int(value) if self.whole else float(value)
@@ -150,9 +160,12 @@ class OneOf:
         """Return the member (or function, or tuple of them), or say in a ``ValueError`` what there is to choose."""
         if not self.several or not isinstance(value, list | tuple):
             return self._one(value)
-        members = tuple(map(self._one, cast(Iterable[object], value)))
-        if not members:
+        several = cast(Sequence[object], value)
+        if not several:
             raise ValueError(f" is empty; it must name at least one of {self.range}.")
+        if len(several) > _MOST_IN_TURN:
+            raise ValueError(f" is a list of {len(several)}; it must be one of at most {_MOST_IN_TURN}.")
+        members = tuple(map(self._one, several))
         return members[0] if len(members) == 1 else members
 
     @property
@@ -171,7 +184,7 @@ class OneOf:
             return self.choices(value)
         guess = did_you_mean(value, self.choices.__members__)
         own = ", or a function of your own" if self.functions else ""
-        raise ValueError(f" is {value!r}; it must be one of {self.range}{own}.{guess}")
+        raise ValueError(f" is {brief(value)}; it must be one of {self.range}{own}.{guess}")
 
 
 Declared = Quantity | OneOf
@@ -238,6 +251,11 @@ class SettingsModel(BaseModel, frozen=True):
     @classmethod
     def model_validate_json(cls, json_data: str | bytes | bytearray, **how: Any) -> Self:
         """Make settings from a JSON text; raises what ``__init__`` does."""
+        is_text = isinstance(json_data, str | bytes | bytearray)  # pyright: ignore[reportUnnecessaryIsInstance]
+        if is_text and len(json_data) > _MAX_JSON:
+            raise SettingsError(
+                f"settings as JSON have at most {_MAX_JSON} characters; this text has {len(json_data)}, and is not read"
+            )
         with _in_our_words(cls):
             return super().model_validate_json(json_data, **how)
 
@@ -371,21 +389,45 @@ def _in_our_words(model: type[SettingsModel]) -> Generator[None]:
 def _sentences(model: type[SettingsModel], error: ValidationError) -> list[str]:
     """Turn each of pydantic's findings into a sentence of ours."""
     sentences: list[str] = []
-    for fault in error.errors(include_url=False):
+    for fault in error.errors(include_url=False)[:_MOST_FAULTS]:
         if fault["type"] == "extra_forbidden":
             *_, name = fault["loc"]
-            sentences.append(f"{model.__name__} has no setting {name!r}.{model.advice(str(name))}")
+            sentences.append(f"{model.__name__} has no setting {brief(name)}.{model.advice(str(name))}")
         elif fault["type"] == "value_error":
             sentences.append(str(fault.get("ctx", {})["error"]))
         else:
             where = ".".join([model.__name__, *map(str, fault["loc"])])
-            sentences.append(f"{where} is {fault['input']!r}; {fault['msg']}.")
-    return sentences
+            sentences.append(f"{where} is {brief(fault['input'])}; {fault['msg']}.")
+    untold = error.error_count() - _MOST_FAULTS
+    return [*sentences, f"… and {untold} more."] if untold > 0 else sentences
+
+
+def brief(value: object) -> str:
+    """Show a value as Python does; of a long one, about as much as fits on a line."""
+    text = _BRIEF.repr(value)
+    return text if len(text) <= _LINE else f"{text[: _LINE - 1]}…"
+
+
+class _Brief(Repr):
+    """Looks at no more of a value than it shows, so that a huge or deep one takes no time."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxstring = self.maxother = _LINE - 10
+
+    def repr_int(self, x: int, level: int) -> str:  # noqa: ARG002
+        power = int(x.bit_length() * math.log10(2))
+        return repr(x) if power < self.maxother else f"some {'-' if x < 0 else ''}1e{power}"
+
+
+_BRIEF = _Brief()
 
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:
     """Ask for the known name that is most like this one; say nothing if none is."""
-    close = get_close_matches(str(name).lower(), list(known), n=1, cutoff=0.6)
+    if not isinstance(name, str) or len(name) > _LINE:
+        return ""
+    close = get_close_matches(name.lower(), list(known), n=1, cutoff=0.6)
     return f" Did you mean {close[0]!r}?" if close else ""
 
 

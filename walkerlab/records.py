@@ -1,5 +1,6 @@
 """The tidy table: a row for each individual and generation. What is written, shown and plotted is this table."""
 
+import re
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, NamedTuple, Self, cast
@@ -86,6 +87,30 @@ def tidy(table: pd.DataFrame) -> pd.DataFrame:
     table = table.reindex(columns=list(COLUMNS)).astype({name: kind for name, (kind, *_) in COLUMNS.items()})
     table.attrs = {"units": {name: unit for name, (_, unit, _) in COLUMNS.items() if unit}}
     return table
+
+
+def check(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a table that comes from elsewhere, as it is, if it is one that a run can have.
+
+    Raises:
+        ValueError: if not; it names the column.
+    """
+    numbers = table[["generation", "individual", "born"]]
+    wrong = {
+        "individual": (numbers < 0).any(axis=1) | (table.individual > _MOST) | (table.born > table.generation),
+        "fitness": ~(table.fitness < np.inf),
+        "parents": ~table.parents.str.fullmatch(r"(\d{1,10}( \d{1,10})*)?", flags=re.ASCII),
+        "verdict": ~table.verdict.str.fullmatch("[a-z_]{1,40}"),
+        **{name: table[name].str.contains(_CONTROLS) for name in ("operators", "reason", "genome")},
+    }
+    for name, rows in wrong.items():
+        if rows.any():
+            raise ValueError(f"the column {name} has something in it that no run writes there")
+    return table
+
+
+_MOST = 10**9  # robots of a run, ten times as many as the settings allow
+_CONTROLS = "[\x00-\x08\x0b-\x1f\x7f-\x9f]"  # what moves a terminal's cursor, or worse
 
 
 def name_fitness(table: pd.DataFrame, name: str, unit: str) -> None:

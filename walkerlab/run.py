@@ -14,7 +14,7 @@ from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
 from walkerlab.quantity import Choice, function_name
 from walkerlab.records import Individual
 from walkerlab.settings import Settings
-from walkerlab.store import RunFileError
+from walkerlab.store import DamagedError, RunFileError
 
 if TYPE_CHECKING:
     from walkerlab.viewer import Replay
@@ -147,18 +147,36 @@ def load(path: str | Path) -> Run:
         RunFileError: if there is no such file, it is not a run, or it is damaged.
     """
     path = store.locate(path)
-    _, plain, table = store.read(path)
+    plain, table = store.read(path)
     try:
+        records.check(table)
         algorithm = plain["algorithm"]
         restored = {slot: _restored(algorithm[slot], slot) for slot in _OURS}
         parts: dict[str, Any] = {**plain, "algorithm": {**algorithm, **restored}}
         settings = Settings(**parts)
-    except (TypeError, KeyError, ValueError) as error:
-        raise RunFileError(f"{path} is damaged; its settings cannot be read: {error}") from error
+    except (TypeError, KeyError, ValueError, RecursionError) as error:
+        raise DamagedError(path, str(error)) from error
     sizes = table.groupby("generation").size()
     if sizes.to_dict() != dict.fromkeys(range(len(sizes)), settings.algorithm.population_size):
-        raise RunFileError(f"{path} is damaged: robots are missing from its table, or there are too many.")
+        raise DamagedError(path, "robots are missing from its table, or there are too many")
     return Run(settings, table, path)
+
+
+def rescue(path: str | Path, to: str | Path) -> Run:
+    """Save what is whole of a damaged run, its generations before the damage, as a run of its own.
+
+    Args:
+        path: the damaged run file, or the folder with it; it is left as it is.
+        to: the run file to be made.
+
+    Returns:
+        The new run; ``resume(to)`` goes on with it.
+
+    Raises:
+        RunFileError: if nothing can be saved, or there is a file at ``to``, or none can be made there.
+    """
+    store.rescue(store.locate(path), Path(to))
+    return load(to)
 
 
 def with_functions(run: Run, functions: dict[str, Any]) -> Run:
@@ -172,23 +190,35 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
         RunFileError: if one is still missing, or something else was given than the run was made with.
     """
     recorded = {slot: in_turn(getattr(run.settings.algorithm, slot)) for slot in _OURS}
-    missing = {slot: fill for slot, fill in recorded.items() if any(map(_is_missing, fill))}
-    for slot in functions.keys() - missing.keys():
+    own = own_slots(run.settings)
+    for slot in functions.keys() - own.keys():
         known = f"it was {_recipe(recorded[slot])}" if slot in recorded else f"there are {', '.join(recorded)}"
         raise RunFileError(f"{run.path} needs no {slot!r} given back: {known}. A resumed run goes on as it began.")
     settings = run.settings.with_(**functions)
-    wrong = {
-        slot: fill
-        for slot, fill in missing.items()
-        if _names(in_turn(getattr(settings.algorithm, slot))) != _names(fill) or slot not in functions
-    }
+    wrong = [
+        f"{slot}={recipe}"
+        for slot, recipe in own.items()
+        if _names(in_turn(getattr(settings.algorithm, slot))) != _names(recorded[slot])
+        or any(map(_is_missing, in_turn(getattr(settings.algorithm, slot))))
+    ]
     if wrong:
-        given = ", ".join(f"{slot}={_recipe(fill)}" for slot, fill in wrong.items())
+        given = ", ".join(wrong)
         raise RunFileError(
             f"{run.path} was made with functions of your own, and a run file holds no code. Give back the same, by "
             f"name and bound numbers: resume(path, {given})"
         )
     return Run(settings, run.records, run.path)
+
+
+def own_slots(settings: Settings) -> dict[str, str]:
+    """Name the slots that hold a function of the user's own, and write what fills each as Python."""
+    filled = {slot: in_turn(getattr(settings.algorithm, slot)) for slot in _OURS}
+    return {slot: _recipe(fill) for slot, fill in filled.items() if any(_is_own(one, slot) for one in fill)}
+
+
+def _is_own(operator: Any, slot: str) -> bool:
+    function = operator.func if isinstance(operator, partial) else operator
+    return not isinstance(operator, Choice) and function is not getattr(_OURS[slot], function_name(function), None)
 
 
 def _names(fill: tuple[Any, ...]) -> list[str]:
@@ -208,6 +238,10 @@ def _recipe(fill: tuple[Any, ...]) -> str:
     return words[0] if len(words) == 1 else f"[{', '.join(words)}]"
 
 
+_POWERS = {"eval", "exec", "compile", "open", "__import__", "breakpoint"}
+"""What no operator is called, or the code that repeats a stranger's run would hand over to it what the file says."""
+
+
 def _restored(written: Any, slot: str) -> Any:
     """Turn what a file says of a slot into operators: a file holds names and numbers, never code."""
     match written:
@@ -215,6 +249,8 @@ def _restored(written: Any, slot: str) -> Any:
             return [_restored(one, slot) for one in written]
         case {"function": str(address), "with": dict(keywords), **rest}:
             home, _, name = address.rpartition(".")
+            if name in _POWERS or not all(map(str.isidentifier, (name.replace("<lambda>", "function"), *keywords))):
+                raise ValueError(f"no function of a run is called {name!r:.60}, with {', '.join(keywords)!r:.60}")
             ours = _OURS[slot]
             is_ours = home == ours.__name__ and name in _choices(slot)
             function = getattr(ours, name) if is_ours else _Missing(name, slot)

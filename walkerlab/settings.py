@@ -24,6 +24,7 @@ from walkerlab.quantity import (
     Domain,
     OneOf,
     SettingsModel,
+    brief,
     did_you_mean,
     limits,
     one_of,
@@ -336,11 +337,11 @@ class Settings(SettingsModel, frozen=True):
         fields = [
             field
             for field, declared in kind.declared().items()
-            if isinstance(declared, OneOf) and str(value) in declared.choices.__members__
+            if isinstance(declared, OneOf) and isinstance(value, str) and value in declared.choices.__members__
         ]
         guess = f" Did you mean {name}={kind.__name__}({fields[0]}={value!r})?" if fields else ""
         raise ValueError(
-            f"Settings.{name} is {value!r}; it must be a {kind.__name__}, or a dict of its settings.{guess}"
+            f"Settings.{name} is {brief(value)}; it must be a {kind.__name__}, or a dict of its settings.{guess}"
         )
 
     @classmethod

@@ -1,42 +1,49 @@
 """The run file: one SQLite file that holds the settings and the tidy table, a generation to a transaction.
 
-Whatever moment the process dies at, the file holds whole generations. It stores text and numbers only: nothing in
-it can run when it is opened.
+Whatever moment the process dies at, the file holds whole generations; whatever happens to the file afterwards, what is
+read of it is as it was written, for each generation has a seal. It stores text and numbers only: nothing in it can run
+when it is opened, and a file with anything else in it is not used.
 """
 
 import json
-import platform
+import math
 import sqlite3
 import weakref
 from collections.abc import Generator, Iterable, Sequence
-from contextlib import contextmanager
-from importlib.metadata import version
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import pandas as pd
 
-from walkerlab.records import COLUMNS, tidy
+from walkerlab import layouts, provenance
+from walkerlab.faults import Fault
+from walkerlab.layouts import LAYOUT, NotARun
+from walkerlab.records import COLUMNS, check, tidy
 
-APPLICATION = 0x77616C6B  # "walk", in the file's header
-SCHEMA = 2
 RUN_FILE = "run.walk"  # its name in a folder of its own
 PAGE = 8192  # bytes; rows of nearly a kilobyte leave less of it empty than of the 4096 that SQLite takes
 PATIENCE = 60  # s that a writer waits for who is reading, and the other way round
+LONGEST = 200_000  # bytes of a text in the file; a longer one is refused before memory is taken for it
 
 File: TypeAlias = Path | sqlite3.Connection
 """A run file, by its path; or a passing one, which has none."""
 
-_SQL = {int: "INTEGER", float: "REAL", str: "TEXT"}
-_FACTS = "CREATE TABLE run (fact TEXT PRIMARY KEY, value TEXT NOT NULL)"
-_RECORDS = (
-    f"CREATE TABLE records ({', '.join(f'{name} {_SQL[kind]}' for name, (kind, *_) in COLUMNS.items())}, "
-    "PRIMARY KEY (generation, individual))"
-)
 
-
-class RunFileError(ValueError):
+class RunFileError(Fault, ValueError):
     """A run file that cannot be used as asked; it says why, and what would."""
+
+
+class DamagedError(RunFileError):
+    """A run file of which something is not as it was written."""
+
+    def __init__(self, file: File | str, what: str) -> None:
+        """Say what is the matter, and how to save what is whole."""
+        super().__init__(
+            f"{file} is damaged: {what}. The generations before the damage can be saved as a run of their own: "
+            f'walkerlab rescue "{file}", or in Python wl.rescue("{file}", "rescued.walk").'
+        )
+        self.what = what
 
 
 def locate(path: str | Path) -> Path:
@@ -74,7 +81,7 @@ def passing(keeper: object) -> sqlite3.Connection:
     return db
 
 
-def create(file: File, settings: dict[str, Any], generation: pd.DataFrame) -> None:
+def create(file: File, settings: dict[str, Any], generation: pd.DataFrame) -> str:
     """Make a run file with its first generation: all of it, or nothing.
 
     Args:
@@ -82,60 +89,87 @@ def create(file: File, settings: dict[str, Any], generation: pd.DataFrame) -> No
         settings: as plain data.
         generation: the tidy table of generation 0.
 
+    Returns:
+        The run's id.
+
     Raises:
         RunFileError: if the file cannot be written.
     """
-    facts = {
-        "settings": json.dumps(settings),
-        "python": platform.python_version(),
-        "machine": f"{platform.system()} {platform.machine()}",
-        **{name: version(name) for name in ("walkerlab", "mujoco", "dm-control", "numpy")},
-    }
-    with _open(file, new=True) as db:
-        db.execute(f"PRAGMA application_id = {APPLICATION}")
-        db.execute(f"PRAGMA user_version = {SCHEMA}")
-        db.execute(_FACTS)
-        db.execute(_RECORDS)
-        db.executemany("INSERT INTO run VALUES (?, ?)", facts.items())
-        _insert(db, generation)
+    with _open(file, "make") as db:
+        run_id = layouts.lay_out(db, json.dumps(settings))
+        _insert(db, generation, _made_with_here())
+    return run_id
 
 
-def append(file: File, generation: pd.DataFrame) -> None:
-    """Add one generation: all of it, or nothing."""
-    with _open(file) as db:
-        _insert(db, generation)
+def append(file: File, generation: pd.DataFrame, run_id: str) -> None:
+    """Add one generation: all of it, or nothing.
+
+    Args:
+        file: of the run.
+        generation: its tidy table.
+        run_id: of the run that it belongs to.
+
+    Raises:
+        RunFileError: if it cannot be written, or another run is in the file, or another process has gone on with it.
+    """
+    with _open(file, "change") as db:
+        if layouts.fact(db, "id") != run_id:
+            raise RunFileError(f"{file} was replaced by another run while this one went on; that one is left as it is.")
+        (n_done,) = db.execute("SELECT count(*) FROM generations").fetchone()
+        if not generation.empty and int(generation.generation.iloc[0]) < n_done:
+            raise RunFileError(
+                f"another process has gone on with {file} meanwhile, which has {n_done} generations now, whole ones. "
+                "Look at it, or go on with it, when that is done."
+            )
+        _insert(db, generation, _made_with_here())
 
 
-def _insert(db: sqlite3.Connection, generation: pd.DataFrame) -> None:
+def go_on(path: Path, settings: dict[str, Any]) -> str:
+    """Make ready to go on with a run: bring its file to this layout, and write down under which settings.
+
+    Returns:
+        The run's id.
+    """
+    with _open(path, "change") as db:
+        layouts.write_settings(db, json.dumps(settings))
+        return layouts.fact(db, "id")
+
+
+def _insert(db: sqlite3.Connection, generation: pd.DataFrame, made_with: str) -> None:
     rows = zip(*(generation[name].tolist() for name in COLUMNS), strict=True)
     db.executemany(f"INSERT INTO records VALUES ({', '.join('?' * len(COLUMNS))})", rows)
+    for number in generation.generation.unique().tolist():
+        layouts.seal(db, number, made_with)
 
 
-def change_settings(path: Path, settings: dict[str, Any]) -> None:
-    """Write down the settings under which a run goes on."""
-    with _open(path) as db:
-        db.execute("UPDATE run SET value = ? WHERE fact = 'settings'", [json.dumps(settings)])
+def _made_with_here() -> str:
+    return json.dumps(provenance.here())
 
 
-def read(path: Path) -> tuple[dict[str, str], dict[str, Any], pd.DataFrame]:
-    """Read a run file: its facts, its settings as plain data, and its table.
+def read(path: Path) -> tuple[dict[str, Any], pd.DataFrame]:
+    """Read a run file: its settings as plain data, and its table.
 
     Raises:
         RunFileError: if there is no such file, or it is not one of ours.
+        DamagedError: if anything in it is not as it was written.
     """
+    with _open(path, "check") as db:
+        return _settings(db, path), _table(db, path)
+
+
+def read_facts(path: Path) -> tuple[dict[str, str], dict[str, str]]:
+    """Read what a run says of itself: its id and the digest of its settings; what its last generation was made with."""
     with _open(path) as db:
-        facts = dict(db.execute("SELECT fact, value FROM run"))
-        table = _table(db, path)
-    try:
-        return facts, json.loads(facts["settings"]), table
-    except (KeyError, TypeError, ValueError, RecursionError) as error:
-        raise RunFileError(f"{path} is damaged: {error!r}") from error
+        try:
+            return {name: layouts.fact(db, name) for name in ("id", "settings digest")}, layouts.made_with(db)
+        except (AttributeError, ValueError, RecursionError) as error:
+            raise DamagedError(path, str(error)) from error
 
 
 def read_generations(file: File, first: int, end: int) -> pd.DataFrame:
     """Read the table of some generations: the first of them, and those after it that are before the end."""
     with _open(file) as db:
-        return _table(db, file, "WHERE generation >= ? AND generation < ?", (first, end))
+        return _table(db, file, first, end)
 
 
 def read_births(file: File, columns: Sequence[str], births: Iterable[Sequence[int]]) -> list[tuple[Any, ...]]:
@@ -151,41 +185,129 @@ def read_births(file: File, columns: Sequence[str], births: Iterable[Sequence[in
         return [row for birth in births for row in db.execute(of_one, birth)]
 
 
-def _table(db: sqlite3.Connection, file: File, where: str = "", given: Sequence[int] = ()) -> pd.DataFrame:
-    rows = db.execute(f"SELECT {', '.join(COLUMNS)} FROM records {where} ORDER BY generation, rowid", given).fetchall()
+def rescue(path: Path, to: Path) -> int:
+    """Copy what is whole of a damaged run, its generations before the damage, into a new run file.
+
+    Args:
+        path: of the damaged run.
+        to: of the new one.
+
+    Returns:
+        How many generations were saved.
+
+    Raises:
+        RunFileError: if nothing can be saved, or the new file cannot be made; there is none then.
+    """
+    claim(to)
+    whole = list[tuple[str, pd.DataFrame]]()
+    try:
+        with _open(path, "rescue") as db:
+            settings = _settings(db, path)
+            with suppress(sqlite3.Error, ValueError):
+                for number, (generation, made_with, rows) in enumerate(layouts.generations(db)):
+                    if rows is None or generation != number:
+                        break
+                    whole.append((made_with, check(_tidied(rows, path))))
+    except DamagedError as error:
+        raise RunFileError(f"nothing can be saved of {path}: {error.what}.") from error
+    if not whole:
+        raise RunFileError(f"nothing can be saved of {path}: its first generation is damaged already.")
+    with _open(to, "make") as db:
+        layouts.lay_out(db, json.dumps(settings))
+        for made_with, table in whole:
+            _insert(db, table, made_with)
+    return len(whole)
+
+
+def _settings(db: sqlite3.Connection, file: File) -> dict[str, Any]:
+    text = layouts.fact(db, "settings")
+    if layouts.digest(text) != layouts.fact(db, "settings digest"):
+        raise DamagedError(file, "its settings are not as they were written")
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise DamagedError(file, str(error)) from error
+
+
+def _table(db: sqlite3.Connection, file: File, first: float = -math.inf, end: float = math.inf) -> pd.DataFrame:
+    table = list[tuple[Any, ...]]()
+    for generation, _, rows in layouts.generations(db, first, end):
+        if rows is None:
+            raise DamagedError(file, f"generation {generation} is not as it was written")
+        table += rows
+    n_rows = "SELECT count(*) FROM records WHERE generation >= ? AND generation < ?"
+    if db.execute(n_rows, (first, end)).fetchone() != (len(table),):
+        raise DamagedError(file, "there are robots of a generation that is not there")
+    return _tidied(table, file)
+
+
+def _tidied(rows: list[tuple[Any, ...]], file: File) -> pd.DataFrame:
     try:
         return tidy(pd.DataFrame(rows, columns=list(COLUMNS)))
     except (TypeError, ValueError) as error:
-        raise RunFileError(f"{file} is damaged: {error!r}") from error
+        raise DamagedError(file, str(error)) from error
 
 
 @contextmanager
-def _open(file: File, *, new: bool = False) -> Generator[sqlite3.Connection, None, None]:
-    """Open a run file for one transaction."""
-    if isinstance(file, Path) and not new and not file.is_file():
+def _open(
+    file: File, how: Literal["make", "look", "check", "rescue", "change"] = "look"
+) -> Generator[sqlite3.Connection, None, None]:
+    """Open a run file for one transaction; of one of an earlier layout, a renewed copy in memory.
+
+    Args:
+        file: a run file.
+        how: ``make`` it; ``look`` into it; ``check`` first if all of its pages hold together; ``rescue`` what can be
+            read, also where the end is cut off; or ``change`` it, which renews the file itself.
+    """
+    if isinstance(file, Path) and how != "make" and not file.is_file():
         raise RunFileError(f"there is no run file at {file}")
-    db = sqlite3.connect(file, timeout=PATIENCE) if isinstance(file, Path) else file
+    db = file
     try:
+        db = _connect(file) if isinstance(file, Path) else file
         db.execute(f"PRAGMA page_size = {PAGE}")  # of a new file; any other has its own
-        db.execute("PRAGMA trusted_schema = OFF")
-        if not new and db.execute("PRAGMA application_id").fetchone() != (APPLICATION,):
-            raise RunFileError(f"{file} is a SQLite file, but not a run of walkerlab's")
-        found = SCHEMA if new else db.execute("PRAGMA user_version").fetchone()[0]
-        if found > SCHEMA:
-            raise RunFileError(
-                f"{file} has layout {found}, and this walkerlab knows layouts up to {SCHEMA}: a newer one wrote it. "
-                "Update with: pip install --upgrade walkerlab"
-            )
-        if found < SCHEMA:
-            raise RunFileError(
-                f"{file} has layout {found}, from before walkerlab's first release, and cannot be read any more. "
-                "Evolve it anew."
-            )
-        with db:
-            db.execute("BEGIN")
+        db.execute(f"PRAGMA writable_schema = {how == 'rescue'}")  # or SQLite refuses a file that is cut off
+        layout = LAYOUT if how == "make" else layouts.recognise(db)
+        if (how == "check" or layout < LAYOUT) and db.execute("PRAGMA quick_check(1)").fetchone() != ("ok",):
+            raise DamagedError(file, "its pages do not hold together")
+        if layout < LAYOUT and how != "change":
+            old, db = db, _connect(":memory:")
+            with closing(old):
+                old.backup(db)
+        db.execute("BEGIN")
+        try:
+            if layout < LAYOUT:
+                layouts.renew(db, layout)
             yield db
+            if how in ("make", "change"):
+                db.commit()
+        finally:
+            db.rollback()  # of what is not committed
+    except NotARun as error:
+        raise RunFileError(f"{file} {error}.") from error
     except sqlite3.Error as error:
-        raise RunFileError(f"{file} cannot be used as a run file: {error}") from error
+        code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF  # none where a text is no text
+        if code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_TOOBIG):
+            raise DamagedError(file, f"as SQLite says, {error}") from error
+        raise RunFileError(f"{file} cannot be used as a run file: {_WORDS.get(code, error)}.") from error
     finally:
-        if db is not file:
+        if isinstance(db, sqlite3.Connection) and db is not file:
             db.close()
+
+
+def _connect(file: Path | str) -> sqlite3.Connection:
+    db = sqlite3.connect(file, timeout=PATIENCE)
+    db.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST)
+    db.execute("PRAGMA trusted_schema = OFF")
+    return db
+
+
+_WORDS = {
+    sqlite3.SQLITE_FULL: "the disk is full; what was in it is whole. Make room, and go on with it",
+    sqlite3.SQLITE_READONLY: "it, or the folder that it is in, cannot be written to. Copy it into a folder of your own",
+    sqlite3.SQLITE_CANTOPEN: "it, or the folder that it is in, cannot be opened. Copy it into a folder of your own",
+    sqlite3.SQLITE_PERM: "you may not write to it. Copy it into a folder of your own",
+    sqlite3.SQLITE_BUSY: f"another program has been busy with it for {PATIENCE} s. Try again when that is done",
+    sqlite3.SQLITE_NOTADB: "it is not a database, but something else",
+    sqlite3.SQLITE_IOERR: "the disk is full, or failed, or the network before it is gone; what was in it is whole",
+}
+"""What is the matter, and the mend, by what SQLite calls it."""

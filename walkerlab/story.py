@@ -53,7 +53,7 @@ def champion_story(records: pd.DataFrame, settings: Plain) -> str:
     if best.verdict != "ok":
         return (
             f"No walk counted, so there is no champion to speak of. Of robot {best.individual}, the judge says: "
-            f"{best.verdict}. {VERDICTS[best.verdict]}\nThat is, {best.reason}."
+            f"{best.verdict}. {_meaning(best.verdict)}\nThat is, {best.reason}."
         )
     return (
         f"The champion is robot {best.individual}, born in generation {best.generation}.\n"
@@ -134,7 +134,11 @@ def verdict_counts(records: pd.DataFrame) -> str:
 def verdicts(records: pd.DataFrame) -> list[tuple[str, int, str]]:
     """Return each verdict that there was, how many walks got it, and what it means; the commonest first."""
     counts = births(records).verdict.value_counts()
-    return [(str(one), int(n), VERDICTS.get(str(one), "No verdict of ours.")) for one, n in counts.items()]
+    return [(str(one), int(n), _meaning(str(one))) for one, n in counts.items()]
+
+
+def _meaning(verdict: str) -> str:
+    return VERDICTS.get(verdict, "No verdict of ours.")
 
 
 def descent(records: pd.DataFrame, individual: int) -> str:

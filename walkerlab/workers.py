@@ -1,6 +1,7 @@
 """The workers: loky's processes on all cores of this computer, replaced when one of them is lost."""
 
 import os
+import re
 import signal
 import threading
 import time
@@ -8,16 +9,36 @@ from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, InvalidStateError, ThreadPoolExecutor
 from contextlib import suppress
 from functools import cache, partial
+from multiprocessing.util import Finalize
 from typing import Any
 
 from walkerlab.interrupts import interrupts_held
 
 IDLE_TIMEOUT = 300  # s without work after which loky's workers go home
+KILL = getattr(signal, "SIGKILL", signal.SIGTERM)  # on Windows the latter is no weaker
 TRIES = 3  # how many pools may be lost in a row before anything is done
 
 
+FEWER_WORKERS = (
+    "close other programs, make the world smaller, or let fewer robots walk at once: executor=ThreadPoolExecutor(1) "
+    "or, on the command line, LOKY_MAX_CPU_COUNT=1 before the command"
+)
+"""The mend where memory is short."""
+
+
 class WorkersLostError(RuntimeError):
-    """The processes that should do some work ended before any of it was done, time and again."""
+    """Those who should do some work did not: they ended time and again, gave no answer, or had no memory left."""
+
+
+class WorkerLostWarning(UserWarning):
+    """Worker processes were lost; others do their work, and nothing else is."""
+
+    def __init__(self, loss: str) -> None:
+        """Say it of a loss, as the workers tell it."""
+        super().__init__(
+            f"The worker processes had to be replaced: {loss}. Their robots walk again in new ones, and nothing is "
+            f"lost. If it happens often: {FEWER_WORKERS}"
+        )
 
 
 def n_cores() -> int:
@@ -58,8 +79,28 @@ def check(executor: object) -> None:
         )
 
 
+def innermost(executor: Executor) -> Executor:
+    """Return who does the work behind a gate; an executor that is none, itself."""
+    inside = getattr(executor, "inside", None)
+    return inside() if inside else executor
+
+
+def renewed(executor: Executor, patience: float) -> bool:
+    """Have processes that do not answer replaced; tell whether the executor sees to that.
+
+    Args:
+        executor: that was silent.
+        patience: for so long, s.
+    """
+    executor = innermost(executor)
+    if isinstance(executor, _Workers):
+        executor.renew(patience)
+        return True
+    return hasattr(executor, "_client")  # Dask waits for workers that are to join, and replaces those that it lost
+
+
 @cache
-def default_executor() -> Executor:
+def default_executor() -> "_Workers":
     """Return the workers of this process: they start with the first work, and are kept for the next."""
     return _Workers()
 
@@ -73,6 +114,9 @@ class _Workers(Executor):
 
     That happens: a system that is short of memory kills whoever has most. loky then gives up all that its pool had
     to do; none of it is lost here, and as a walk is worth the same whoever steps it, nothing is changed.
+
+    Attributes:
+        losses: what befell each pool that was lost so far, in words for people.
     """
 
     def __init__(self) -> None:
@@ -81,6 +125,11 @@ class _Workers(Executor):
         self._keeper = ThreadPoolExecutor(1, "walkerlab pool")
         self._pool: Executor | None = None
         self._lost, self._n_lost = self._pool, 0  # the pool that was lost last, and how many were in a row
+        self._hung: Executor | None = None
+        self._answered = time.monotonic()
+        self.losses: list[str] = []
+        # Were Ctrl-C to break off loky's own farewell, Python would wait for its processes for ever.
+        Finalize(None, self._kill, exitpriority=1000)
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
         """Have some work done by one of the processes.
@@ -96,6 +145,23 @@ class _Workers(Executor):
         gone = self._keeper.submit(self._dismiss)
         if wait:
             gone.result()
+
+    def renew(self, patience: float) -> None:
+        """End the processes if none has answered for so long [s]; their work is done again by others."""
+        if self._pool and time.monotonic() - self._answered >= patience:
+            self._hung, self._answered = self._pool, time.monotonic()
+            self._kill()
+
+    def end(self) -> None:
+        """End the processes at once and for good, as Python is about to end; nobody waits for what they do."""
+        self._kill()
+        self._keeper.shutdown(cancel_futures=True)
+        self._kill()  # those that were being started
+
+    def _kill(self) -> None:
+        for pid in list(getattr(self._pool, "_processes", ())):
+            with suppress(OSError):  # it has ended already
+                os.kill(pid, KILL)
 
     def _dismiss(self) -> None:
         if self._pool:
@@ -113,8 +179,8 @@ class _Workers(Executor):
                     n_cores(), timeout=IDLE_TIMEOUT, initializer=_prepare_worker, initargs=(os.getpid(),)
                 )
                 inner: Future[Any] = self._pool.submit(work)
-        except BrokenExecutor:
-            self._again(outer, work, self._pool)
+        except BrokenExecutor as error:
+            self._again(outer, work, str(error), self._pool)
         except Exception as error:
             outer.set_exception(error)
         else:
@@ -127,28 +193,43 @@ class _Workers(Executor):
             if inner.cancelled():
                 outer.cancel()
             elif isinstance(error := inner.exception(), BrokenExecutor):
-                self._keeper.submit(self._again, outer, work, pool)
-            elif error:
-                outer.set_exception(error)
+                with suppress(RuntimeError):  # Python ends
+                    self._keeper.submit(self._again, outer, work, str(error), pool)
             else:
-                self._n_lost = 0
-                outer.set_result(inner.result())
+                self._answered = time.monotonic()
+                if error:
+                    outer.set_exception(error)
+                else:
+                    self._n_lost = 0
+                    outer.set_result(inner.result())
 
-    def _again(self, outer: Future[Any], work: Callable[[], Any], lost: Executor | None) -> None:
+    def _again(self, outer: Future[Any], work: Callable[[], Any], why: str, lost: Executor | None) -> None:
         """Send work that was in a pool that was lost to the next one, or say why not, on the keeper's thread."""
+        if outer.done():
+            return
         if lost is not self._lost:
             self._lost, self._n_lost = lost, self._n_lost % TRIES + 1
+            self.losses.append(_in_words(why, hung=lost is self._hung))
         if self._n_lost < TRIES:
             self._send(outer, work)
             return
         with suppress(InvalidStateError):  # given up just now
             outer.set_exception(
                 WorkersLostError(
-                    f"{TRIES} times in a row the worker processes ended before anything was done: they were killed, "
-                    "or crashed. Often memory is short: close other programs, or hand over an executor with fewer "
-                    "workers, as in executor=ThreadPoolExecutor(1)."
+                    f"{TRIES} times in a row the worker processes ended before anything was done; the last time, "
+                    f"{self.losses[-1]}. Mend: {FEWER_WORKERS}"
                 )
             )
+
+
+def _in_words(why: str, *, hung: bool) -> str:
+    """Say how a pool was lost, from what loky says of it."""
+    if hung:
+        return "they gave no answer any more"
+    if "SIGKILL" in why:
+        return "one was killed (SIGKILL), as a system does that is short of memory"
+    code = re.search(r"[A-Z]+\(-?\d+\)", why)
+    return f"one ended with {code[0]}" if code else "one ended"
 
 
 def _prepare_worker(caller: int) -> None:

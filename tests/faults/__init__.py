@@ -1,4 +1,4 @@
-"""What can go wrong, brought about on purpose: in reduced number in every test run, in full by ``python -m tests.faults``."""
+"""What can go wrong, brought about on purpose: a few times in every test run; in full by ``python -m tests.faults``."""
 
 import os
 

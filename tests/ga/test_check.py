@@ -1,12 +1,14 @@
 """Each kind of bad operator gets a message that names it, what is expected, what it did, and the mend."""
 
 import random
+import re
+import threading
 from functools import partial
 
 import numpy as np
 import pytest
 
-from walkerlab.ga import OperatorError, check_cross, check_mutate, check_select, mutation, selection
+from walkerlab.ga import OperatorError, check_cross, check_mutate, check_select, mutation, own, selection
 
 from .tables import body, rng
 
@@ -65,16 +67,6 @@ def sorts_in_place(fitness, n_parents, *, rng):
 
 
 @named
-def own_numpy_chance(fitness, n_parents, *, rng):
-    return np.random.randint(len(fitness), size=n_parents)  # noqa: NPY002
-
-
-@named
-def own_python_chance(fitness, n_parents, *, rng):
-    return random.choices(range(len(fitness)), k=n_parents)
-
-
-@named
 def own_generator(fitness, n_parents, *, rng):
     return np.random.default_rng().integers(len(fitness), size=n_parents)
 
@@ -102,9 +94,7 @@ def not_among_equals(fitness, n_parents, *, rng):
         (masks, "whole numbers, 0 to 19", "shape (18,), bool", "np.flatnonzero(mask)"),
         (outside, "whole numbers, 0 to 19", "it returned 20", "rng.integers(len(fitness)"),
         (from_behind, "whole numbers, 0 to 19", "it returned -", "rng.integers(len(fitness)"),
-        (sorts_in_place, "leave what it is given", "wrote into its arguments", ".copy()"),
-        (own_numpy_chance, "the same answer for the same rng", "it gave two", "not from random or np.random"),
-        (own_python_chance, "the same answer for the same rng", "it gave two", "rng.random()"),
+        (sorts_in_place, "leave what it is given", "wrote into what is read-only (line ", "fitness.copy()"),
         (own_generator, "the same answer for the same rng", "it gave two", "rng.random()"),
     ],
 )
@@ -167,6 +157,11 @@ def divides(parents, fitness, n_children, *, rng):
 
 
 @named
+def ragged(parents, fitness, n_children, *, rng):
+    return [[1.0, 2.0], [3.0]] * 10, halves(parents, n_children)[1]
+
+
+@named
 def mixes_in_place(parents, fitness, n_children, *, rng):
     parents[0] = parents[1]
     return halves(parents, n_children)
@@ -180,7 +175,8 @@ def mixes_in_place(parents, fitness, n_children, *, rng):
         (too_few, "(n_children, n_genes) = (20, 18)", "shape (10, 18)", "axis=0"),
         (strangers, "the parents given by whole numbers, 0 to 19", "it returned 20", "Draw from"),
         (divides, "finite numbers", "it returned nan", "division by zero"),
-        (mixes_in_place, "leave what it is given", "wrote into", ".copy()"),
+        (mixes_in_place, "leave what it is given", "wrote into what is read-only (line ", "parents.copy()"),
+        (ragged, "(n_children, n_genes) = (20, 18)", "a list: [[1.0, 2.0], [3.0]", "axis=0"),
     ],
 )
 def test_bad_crossovers(bad, expected, got, mend):
@@ -207,17 +203,17 @@ def turns(genomes, genes, *, rng):
 
 
 @named
-def own_chance(genomes, genes, *, rng):
-    return genomes + np.random.normal(size=genomes.shape)  # noqa: NPY002
+def complex_roots(genomes, genes, *, rng):
+    return np.emath.sqrt(-genomes)
 
 
 @pytest.mark.parametrize(
     ("bad", "expected", "got", "mend"),
     [
-        (shakes_in_place, "leave what it is given", "wrote into", "+="),
+        (shakes_in_place, "leave what it is given", "wrote into", "genomes.copy(); +="),
         (returns_nothing, "(n, n_genes) = (20, 18)", "nothing (None)", "is a return missing"),
         (turns, "(n, n_genes) = (20, 18)", "shape (18, 20)", "Each row is one individual"),
-        (own_chance, "the same answer", "it gave two", "rng"),
+        (complex_roots, "numbers of shape", "complex128", "Each row"),
     ],
 )
 def test_bad_mutations(bad, expected, got, mend):
@@ -235,6 +231,87 @@ def test_what_a_mutation_raises_is_told_without_a_word_of_fitness_which_it_never
     raised = "mutation 'my_mutation' raised NameError: name 'genome' is not defined (line 2)"
     assert str(caught.value).startswith(f"{raised}, when tried on a toy population.")
     assert "fitness" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "draw"),
+    [
+        ("np.random", lambda: np.random.random()),  # noqa: NPY002
+        ("np.random", lambda: np.random.normal()),  # noqa: NPY002  # makes two at a time, and keeps one for the next call
+        ("np.random", lambda: np.random.seed(1)),  # noqa: NPY002
+        ("np.random", lambda: (np.random.seed(1), np.random.random())),  # noqa: NPY002
+        ("random", lambda: random.random()),
+        ("random", lambda: random.seed(1)),
+    ],
+)
+@pytest.mark.parametrize(
+    ("slot", "check", "sound"),
+    [
+        ("selection", check_select, pick),
+        ("crossover", partial(check_cross, genes=GENES), lambda parents, fitness, n, *, rng: halves(parents, n)),
+        ("mutation", partial(check_mutate, genes=GENES), lambda genomes, genes, *, rng: genomes),
+    ],
+    ids=["selection", "crossover", "mutation"],
+)
+def test_who_uses_chance_that_all_share_is_named_though_the_answer_be_the_same(slot, check, sound, name, draw):
+    first = []
+
+    @named
+    def secretly(*given, rng):
+        first.append(rng.random())
+        if first[-1] == first[0]:  # as one that draws now and then; what it is asked again must be the same
+            draw()
+        return sound(*given, rng=rng)
+
+    with pytest.raises(OperatorError) as caught:
+        check(secretly)
+    told = str(caught.value)
+    assert told.startswith(f"{slot} 'mine' used {name}, which all of Python shares")
+    assert "rng.random(), rng.integers(n), rng.normal()" in told
+
+
+@pytest.mark.parametrize("busy", [False, True], ids=["once", "all the time"])
+def test_nobody_is_blamed_for_what_others_draw_meanwhile(busy):
+    door, others = threading.Event(), []
+
+    def draws():
+        while not door.is_set():
+            np.random.random()  # noqa: NPY002
+
+    def mine(genomes, genes, *, rng):
+        if not others:
+            others.append(threading.Thread(target=draws) if busy else np.random.random())  # noqa: NPY002
+            if busy:
+                others[0].start()
+        door.wait(0.005)  # it takes its time, in which the others go on
+        return genomes + rng.normal(size=genomes.shape)
+
+    try:
+        check_mutate(mine, GENES)
+    finally:
+        door.set()
+    assert others
+
+
+def test_who_never_returns_is_told_where_it_was_and_how_to_give_it_longer(monkeypatch):
+    monkeypatch.setenv("WALKERLAB_PATIENCE", "0.1")
+    cell = (
+        "def my_mutation(genomes, genes, *, rng):\n    n = 0\n    while n < 5:\n        m = n + 1\n    return genomes\n"
+    )
+    exec(compile(cell, "<cell>", "exec"), mine := {})
+    with pytest.raises(OperatorError) as caught:
+        check_mutate(mine["my_mutation"], GENES)
+    told = str(caught.value)
+    assert re.match(r"mutation 'my_mutation' had not returned after 0\.1 s \(line [34]\), when tried on a toy", told)
+    assert "a loop that never ends? If it needs longer: os.environ['WALKERLAB_PATIENCE'] = '600' before" in told
+
+
+def test_ours_are_called_on_the_callers_thread(monkeypatch):
+    monkeypatch.setattr(own, "in_time", lambda call, seconds: 1 / 0)
+    check_select(partial(selection.tournament, size=2))
+    check_mutate(partial(mutation.favored, favored="length"), GENES)
+    with pytest.raises(OperatorError, match="'pick' raised ZeroDivisionError"):
+        check_select(pick)
 
 
 def test_what_is_no_function_is_named():

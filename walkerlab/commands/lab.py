@@ -1,11 +1,20 @@
 """JupyterLab, opened on a student's own copies of the notebooks."""
 
+import secrets
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
 FOLDER = "walkerlab-notebooks"
 FIRST = "00_meet_a_walker.ipynb"
+
+ONLY_HERE = [
+    "--ServerApp.ip=127.0.0.1",
+    "--ServerApp.allow_remote_access=False",
+    "--KernelManager.ip=127.0.0.1",
+    "--ServerKernelManager.ip=127.0.0.1",
+]
+"""Whatever a user's own settings of Jupyter say, nobody else's computer reaches the server or its kernels."""
 
 
 def originals() -> list[Path]:
@@ -29,7 +38,9 @@ def copy_notebooks(folder: Path) -> list[Path]:
 
 
 def open_lab(folder: Path, options: Sequence[str] = ()) -> None:
-    """Run JupyterLab on a folder, opened on the first notebook, for this computer only, until it is stopped.
+    """Run JupyterLab on a folder, opened on the first notebook, until it is stopped.
+
+    It is for this computer only, and for those on it who have its token, or the user's password if there is one.
 
     Raises:
         ImportError: if JupyterLab is not installed.
@@ -37,5 +48,8 @@ def open_lab(folder: Path, options: Sequence[str] = ()) -> None:
     from jupyterlab.labapp import LabApp  # type: ignore[import-untyped]
 
     first = f"--LabApp.default_url=/lab/tree/{FIRST}"  # a file's name alone would print the address of the Launcher
-    where = [f"--ServerApp.root_dir={folder.resolve()}", "--ServerApp.ip=127.0.0.1"]
-    LabApp.launch_instance([*where, first, *options])
+    server = LabApp.initialize_server([f"--ServerApp.root_dir={folder.resolve()}", *ONLY_HERE, first, *options])
+    if not getattr(server.identity_provider, "hashed_password", "") and not server.identity_provider.token:
+        server.identity_provider.token = secrets.token_hex(24)
+        server.identity_provider.token_generated = True  # or the address would be printed without it
+    server.start()

@@ -12,7 +12,7 @@ from walkerlab.ga import crossover, mutation, selection
 from walkerlab.ga.check import check_cross, check_mutate, check_select
 from walkerlab.ga.crossover import Children
 from walkerlab.ga.loop import NOT_COUNTED, Operators, Population, first_population, next_population
-from walkerlab.ga.slots import OperatorError, name_of
+from walkerlab.ga.own import OperatorError, name_of
 
 __all__ = [
     "NOT_COUNTED",

@@ -9,8 +9,9 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from walkerlab.ga.crossover import Children
+from walkerlab.ga.own import OperatorError
 from walkerlab.ga.selection import require_finite
-from walkerlab.ga.slots import Cross, Mutate, Select, name_of, run_cross, run_mutate, run_select
+from walkerlab.ga.slots import Cross, Mutate, Select, run_cross, run_mutate, run_select
 from walkerlab.genes import Floats, Genes, Indices
 from walkerlab.randomness import stream
 
@@ -147,6 +148,7 @@ def next_population(
         The elites, best first, then the children, then the guests, who have no parents.
 
     Raises:
+        OperatorError: if an operator goes wrong.
         ValueError: if ``n_elites`` leaves no room for a child, there are more guests than children, results are
             missing, or a fitness is NaN or +inf.
     """
@@ -209,7 +211,8 @@ def select_in_turn(
         (n_parents,) indices into ``fitness``.
 
     Raises:
-        ValueError: if a fitness is NaN or +inf, or an operator goes wrong.
+        OperatorError: if an operator goes wrong.
+        ValueError: if a fitness is NaN or +inf.
     """
     counted = np.where(fitness == NOT_COUNTED, 0.0, fitness)
     require_finite(counted)
@@ -217,7 +220,7 @@ def select_in_turn(
     if not len(chosen):
         chosen = np.arange(len(fitness))
     for place, select in enumerate(operators):
-        with _turn("selection", select, seed, generation, place) as rng:
+        with _turn("selection", seed, generation, place) as rng:
             chosen = chosen[run_select(select, counted[chosen], n_parents, rng=rng)]
     return chosen
 
@@ -247,13 +250,13 @@ def cross_in_turn(
         Children, with indices into ``parents`` however often they were crossed.
 
     Raises:
-        ValueError: if an operator goes wrong.
+        OperatorError: if an operator goes wrong.
     """
     children = Children(parents, np.arange(len(parents))[:, None])
     for place, cross in enumerate(operators):
         is_last = place == len(operators) - 1
         n = n_children if is_last else len(parents)
-        with _turn("crossover", cross, seed, generation, place) as rng:
+        with _turn("crossover", seed, generation, place) as rng:
             genomes, origins = run_cross(cross, children.genomes, fitness, n, genes=genes, rng=rng)
         children = Children(genomes, children.parents[origins].reshape(n, -1))
         fitness = fitness[origins].mean(axis=1)
@@ -274,10 +277,10 @@ def mutate_in_turn(operators: Sequence[Mutate], genomes: Floats, genes: Genes, *
         (n, n_genes)
 
     Raises:
-        ValueError: if an operator goes wrong.
+        OperatorError: if an operator goes wrong.
     """
     for place, mutate in enumerate(operators):
-        with _turn("mutation", mutate, seed, generation, place) as rng:
+        with _turn("mutation", seed, generation, place) as rng:
             genomes = run_mutate(mutate, genomes, genes, rng=rng)
     return genomes
 
@@ -294,12 +297,10 @@ def _evaluations(evaluate: Callable[[Floats], Sequence[Evaluation]], genomes: Fl
 
 
 @contextmanager
-def _turn(
-    slot: str, operator: Callable[..., object], seed: int, generation: int, place: int
-) -> Generator[np.random.Generator, None, None]:
-    """Lend one operator its own stream, and name it in whatever it raises."""
+def _turn(slot: str, seed: int, generation: int, place: int) -> Generator[np.random.Generator, None, None]:
+    """Lend one operator its own stream, and say when it was if it goes wrong."""
     try:
         yield stream(seed, slot, generation, place)
-    except Exception as error:
-        error.add_note(f"in {slot} {place + 1}, {name_of(operator)!r}, while making generation {generation}")
+    except OperatorError as error:
+        error.where = f"while making generation {generation}"
         raise

@@ -2,7 +2,7 @@
 
 import inspect
 from collections.abc import Callable
-from functools import partial
+from copy import deepcopy
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -10,6 +10,7 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from walkerlab.ga.crossover import Children
+from walkerlab.ga.own import IN_A_RUN, OperatorError, Slot, ask, portrait
 from walkerlab.genes import Floats, Genes, Indices
 
 Select: TypeAlias = Callable[..., Indices]
@@ -22,45 +23,50 @@ Mutate: TypeAlias = Callable[..., Floats]
 """``mutate(genomes, genes, *, rng)`` -> (n, n_genes)."""
 
 
-class OperatorError(ValueError):
-    """An operator does not do what its slot needs; the message says which, what is expected, and the mend."""
+SELECTION = Slot("selection", "select(fitness, n_parents, *, rng)", "fitness = fitness.copy()")
+CROSSOVER = Slot("crossover", "cross(parents, fitness, n_children, *, rng)", "parents = parents.copy()")
+MUTATION = Slot("mutation", "mutate(genomes, genes, *, rng)", "genomes = genomes.copy()")
 
 
-def name_of(operator: Callable[..., object]) -> str:
-    """Name a function as its author did, also where ``functools.partial`` has bound its parameters."""
-    while isinstance(operator, partial):
-        operator = operator.func
-    return getattr(operator, "__name__", type(operator).__name__)
-
-
-def run_select(select: Select, fitness: Floats, n_parents: int, *, rng: Generator) -> Indices:
+def run_select(
+    select: Select, fitness: Floats, n_parents: int, *, rng: Generator, seconds: float = IN_A_RUN
+) -> Indices:
     """Call a selection and make sure of its answer.
 
     Args:
         select: the operator.
         fitness: (n,) finite.
         n_parents: how many parents to name; may be more than n.
-        rng: its source of chance.
+        rng: its source of chance, of which it gets a copy, as of all arrays.
+        seconds: that it may take.
 
     Returns:
         (n_parents,) indices into ``fitness``.
 
     Raises:
-        OperatorError: if it answers with anything else.
+        OperatorError: if it answers with anything else, or does anything else that it must not.
     """
-    answer = select(fitness, n_parents, rng=rng)
-    chosen: NDArray[Any] = np.asarray(answer)
-    who = f"selection {name_of(select)!r}"
+    who = SELECTION.who(select)
+    answer = ask(SELECTION, select, lambda: select(_lent(fitness), n_parents, rng=deepcopy(rng)), seconds)
+    chosen = _array(answer)
     if chosen.shape != (n_parents,):
         raise OperatorError(
             f"{who} must name n_parents = {n_parents} parents, an array of shape ({n_parents},); it returned "
-            f"{_portrait(answer)}. Where too few are chosen, np.resize(chosen, n_parents) repeats them."
+            f"{portrait(answer)}",
+            "Where too few are chosen, np.resize(chosen, n_parents) repeats them.",
         )
     return _indices(chosen, who, len(fitness), "the individuals in fitness")
 
 
 def run_cross(
-    cross: Cross, parents: Floats, fitness: Floats, n_children: int, *, genes: Genes, rng: Generator
+    cross: Cross,
+    parents: Floats,
+    fitness: Floats,
+    n_children: int,
+    *,
+    genes: Genes,
+    rng: Generator,
+    seconds: float = IN_A_RUN,
 ) -> Children:
     """Call a crossover, with the gene table if it asks for one, and make sure of its answer.
 
@@ -70,45 +76,51 @@ def run_cross(
         fitness: (n_parents,) finite.
         n_children: how many.
         genes: the gene table.
-        rng: its source of chance.
+        rng: its source of chance, of which it gets a copy, as of all arrays.
+        seconds: that it may take.
 
     Returns:
         Children: (n_children, n_genes) genomes and (n_children, k) parents.
 
     Raises:
-        OperatorError: if it answers with anything else.
+        OperatorError: if it answers with anything else, or does anything else that it must not.
     """
     handed = {"genes": genes} if asks_for_genes(cross) else {}
-    who = f"crossover {name_of(cross)!r}"
-    answers = _pair(cross(parents, fitness, n_children, rng=rng, **handed), who)
+    who = CROSSOVER.who(cross)
+
+    def call() -> object:
+        return cross(_lent(parents), _lent(fitness), n_children, rng=deepcopy(rng), **handed)
+
+    answers = _pair(ask(CROSSOVER, cross, call, seconds), who)
     genomes = _genomes(answers[0], who, (n_children, parents.shape[1]), "(n_children, n_genes)")
-    origins: NDArray[Any] = np.asarray(answers[1])
+    origins = _array(answers[1])
     if origins.ndim != 2 or len(origins) != n_children or not origins.size:
         raise OperatorError(
             f"{who} must say whose each child is, by an array of shape (n_children, k) = ({n_children}, k) with k "
-            f"parents for each; it returned {_portrait(answers[1])}. "
-            "With one parent for each child that is mothers[:, None], with two np.stack([mothers, fathers], axis=1)."
+            f"parents for each; it returned {portrait(answers[1])}",
+            "With one parent for each child that is mothers[:, None], with two np.stack([mothers, fathers], axis=1).",
         )
     return Children(genomes, _indices(origins, who, len(parents), "the parents given"))
 
 
-def run_mutate(mutate: Mutate, genomes: Floats, genes: Genes, *, rng: Generator) -> Floats:
+def run_mutate(mutate: Mutate, genomes: Floats, genes: Genes, *, rng: Generator, seconds: float = IN_A_RUN) -> Floats:
     """Call a mutation and make sure of its answer.
 
     Args:
         mutate: the operator.
         genomes: (n, n_genes).
         genes: the gene table.
-        rng: its source of chance.
+        rng: its source of chance, of which it gets a copy, as of all arrays.
+        seconds: that it may take.
 
     Returns:
         (n, n_genes)
 
     Raises:
-        OperatorError: if it answers with anything else.
+        OperatorError: if it answers with anything else, or does anything else that it must not.
     """
-    answer = mutate(genomes, genes, rng=rng)
-    return _genomes(answer, f"mutation {name_of(mutate)!r}", genomes.shape, "(n, n_genes)")
+    answer = ask(MUTATION, mutate, lambda: mutate(_lent(genomes), genes, rng=deepcopy(rng)), seconds)
+    return _genomes(answer, MUTATION.who(mutate), genomes.shape, "(n, n_genes)")
 
 
 def asks_for_genes(cross: Cross) -> bool:
@@ -119,6 +131,21 @@ def asks_for_genes(cross: Cross) -> bool:
         return False
 
 
+def _lent(array: Floats) -> Floats:
+    """Return a copy that cannot be written into."""
+    copy = array.copy()
+    copy.setflags(write=False)
+    return copy
+
+
+def _array(answer: object) -> NDArray[Any]:
+    """Return an answer as an array; rows of different lengths are none."""
+    try:
+        return np.asarray(answer)
+    except ValueError:
+        return np.asarray(None)
+
+
 def _pair(answer: Any, who: str) -> tuple[object, object]:
     """Refuse what is not two things."""
     match answer:
@@ -127,7 +154,8 @@ def _pair(answer: Any, who: str) -> tuple[object, object]:
         case _:
             raise OperatorError(
                 f"{who} must return two arrays, the children and the indices of their parents; it returned "
-                f"{_portrait(answer)}. End it with: return children, parents_of_each."
+                f"{portrait(answer)}",
+                "End it with: return children, parents_of_each.",
             )
 
 
@@ -135,37 +163,28 @@ def _indices(indices: NDArray[Any], who: str, n: int, of: str) -> Indices:
     """Refuse what does not name some of ``n``."""
     if not np.issubdtype(indices.dtype, np.integer):
         raise OperatorError(
-            f"{who} must name {of} by whole numbers, 0 to {n - 1}; it returned {_portrait(indices)}. "
-            "np.flatnonzero(mask) turns a mask into places; np.argsort gives places, where np.sort gives values."
+            f"{who} must name {of} by whole numbers, 0 to {n - 1}; it returned {portrait(indices)}",
+            "np.flatnonzero(mask) turns a mask into places; np.argsort gives places, where np.sort gives values.",
         )
     for outside in indices[(indices < 0) | (indices >= n)].flat:
         raise OperatorError(
-            f"{who} must name {of} by whole numbers, 0 to {n - 1}; it returned {outside} among them. "
-            "Draw from as many as it is given, as in rng.integers(len(fitness), size=n_parents)."
+            f"{who} must name {of} by whole numbers, 0 to {n - 1}; it returned {outside} among them",
+            "Draw from as many as it is given, as in rng.integers(len(fitness), size=n_parents).",
         )
     return indices.astype(np.intp)
 
 
 def _genomes(answer: object, who: str, shape: tuple[int, ...], symbols: str) -> Floats:
     """Refuse what is not a table of finite numbers."""
-    genomes: NDArray[Any] = np.asarray(answer)
-    if genomes.shape != shape or not np.issubdtype(genomes.dtype, np.number):
+    genomes = _array(answer)
+    if genomes.shape != shape or genomes.dtype.kind not in "iuf":
         raise OperatorError(
-            f"{who} must return genomes, numbers of shape {symbols} = {shape}; it returned {_portrait(answer)}. "
-            "Each row is one individual, each column one gene; is a return missing, or an axis=0?"
+            f"{who} must return genomes, numbers of shape {symbols} = {shape}; it returned {portrait(answer)}",
+            "Each row is one individual, each column one gene; is a return missing, or an axis=0?",
         )
     for stray in genomes[~np.isfinite(genomes)]:
         raise OperatorError(
-            f"{who} must return finite numbers; it returned {stray} among them. "
-            "Look for a division by zero, or for a root or a logarithm of something negative."
+            f"{who} must return finite numbers; it returned {stray} among them",
+            "Look for a division by zero, or for a root or a logarithm of something negative.",
         )
     return genomes.astype(np.float64)
-
-
-def _portrait(answer: object) -> str:
-    """Describe a wrong answer in a few words."""
-    if answer is None:
-        return "nothing (None)"
-    if shape := getattr(answer, "shape", None):
-        return f"an array of shape {shape}, {getattr(answer, 'dtype', '')}"
-    return f"a {type(answer).__name__}: {answer!r:.60}"

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 
+from walkerlab.markup import printable
 from walkerlab.plots.look import REAL_TEXT, OwnFigure, ink, own_look
 
 RUNS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -32,7 +33,7 @@ QUIET = 0.65  # strength of the ink of text that is not the first to be read
 
 def literal(text: object) -> str:
     """Write a user's text as it stands: without formulas between $, and in the legend even if it begins with _."""
-    said = str(text).replace("$", r"\$")
+    said = printable(text, keep="\n").replace("$", r"\$")
     return f"\N{ZERO WIDTH SPACE}{said}" if said.startswith("_") else said
 
 
@@ -41,7 +42,7 @@ class _Description(Artist):
 
     def __init__(self, title: str, text: str) -> None:
         super().__init__()
-        self.title, self.text = title, text
+        self.title, self.text = printable(title), printable(text)
         self.set_in_layout(False)
 
     def draw(self, renderer: object) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.algorithm import in_turn
+from walkerlab.markup import printable
 from walkerlab.quantity import function_name
 from walkerlab.records import BY_HAND, births
 from walkerlab.settings import Settings
@@ -52,7 +53,7 @@ def _evolved_with(by_hand: dict[int, list[str]]) -> list[str]:
 
 def own_functions(settings: Settings) -> list[str]:
     """Name the functions of settings that are somebody's own."""
-    return [name for home, name in _functions(settings) if not home.startswith(OURS)]
+    return [printable(name) for home, name in _functions(settings) if not home.startswith(OURS)]
 
 
 def _functions(settings: Settings) -> list[tuple[str, str]]:

@@ -1,22 +1,20 @@
 """The report of a run: a page that stands alone, and the pictures and tables beside it."""
 
 import math
-import platform
 import re
 from collections.abc import Mapping
 from contextlib import suppress
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from walkerlab import genome, store, story
+from walkerlab import genome, provenance, store, story
 from walkerlab.choices import Structure
 from walkerlab.confirmation import confirm
 from walkerlab.glossary import glossary, rows_of
-from walkerlab.markup import Html, code, details, facts, join, page, table, tag
-from walkerlab.records import births
+from walkerlab.markup import Html, cell, code, details, facts, join, page, table, tag
+from walkerlab.records import COLUMNS, births
 from walkerlab.report.code import STEPS, as_python, own_functions
 from walkerlab.report.pictures import FOLDER, KINDS, Picture, Subject, draw_all
 from walkerlab.rollout import Rollout
@@ -33,7 +31,6 @@ FILES = (
     f"In {FOLDER} is each picture as SVG, PDF and PNG; in {TABLES}, the generations and the champion's walk over time."
 )
 MORE = "Every picture as SVG, PDF and PNG, and more tables, are written by run.save_report(folder)."
-PACKAGES = ("walkerlab", "mujoco", "dm-control", "numpy")
 
 GROUNDS = {
     Structure.flat: "flat ground",
@@ -66,7 +63,7 @@ def save(
 ) -> Path:
     """Write the report of a run: ``report.html``, ``replay.html``, ``records.csv``, and folders of pictures and tables.
 
-    The page is written last, so that where there is one, all is there.
+    The page goes first and comes last, in one step: where there is one, all is there, and of this run as it is.
 
     Args:
         settings: of the run.
@@ -84,7 +81,8 @@ def save(
     """
     folder, run = Path(folder), Subject.of(settings, records)
     folder.mkdir(parents=True, exist_ok=True)
-    records.to_csv(folder / "records.csv", index=False)
+    (folder / NAME).unlink(missing_ok=True)
+    _for_spreadsheets(records).to_csv(folder / "records.csv", index=False)
     if files:
         (folder / TABLES).mkdir(exist_ok=True)
         story.generations(records).to_csv(folder / TABLES / "generations.csv", index=False)
@@ -108,8 +106,15 @@ def save(
     style = (HERE / "report.css").read_text(encoding="utf-8")
     title = f"Walkers evolved on {_terrain(settings)}"
     text = page(title, style, tag("h1", title), tag("nav", *links, aria_label="Contents"), *parts)
-    (folder / NAME).write_text(text, encoding="utf-8")
-    return folder / NAME
+    whole = folder / f"{NAME}.part"
+    whole.write_text(text, encoding="utf-8")
+    return whole.replace(folder / NAME)
+
+
+def _for_spreadsheets(records: pd.DataFrame) -> pd.DataFrame:
+    """Make sure that no text of a table, which may be somebody else's, is a formula."""
+    texts = [name for name, (kind, *_) in COLUMNS.items() if kind is str]
+    return records.assign(**{name: records[name].map(cell, na_action="ignore") for name in texts})
 
 
 def _terrain(settings: Settings) -> str:
@@ -240,8 +245,9 @@ def _again(run: Subject, versions: Mapping[str, str], files: bool) -> Html:
 def _facts(path: Path | None) -> dict[str, str]:
     """Tell the versions: those that the run file knows of, or those of this machine."""
     if path and path.exists():
-        return {name: value for name, value in store.read(path)[0].items() if name != "settings"}
-    return {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}}
+        whose, made_with = store.read_facts(path)
+        return made_with | whose
+    return dict(provenance.here())
 
 
 def _walk(rollout: Rollout) -> pd.DataFrame:

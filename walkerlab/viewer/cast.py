@@ -11,6 +11,7 @@ from walkerlab.choices import Structure
 from walkerlab.fitness import poorest_walk
 from walkerlab.genome import Genome
 from walkerlab.ground import bounds
+from walkerlab.markup import printable
 from walkerlab.plots.style import RUNS
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings, Terrain
@@ -59,7 +60,7 @@ def _named(walkers: Any) -> Iterable[tuple[str, Genome]]:
         raise TypeError("first comes who walks, and then the settings: wl.replay(genome, settings)")
     walkers = getattr(walkers, "champion", walkers)  # of a run
     if isinstance(walkers, Mapping):
-        pairs = [(str(name), one) for name, one in walkers.items()]
+        pairs = [(printable(name), one) for name, one in walkers.items()]
     elif isinstance(walkers, str | Genome) or hasattr(walkers, "genome") or getattr(walkers, "ndim", 0) == 1:
         pairs = [(_name(walkers, ""), walkers)]
     else:

@@ -1,0 +1,148 @@
+"""Nothing of walkerlab's listens to other computers, and nobody on this one gets in without the token."""
+
+import importlib.util
+import ipaddress
+import json
+import os
+import re
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+
+from tests.conftest import lacking
+from tests.faults import number
+from tests.test_cluster import until
+
+psutil = pytest.importorskip("psutil")
+
+NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
+KERNEL = 5  # ports of a kernel
+
+CARELESS = """
+c = get_config()
+c.ServerApp.ip = "0.0.0.0"
+c.ServerApp.allow_remote_access = True
+c.IdentityProvider.token = ""
+c.KernelManager.ip = "0.0.0.0"
+c.ServerKernelManager.ip = "0.0.0.0"
+"""
+SERVERS = number([CARELESS], ["", CARELESS, 'c.ServerApp.token = ""', 'c.ServerApp.ip = "*"'])
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal that lets a server end in good order")
+
+
+def listening(pid):
+    """The addresses and ports at which a process and its children listen."""
+    root = psutil.Process(pid)
+    return {
+        tuple(connection.laddr)
+        for process in [root, *root.children(recursive=True)]
+        for connection in connections(process)
+        if connection.status == psutil.CONN_LISTEN or not connection.raddr
+    }
+
+
+def connections(process):
+    try:
+        return process.net_connections("inet")
+    except psutil.NoSuchProcess:  # ended just now
+        return []
+
+
+def is_only_here(pid):
+    return all(ipaddress.ip_address(address).is_loopback for address, _ in listening(pid))
+
+
+def ask(address, path, token="", method="GET"):
+    """Ask a Jupyter server; None if it lets nobody in."""
+    question = urllib.request.Request(f"{address}{path}", method=method)
+    if token:
+        question.add_header("Authorization", f"token {token}")
+    try:
+        with urllib.request.urlopen(question, timeout=30) as answer:
+            return json.load(answer)
+    except urllib.error.HTTPError as error:
+        if error.code != 403:
+            raise
+        return None
+
+
+@contextmanager
+def lab(folder, config):
+    """Start ``walkerlab lab`` for a user with settings of Jupyter; yield its process, address and token."""
+    (folder / "jupyter_server_config.py").write_text(config)
+    command = [sys.executable, "-m", "walkerlab", "lab", "--no-browser", "--allow-root"]
+    own = {name: str(folder) for name in ("HOME", "JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR")}
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("JUPYTER")} | own
+    with subprocess.Popen(command, cwd=folder, env=environment, stderr=subprocess.PIPE, text=True) as server:
+        try:
+            found = (
+                re.search(r"(http://[\w.]+:\d+)/lab/tree/\S*?(?:\?token=(\w+))?$", line.strip())
+                for line in server.stderr
+            )
+            address, token = next(one for one in found if one).groups()
+            yield server.pid, address, token
+        finally:
+            server.terminate()
+            server.stderr.read()
+
+
+@posix
+@pytest.mark.parametrize("config", SERVERS)
+def test_walkerlab_lab_is_for_who_sits_here_whatever_his_jupyter_is_told(tmp_path, config):
+    with lab(tmp_path, config) as (pid, address, token):
+        at_first = len(listening(pid))
+        assert ask(address, "/api/kernels", token, "POST")
+        until(lambda: len(listening(pid)) >= at_first + KERNEL)
+        assert is_only_here(pid), listening(pid)
+        for path in ("/api/kernels", "/api/contents", "/api/terminals"):
+            assert ask(address, path) is None
+            assert ask(address, path, "0" * 48) is None
+            assert ask(address, path, token) is not None
+
+
+# ------------------------------------------------------------------------------------------------- those who walk
+
+WALK = """
+import os, sys
+import walkerlab as wl
+{cells}
+settings = wl.Settings().with_(population_size=6, generations=2, duration=1)
+for _ in wl.Evolution(settings, executor={executor}):
+    pass
+print("walked", flush=True)
+sys.stdin.read()
+"""
+
+
+@contextmanager
+def walking(folder, cells, executor):
+    """Have some Python evolve; yield its process while its workers are still there."""
+    command = [sys.executable, "-c", WALK.format(cells=cells, executor=executor)]
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, cwd=folder, **pipes) as process:
+        assert any(line == "walked\n" for line in process.stdout)
+        yield process.pid
+        process.stdin.close()
+
+
+def test_a_run_on_all_cores_listens_nowhere(tmp_path):
+    with walking(tmp_path, "", "None") as pid:
+        assert psutil.Process(pid).children(recursive=True)
+        assert not listening(pid)
+
+
+@pytest.mark.skipif(number(True, False), reason="in full number only: python -m tests.faults")
+def test_the_cluster_of_the_notebook_is_for_this_computer_only(tmp_path):
+    if not importlib.util.find_spec("distributed"):
+        lacking("distributed")
+    book = json.loads((NOTEBOOKS / "05_cluster.ipynb").read_text(encoding="utf-8"))
+    cells = ["".join(cell["source"]) for cell in book["cells"] if cell["cell_type"] == "code"]
+    with walking(tmp_path, "\n".join(cells[:2]), "executor") as pid:
+        assert len(listening(pid)) >= 1 + 2 * 2  # the scheduler, and of each worker its own port and its nanny's
+        assert is_only_here(pid), listening(pid)

@@ -1,0 +1,254 @@
+"""Whatever a student's own function does wrong, at once or late in a run: it is said in words, and the run goes on."""
+
+import signal
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from functools import cache
+from itertools import islice
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import walkerlab as wl
+from tests.faults import number
+from walkerlab import evaluation, fitness
+from walkerlab.live import LiveRun, State
+from walkerlab.phenotype import express
+
+SETTINGS = wl.Settings().with_(duration=1, population_size=12, generations=5, n_elites=2, seed=3)
+SLOTS = ("selection", "crossover", "mutation", "fitness")
+NAMES = {"fitness": "the fitness function 'mine'"} | {slot: f"{slot} 'mine'" for slot in SLOTS[:3]}
+
+
+def select(fitness, n_parents, *, rng):
+    return rng.integers(len(fitness), size=n_parents)
+
+
+def cross(parents, fitness, n_children, *, rng):
+    mothers = rng.integers(len(parents), size=n_children)
+    return parents[mothers], mothers[:, None]
+
+
+def mutate(genomes, genes, *, rng):
+    """Change half of them, so that some have walked before."""
+    changed = genomes.copy()
+    changed[:, 1] += np.where(rng.random(len(genomes)) < 0.5, 0.0, 0.001)
+    return changed
+
+
+SOUND = dict(zip(SLOTS, (select, cross, mutate, lambda rollout: rollout.distance), strict=True))
+
+
+def raises(answer, given):
+    raise IndexError("none left")
+
+
+def misshapes(answer, given):
+    match answer:
+        case float():
+            return np.array([answer, answer])
+        case children, parents:
+            return children[:-1], parents
+        case _:
+            return answer[:-1]
+
+
+def knows_nothing(answer, given):
+    return (answer[0] * np.nan, answer[1]) if isinstance(answer, tuple) else answer * np.nan
+
+
+def writes(answer, given):
+    getattr(given[0], "com", given[0])[...] = 0
+    return answer
+
+
+def gambles(answer, given):
+    np.random.random()  # noqa: NPY002
+    return answer
+
+
+def hangs(answer, given):
+    while given:
+        pass
+
+
+TOLD = {
+    raises: r" raised IndexError: none left \(line \d+\)",
+    misshapes: r" must .*; it returned an array",
+    knows_nothing: r" must .*; it returned (nan|an array of shape \(\d+,\), float64)",
+    writes: r" must leave what it is given as it was; it wrote into what is read-only \(line \d+\)",
+    gambles: " used np.random, which all of Python shares",
+    hangs: r" had not returned after 0\.\d s \(line \d+\)",
+}
+
+
+def spoilt(slot, misdeed=None, is_due=lambda walk: True):
+    """Return a function for a slot, sound but for what it does when that is due."""
+
+    def mine(*given, **named):
+        answer = SOUND[slot](*given, **named)
+        return misdeed(answer, given) if misdeed and is_due(given[0]) else answer
+
+    return mine
+
+
+def walks(genomes, settings, asked=""):
+    """Stand in for the walks of a task: as repeatable, and no two alike."""
+    even = fitness._made_up_walk()
+    return [
+        [replace(even, com=even.com * (1 + values.sum() % 7), phenotype=express(genome))]
+        for genome, values in ((genome, genome.values) for genome in genomes)
+    ]
+
+
+@pytest.fixture
+def pool(monkeypatch):
+    monkeypatch.setattr(evaluation, "_walk_all", walks)
+    with ThreadPoolExecutor(1) as pool:
+        yield pool
+
+
+@cache
+def whole(slot):
+    """Return the table of a run in which nothing goes wrong."""
+    with ThreadPoolExecutor(1) as pool:
+        return wl.evolve(SETTINGS.with_(**{slot: spoilt(slot)}), executor=pool, progress=False).records
+
+
+def same(left, right):
+    pd.testing.assert_frame_equal(left.reset_index(drop=True), right.reset_index(drop=True), check_exact=True)
+
+
+def none_goes_on():
+    guests = [thread for thread in threading.enumerate() if thread.name == "walkerlab guest"]
+    for guest in guests:
+        guest.join(0.5)
+    return not any(guest.is_alive() for guest in guests)
+
+
+@pytest.mark.parametrize("slot", SLOTS)
+@pytest.mark.parametrize("misdeed", TOLD, ids=lambda misdeed: misdeed.__name__)
+def test_at_once_it_is_told_before_anything_walks(misdeed, slot, tmp_path, monkeypatch):
+    class NoPhysics(ThreadPoolExecutor):
+        def submit(self, *args, **kwargs):
+            raise AssertionError("physics ran")
+
+    monkeypatch.setenv("WALKERLAB_PATIENCE", "0.2")
+    settings = SETTINGS.with_(**{slot: spoilt(slot, misdeed)})
+    with pytest.raises(wl.OperatorError, match=rf"^{NAMES[slot]}{TOLD[misdeed]}.*, when tried on a .*\. \w"):
+        wl.evolve(settings, tmp_path / "run.walk", executor=NoPhysics(), progress=False)
+    assert not list(tmp_path.iterdir())
+    assert none_goes_on()
+
+
+@pytest.mark.parametrize("slot", SLOTS)
+@pytest.mark.parametrize("misdeed", TOLD, ids=lambda misdeed: misdeed.__name__)
+@pytest.mark.parametrize("late", number([3], [1, 2, 3, 4]))
+def test_late_it_is_told_with_the_generation_and_who_mends_it_loses_nothing(
+    late, misdeed, slot, pool, tmp_path, monkeypatch
+):
+    path, done, walked = tmp_path / "run.walk", [], []
+
+    def is_due(walk):
+        """Say so in one generation; of the walks in it, for the third one only."""
+        if len(done) != late:
+            return False
+        if slot == "fitness" and walk.distance not in walked:
+            walked.append(walk.distance)
+        return slot != "fitness" or walk.distance in walked[2:]
+
+    evolution = wl.Evolution(SETTINGS.with_(**{slot: spoilt(slot, misdeed, is_due)}), path, pool)
+    done.extend(generation.number for generation in islice(evolution, late))
+    if misdeed is hangs:
+        monkeypatch.setenv("WALKERLAB_PATIENCE", "0.5")
+    with pytest.raises(wl.OperatorError, match=rf"^{NAMES[slot]}{TOLD[misdeed]}") as caught:
+        next(iter(evolution))
+    monkeypatch.delenv("WALKERLAB_PATIENCE", raising=False)
+    assert none_goes_on()
+
+    truth = whole(slot)
+    same(wl.load(path).records, truth[truth.generation < late])
+    same(wl.resume(path, executor=pool, progress=False, **{slot: spoilt(slot)}).records, truth)
+    if slot == "fitness":
+        [individual] = truth.individual[(truth.born == late) & (truth.distance == walked[2])].drop_duplicates()
+        assert f", for individual {individual} of generation {late}. " in str(caught.value)
+    else:
+        assert f", while making generation {late}. " in str(caught.value)
+
+
+def test_the_individual_is_told_also_where_those_before_it_need_not_walk(pool, tmp_path):
+    path, walked = tmp_path / "run.walk", []
+
+    def later_half(genomes, genes, *, rng):
+        changed = genomes.copy()
+        changed[len(genomes) // 2 :, 1] += 0.001
+        return changed
+
+    settings = SETTINGS.with_(crossover="none", mutation=later_half, generations=2)
+    faulty = spoilt("fitness", raises, lambda walk: path.exists() and not walked.append(walk.distance))
+    with pytest.raises(wl.OperatorError) as caught:
+        wl.evolve(settings.with_(fitness=faulty), path, executor=pool, progress=False)
+    truth = wl.evolve(settings, executor=pool, progress=False).records
+    [individual] = truth.individual[(truth.generation == 1) & (truth.distance == walked[0])]
+    assert f", for individual {individual} of generation 1. " in str(caught.value)
+
+
+def test_ctrl_c_while_a_function_hangs_keeps_what_is_done(pool, tmp_path):
+    path = tmp_path / "run.walk"
+
+    def presses_and_hangs(answer, given):
+        signal.raise_signal(signal.SIGINT)
+        hangs(answer, given)
+
+    faulty = spoilt("fitness", presses_and_hangs, lambda walk: path.exists())
+    kept = wl.evolve(SETTINGS.with_(fitness=faulty), path, executor=pool, progress=False)
+    assert kept.n_generations == 1
+    assert none_goes_on()
+    same(wl.resume(path, executor=pool, progress=False, fitness=spoilt("fitness")).records, whole("fitness"))
+
+
+def test_alone_evaluate_tells_the_place_of_a_robot_and_its_genome(pool):
+    genomes = [wl.Genome.random(SETTINGS.robot, rng=np.random.default_rng(i)) for i in range(5)]
+    faulty = walks([genomes[3].within(SETTINGS.robot)], SETTINGS)[0][0].distance
+    settings = SETTINGS.with_(fitness=spoilt("fitness", knows_nothing, lambda walk: walk.distance == faulty))
+    with pytest.raises(
+        wl.OperatorError, match=r"'mine' must .*; it returned nan, for robot 3 of those given"
+    ) as caught:
+        wl.evaluate(genomes, settings, pool)
+    assert caught.value.genome == genomes[3].within(SETTINGS.robot)
+    assert "sys.last_value.genome" in caught.value.__notes__[0]
+
+
+REAL = SETTINGS.with_(population_size=4, generations=3, n_elites=0)
+
+
+def test_real_walks_that_come_from_other_processes_cannot_be_written_into(tmp_path):
+    path = tmp_path / "run.walk"
+    faulty = spoilt("fitness", writes, lambda walk: evolution.n_generations == 2 if path.exists() else False)
+    evolution = wl.Evolution(REAL.with_(fitness=faulty), path)
+    with pytest.raises(wl.OperatorError, match=r"wrote into what is read-only .* of generation 2"):
+        list(evolution)
+    resumed = wl.resume(path, progress=False, fitness=spoilt("fitness")).records
+    same(resumed, wl.evolve(REAL.with_(fitness=spoilt("fitness")), progress=False).records)
+
+
+def test_a_run_on_a_thread_of_its_own_fails_in_words_and_keeps_what_is_done(monkeypatch):
+    over, lives = threading.Event(), []
+
+    def hear(run):
+        if run.n_generations:
+            monkeypatch.setenv("WALKERLAB_PATIENCE", "0.5")
+        if run.is_over:
+            over.set()
+
+    faulty = spoilt("fitness", hangs, lambda walk: any(live.n_generations for live in lives))
+    with ThreadPoolExecutor(1) as pool:
+        lives.append(LiveRun(REAL.with_(fitness=faulty), executor=pool, on_news=hear))
+        lives[0].go_on()
+        assert over.wait(60)
+    assert lives[0].state == State.failed
+    assert "'mine' had not returned after 0.5 s" in str(lives[0].error)
+    assert lives[0].n_generations == 1
+    assert none_goes_on()
