@@ -48,6 +48,7 @@ _ROOMS = {
     "settings": ("Algorithm", "Robot", "Settings", "Simulation", "Terrain"),
     "store": ("RunFileError",),
     "viewer": ("Replay", "replay"),
+    "workers": ("WorkersLostError",),
     "widgets.lab": ("Lab",),
 }
 """Where each public name lives."""
@@ -115,6 +116,7 @@ if TYPE_CHECKING:
     from walkerlab.viewer import Replay as Replay
     from walkerlab.viewer import replay as replay
     from walkerlab.widgets.lab import Lab as Lab
+    from walkerlab.workers import WorkersLostError as WorkersLostError
 
 
 def __getattr__(name: str) -> Any:

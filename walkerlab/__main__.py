@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TextIO
 
 import walkerlab as wl
+from walkerlab.faults import Fault
 from walkerlab.interrupts import interrupts_held
 from walkerlab.markup import printable
 
@@ -46,7 +47,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     except ImportError as error:
         return _say(f"{error}\nFor the mend, ask: walkerlab doctor", to=1)
-    except (wl.SettingsError, wl.RunFileError, wl.GenomeError, OSError) as error:
+    except (Fault, OSError) as error:
         return _say(str(error), to=REFUSED)
     finally:
         if argv is None:
@@ -83,8 +84,6 @@ def _obey(words: Sequence[str]) -> int:
     if strangers and given.run is not _evolve:
         parser.error(f"{given.command} does not know: {' '.join(strangers)}")
     given.strangers = strangers
-    from walkerlab.workers import WorkersLostError
-
     with warnings.catch_warnings():
         warnings.showwarning = lambda message, *_, **__: print(f"\nNote: {message}", file=sys.stderr)
         try:
@@ -92,8 +91,10 @@ def _obey(words: Sequence[str]) -> int:
         except KeyboardInterrupt:
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # it has been heard
             return _say(f"\n{_stopped(given)}", to=INTERRUPTED)
-        except WorkersLostError as error:
-            return _say(f"\nThe workers are lost: {error}\n{_stopped(given)}", to=1)
+        except Fault as error:
+            if kept := getattr(error, "run", None):
+                return _say(f"\n{error}\n{_kept(kept)}", to=1)
+            raise
 
 
 def _stopped(given: argparse.Namespace) -> str:

@@ -236,8 +236,11 @@ def evolve(
         The run: ``.records``, ``.champion``, ``.lineage(individual)``.
 
     Raises:
-        OperatorError: if an operator of the user's own does not do what its slot needs.
-        RunFileError: if there is a file at ``path``.
+        OperatorError: if a function of the user's own does not do what its slot needs.
+        RunFileError: if there is a file at ``path``, or it cannot be written.
+        WorkersLostError: if those who walk give no answer, or have no memory left.
+
+    What is raised once a generation is done holds the run so far, ``error.run``, and a note on how to go on with it.
     """
     settings = Settings() if settings is None else settings
     with _bar(settings, progress) as bar:

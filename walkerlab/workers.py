@@ -12,6 +12,7 @@ from functools import cache, partial
 from multiprocessing.util import Finalize
 from typing import Any
 
+from walkerlab.faults import Fault
 from walkerlab.interrupts import interrupts_held
 
 IDLE_TIMEOUT = 300  # s without work after which loky's workers go home
@@ -26,7 +27,7 @@ FEWER_WORKERS = (
 """The mend where memory is short."""
 
 
-class WorkersLostError(RuntimeError):
+class WorkersLostError(Fault, RuntimeError):
     """Those who should do some work did not: they ended time and again, gave no answer, or had no memory left."""
 
 

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 import walkerlab as wl
-from walkerlab.live import State
+from walkerlab.live import LiveRun, State
 from walkerlab.report.code import as_python
 from walkerlab.widgets.card import card
 
@@ -75,6 +75,12 @@ def test_a_run_goes_from_start_to_end_and_is_kept(lab, pool):
     assert f"Robot {alone.champion.individual}" in lab.robot.card.value
     assert "<svg" in lab.runs.curve.value
     assert lab.transport.share == 1
+
+
+def test_workers_that_were_lost_are_told_of(lab, monkeypatch):
+    monkeypatch.setattr(LiveRun, "note", "One was killed.")
+    step(lab)
+    assert lab.runs.drawer.words == "One was killed."
 
 
 def test_nothing_happens_before_a_button_is_pressed(lab, tmp_path):

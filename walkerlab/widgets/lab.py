@@ -227,6 +227,8 @@ class Lab(ipywidgets.Box):
             self.transport.state, self.transport.words = live.state, words
             self.transport.share = live.n_done / live.n_walks
         self.robot.editor.can_insert = not live.is_over and done > 0
+        if live.note:
+            self.runs.drawer.words = live.note
 
     # ------------------------------------------------------------------------------------------- what comes of it
 
