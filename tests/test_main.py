@@ -439,7 +439,7 @@ def test_an_unknown_command_is_met_with_the_one_that_was_meant(capsys):
 
 def test_help_is_quick_because_nothing_heavy_is_loaded():
     code = (
-        "import sys; from walkerlab.__main__ import _grammar; _grammar();"
+        "import sys; from walkerlab.commands.grammar import grammar; grammar();"
         "print({'mujoco', 'pandas', 'matplotlib', 'dm_control'} & set(sys.modules))"
     )
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

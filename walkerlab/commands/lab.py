@@ -1,9 +1,13 @@
 """JupyterLab, opened on a student's own copies of the notebooks."""
 
+import argparse
 import secrets
 import shutil
+import sys
 from collections.abc import Sequence
 from pathlib import Path
+
+from walkerlab.commands.terminal import REFUSED, say
 
 FOLDER = "walkerlab-notebooks"
 FIRST = "00_meet_a_walker.ipynb"
@@ -53,3 +57,19 @@ def open_lab(folder: Path, options: Sequence[str] = ()) -> None:
         server.identity_provider.token = secrets.token_hex(24)
         server.identity_provider.token_generated = True  # or the address would be printed without it
     server.start()
+
+
+def run(given: argparse.Namespace) -> int:
+    """Copy the notebooks, say so, and open JupyterLab on them."""
+    folder = Path(FOLDER)
+    copied = copy_notebooks(folder)
+    notebooks = f"{len(copied)} notebook{'' if len(copied) == 1 else 's'}"
+    new = f"New in {folder}: {notebooks}." if copied else f"All notebooks are in {folder} already."
+    print(f"{new} What was there before stays as it was.", flush=True)
+    options = [f"--{name.replace('_', '-')}" for name in ("no_browser", "allow_root") if getattr(given, name)]
+    options += [f"--port={given.port}"] if given.port else []
+    try:
+        open_lab(folder, options)
+    except ImportError:
+        return say(f'JupyterLab is not installed. Mend: "{sys.executable}" -m pip install jupyterlab', to=REFUSED)
+    return 0

@@ -46,3 +46,15 @@ def _survived(look: Look) -> Iterator[Finding]:
             f"the look at {look.__name__} failed: {type(error).__name__}: {error}",
             "close other programs and ask again; if that is not it, show all of this to whoever keeps walkerlab",
         )
+
+
+def tell(_: object = None) -> int:
+    """Print all that is found, and return the exit code: 1 if there is a fault."""
+    faults = 0
+    for finding in examine():
+        print(finding, flush=True)
+        faults += finding.level == "fault"
+    print(
+        "\nMend the faults above, and ask again." if faults else "\nThis machine can evolve walkers: walkerlab evolve"
+    )
+    return 1 if faults else 0

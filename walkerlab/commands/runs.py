@@ -1,0 +1,170 @@
+"""What ``evolve``, ``resume``, ``show`` and ``rescue`` do."""
+
+from __future__ import annotations  # a run is named here before what it takes is loaded
+
+import argparse
+import sys
+from typing import TYPE_CHECKING
+
+from walkerlab.commands.terminal import INTERRUPTED, tell
+from walkerlab.interrupts import interrupts_held
+
+if TYPE_CHECKING:
+    from walkerlab.run import Run
+
+
+def evolve(given: argparse.Namespace) -> int:
+    """Evolve into a new folder."""
+    with interrupts_held():
+        from walkerlab import story
+        from walkerlab.commands import flags
+        from walkerlab.run import load
+        from walkerlab.store import RUN_FILE, RunFileError
+        from walkerlab.workers import n_cores
+
+    settings = flags.settings_of(vars(given), given.strangers)
+    path = given.out / RUN_FILE
+    if path.exists():
+        raise RunFileError(
+            f"{given.out} holds a run already, and a run is never written over.\n"
+            f"Go on with it:    walkerlab {_to_go_on(load(path))}\n"
+            f"Begin a new one:  walkerlab evolve --out ANOTHER-FOLDER"
+        )
+    if not given.quiet:
+        print(story.opening(settings, n_cores()), flush=True)
+    with interrupts_held():
+        from walkerlab import evolution  # for which mujoco is loaded
+    try:
+        run = evolution.evolve(settings, path, progress=not given.quiet)
+    except KeyboardInterrupt:
+        if not path.exists():
+            raise
+        run = load(path)
+    return _finish(run, quiet=given.quiet)
+
+
+def resume(given: argparse.Namespace) -> int:
+    """Go on with a run, or if it is done, write what is missing beside it."""
+    with interrupts_held():
+        from walkerlab import outputs, story
+        from walkerlab.run import load, with_functions
+        from walkerlab.workers import n_cores
+
+    run = with_functions(load(given.path), {})
+    done, wanted = run.n_generations, given.generations
+    wanted = run.settings.algorithm.generations if wanted is None else wanted
+    if done == wanted and run.path:
+        if not all((run.path.parent / name).exists() for name in outputs.FILES):  # stopped when all but these was done
+            outputs.write(run, run.path.parent)
+        if not given.quiet:
+            print(f"All {done} generations are done; to go on: walkerlab {_to_go_on(run)}")
+        return 0
+    if not given.quiet and done < wanted:
+        print(story.opening(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
+    with interrupts_held():
+        from walkerlab import evolution
+    return _finish(evolution.resume(given.path, given.generations, progress=not given.quiet), quiet=given.quiet)
+
+
+def _to_go_on(run: Run) -> str:
+    """Give the words that resume a run: to its end, or if it is there, to twice as many generations."""
+    done, wanted = run.n_generations, run.settings.algorithm.generations
+    return f"resume {_named(run)}" + (f" --generations {2 * done}" if done == wanted else "")
+
+
+def _named(run: Run) -> str:
+    """Name a run as briefly as a shell takes it: by its folder, if its file is the run file of that folder."""
+    from walkerlab import store
+
+    assert run.path
+    name = str(run.path.parent if run.path.name == store.RUN_FILE else run.path)
+    return f'"{name}"' if " " in name else name
+
+
+def _finish(run: Run, *, quiet: bool) -> int:
+    """Write what belongs into the run's folder, and say what has come of it and what to do next."""
+    with interrupts_held():
+        from walkerlab import outputs, story
+
+    assert run.path
+    folder, wanted = run.path.parent, run.settings.algorithm.generations
+    is_stopped = run.n_generations < wanted
+    if is_stopped:
+        print(f"\n{kept(run)}", file=sys.stderr if quiet else sys.stdout)
+    if not quiet:
+        print()
+        tell(story.champion_story(run.records, run.settings.model_dump()))
+        if run.champion.verdict == "ok":
+            print(run.confirm())
+        print("\nDrawing the report …", flush=True)
+    outputs.write(run, folder)
+    if not quiet:
+        print(f"\nIn the folder {folder} there are now")
+        print("\n".join(f"  {name:13} {about}" for name, about in outputs.FILES.items()))
+        print("\nWhat next?")
+        next_steps = {
+            f"show {_named(run)}": "what happened, and the champion's family",
+            _to_go_on(run): "evolve on",
+            "lab": "play with walkers in notebooks",
+        }
+        width = max(map(len, next_steps))
+        print("\n".join(f"  walkerlab {words:{width}}   {about}" for words, about in next_steps.items()))
+    return INTERRUPTED if is_stopped else 0
+
+
+def show(given: argparse.Namespace) -> int:
+    """Print a run."""
+    from walkerlab import store, story
+    from walkerlab.run import load
+
+    run, path = load(given.path), store.locate(given.path)
+    settings, records = run.settings.model_dump(), run.records
+    tell(f"{path}: {run.n_generations} of {run.settings.algorithm.generations} generations")
+    whose, made_with = store.read_facts(path)
+    for about, facts in (("it has", whose), ("made with", made_with)):
+        tell(f"{about} {', '.join(f'{name} {fact}' for name, fact in facts.items())}")
+    tell(f"\n{story.changed_settings(settings)}")
+    best = run.champion
+    for part in (
+        story.by_generation(records, settings),
+        story.verdict_counts(records),
+        story.champion_story(records, settings),
+        story.gene(best),
+        story.descent(records, best.individual),
+    ):
+        tell(f"\n{part}")
+    return 0
+
+
+def rescue(given: argparse.Namespace) -> int:
+    """Save what is whole of a damaged run."""
+    from walkerlab import run as runs
+    from walkerlab.store import RUN_FILE
+
+    run = runs.rescue(given.path, given.out / RUN_FILE)
+    done, wanted = run.n_generations, run.settings.algorithm.generations
+    print(f"{done} of {wanted} generations are whole, and saved in {given.out}; {given.path} is left as it was.")
+    print(f"Go on with them: walkerlab {_to_go_on(run)}")
+    return 0
+
+
+def stopped(given: argparse.Namespace) -> str:
+    """Say how far a command had come that was stopped."""
+    if given.run not in (evolve, resume):
+        return "Stopped."
+    from walkerlab.run import load
+    from walkerlab.store import RunFileError
+
+    try:
+        return kept(load(given.path if given.run is resume else given.out))
+    except RunFileError:
+        return "Stopped before the first generation was done, so there is nothing to keep."
+
+
+def kept(run: Run) -> str:
+    """Say what is kept of a run that was stopped, and how to go on with it."""
+    done, wanted = run.n_generations, run.settings.algorithm.generations
+    return (
+        f"Stopped after {done} of {wanted} generations; all of these are kept.\n"
+        f"Go on, and have all files made: walkerlab resume {_named(run)}"
+    )
