@@ -7,6 +7,7 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -205,7 +206,8 @@ class TestNeverLost:
         same(wl.resume(path, executor=threads, progress=False).records, run.records)
 
     @pytest.mark.parametrize("name", ["run.walk", None])
-    def test_a_fault_says_what_is_kept_and_how_to_go_on_and_so_it_is(self, name, threads, tmp_path):
+    def test_a_fault_says_what_is_kept_and_how_to_go_on_and_so_it_is(self, name, threads, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
         calls, path = itertools.count(), tmp_path / name if name else None
 
         def shake(genomes, genes, *, rng):
@@ -217,17 +219,35 @@ class TestNeverLost:
         settings = SETTINGS.with_(mutation=shake)
         with pytest.raises(wl.OperatorError) as caught:
             wl.evolve(settings, path, threads, progress=False)
-        told, kept = caught.value.__notes__[-1], caught.value.run
-        assert told.startswith("2 generations done, and kept")
-        assert kept.n_generations == 2
-        sys.last_value = caught.value  # as Python does where nobody catches it
+        told, kept = caught.value.__notes__[-1], path or Path("kept.walk")
+        assert told.startswith(f"What is done is kept in {kept}: 2 generations.")
+        assert caught.value.kept == kept
+        before = wl.load(kept)
         code = told.splitlines()[-1].replace(")", ", executor=threads, progress=False)").strip()
-        names = {"wl": wl, "shake": shake, "threads": threads, "sys": sys}
+        names = {"wl": wl, "shake": shake, "threads": threads}
         exec(code, names)
         whole = wl.evolve(settings, executor=threads, progress=False)
         same(names["run"].records, whole.records)
-        same(kept.records, whole.records.head(12))
-        assert names["run"].path == path
+        same(before.records, whole.records.head(12))
+        assert names["run"].path == kept
+
+    def test_no_kept_run_is_written_over_and_where_nothing_can_be_written_it_is_elsewhere(
+        self, threads, tmp_path, monkeypatch
+    ):
+        evolution = wl.Evolution(SETTINGS, executor=threads)
+        next(iter(evolution))
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.setattr(store, "gettempdir", lambda: str(tmp_path / "elsewhere"))
+        (tmp_path / "kept.walk").write_text("somebody's")
+        archive = evolution._archive
+        assert archive.keep() == archive.keep() == Path("kept-2.walk"), "once is enough"
+        assert (tmp_path / "kept.walk").read_text() == "somebody's"
+        again = wl.Evolution(SETTINGS, executor=threads)
+        next(iter(again))
+        (tmp_path / "gone").mkdir()
+        monkeypatch.chdir(tmp_path / "gone")
+        (tmp_path / "gone").rmdir()
+        assert again._archive.keep() == tmp_path / "elsewhere" / "kept.walk"
 
     def test_resumed_with_other_versions_it_says_so(self, run, threads, tmp_path, monkeypatch):
         path = tmp_path / "run.walk"
@@ -304,7 +324,7 @@ class TestOperatorSlots:
         wl.evolve(SETTINGS.with_(generations=1, **ours), path, executor=threads, progress=False)
         assert wl.load(path).n_generations == 1
         assert wl.load(path).settings.algorithm.selection.keywords == {"size": 2}
-        with pytest.raises(wl.RunFileError, match=r"resume\(path, mutation=nudge\)"):
+        with pytest.raises(wl.RunFileError, match=r"wl\.resume\(.*, mutation=nudge\)"):
             wl.resume(path, generations=3, executor=threads, progress=False)
         same(wl.resume(path, 3, executor=threads, progress=False, mutation=nudge).records, whole.records)
 

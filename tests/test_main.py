@@ -340,7 +340,9 @@ def test_what_is_whole_of_a_damaged_run_is_saved_and_gone_on_with(
     assert main(re.search(r"walkerlab (rescue \S+),", told).group(1).replace('"', "").split()) == 0
     assert "1 of 2 generations are whole, and saved in rescued" in capsys.readouterr().out
     assert main(["rescue", "damaged"]) == 2
-    assert "never written over" in capsys.readouterr().err
+    assert "--out ANOTHER-FOLDER" in capsys.readouterr().err
+    assert main(["rescue", "nowhere", "--out", "new"]) == 2
+    assert "there is no run file at nowhere" in capsys.readouterr().err
     assert (damaged / "run.walk").read_bytes() == before
     assert main(["resume", "rescued", "--quiet"]) == 0
     assert wl.load("rescued").records.equals(wl.load(done).records)

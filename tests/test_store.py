@@ -96,11 +96,12 @@ def test_some_generations_and_some_individuals_are_read_alone(path):
     tables = [generation(number) for number in range(4)]
     for table in tables:
         add(path, table)
-    assert same(store.read_generations(path, 1, 3), tidy(pd.concat(tables[1:3], ignore_index=True)))
-    assert same(store.read_generations(path, 3, 99), tables[3])
-    assert same(store.read_generations(path, 4, 4), EMPTY)
+    me = store.read_facts(path)[0]["id"]
+    assert same(store.read_generations(path, me, 1, 3), tidy(pd.concat(tables[1:3], ignore_index=True)))
+    assert same(store.read_generations(path, me, 3, 99), tables[3])
+    assert same(store.read_generations(path, me, 4, 4), EMPTY)
     born = [(2, 203), (0, 0), (1, 203), (9, 900)]  # the last two are not there
-    found = store.read_births(path, ["generation", "individual", "genome"], born)
+    found = store.read_births(path, me, ["generation", "individual", "genome"], born)
     assert found == [(2, 203, tables[2].genome[3]), (0, 0, tables[0].genome[0])]
 
 
@@ -141,13 +142,13 @@ import os, signal, sys
 from pathlib import Path
 sys.path[:0] = sys.argv[2:]
 import pandas as pd
-from tests.test_store import add, generation
+from tests.test_store import add, generation, table_of
 
 class Deadly:
     def __conform__(self, protocol):
         os.kill(os.getpid(), signal.SIGKILL)
 
-half = generation(99, n=4000).astype({"genome": object})
+half = generation(table_of(Path(sys.argv[1])).generation.max() + 1, n=4000).astype({"genome": object})
 genomes = ["x" * 2000] * 3999  # far more than SQLite holds in memory: half of it is on the disk already
 half["genome"] = pd.Series([*genomes, Deadly()], dtype=object)
 add(Path(sys.argv[1]), half)
@@ -177,6 +178,10 @@ def test_a_claim_leaves_nothing_and_tells_where_nothing_can_be_made(tmp_path):
 def test_a_folder_means_the_run_in_it(tmp_path):
     assert store.locate(tmp_path) == tmp_path / store.RUN_FILE
     assert store.locate(tmp_path / "mine.walk") == tmp_path / "mine.walk"
+    (tmp_path / "mine.walk").touch()
+    assert store.locate(tmp_path) == tmp_path / "mine.walk", "where it is the only one"
+    (tmp_path / "yours.walk").touch()
+    assert store.locate(tmp_path) == tmp_path / store.RUN_FILE
 
 
 def test_a_file_is_made_whole_or_not_at_all(tmp_path, monkeypatch):
@@ -203,7 +208,7 @@ def test_of_two_processes_that_go_on_with_a_run_one_is_told(path):
     for number in range(3):
         add(path, generation(number))
     before = table_of(path)
-    with pytest.raises(RunFileError, match=r"another process has gone on with .* 3 generations"):
+    with pytest.raises(RunFileError, match=r"somebody else has changed .* 3 generations now"):
         add(path, generation(2))
     assert same(table_of(path), before)
 
@@ -257,8 +262,8 @@ def refusals(path):
     """Return what each way to use a run file says against this one."""
     for use in (
         lambda: store.read(path),
-        lambda: store.read_generations(path, 0, 1),
-        lambda: store.read_births(path, ["genome"], [(0, 0)]),
+        lambda: store.read_generations(path, "me", 0, 1),
+        lambda: store.read_births(path, "me", ["genome"], [(0, 0)]),
         lambda: store.append(path, generation(9), "somebody's"),
         lambda: store.go_on(path, {}),
     ):

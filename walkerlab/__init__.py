@@ -124,7 +124,11 @@ def __getattr__(name: str) -> Any:
     if name in _MODULES:
         return import_module(f"walkerlab.{name}")
     if name not in _HOME:
-        raise AttributeError(f"walkerlab has no {name!r}; it has {', '.join(sorted([*_HOME, *_MODULES]))}")
+        from difflib import get_close_matches
+
+        meant = get_close_matches(name, names := sorted([*_HOME, *_MODULES]), n=1)
+        mend = f"did you mean {meant[0]!r}?" if meant else f"it has {', '.join(names)}"
+        raise AttributeError(f"walkerlab has no {name!r}; {mend}")
     return getattr(import_module(f"walkerlab.{_HOME[name]}"), name)
 
 

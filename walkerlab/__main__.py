@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Sequence
 from io import TextIOWrapper
 
-from walkerlab.commands.terminal import INTERRUPTED, REFUSED, say
+from walkerlab.commands.terminal import INTERRUPTED, REFUSED, say, tell
 from walkerlab.faults import Fault
 from walkerlab.interrupts import interrupts_held
 
@@ -84,16 +84,16 @@ def _obey(words: Sequence[str]) -> int:
         parser.error(f"{given.command} does not know: {' '.join(strangers)}")
     given.strangers = strangers
     with warnings.catch_warnings():
-        warnings.showwarning = lambda message, *_, **__: print(f"\nNote: {message}", file=sys.stderr)
+        warnings.showwarning = lambda message, *_, **__: tell(f"\nNote: {message}", to=sys.stderr)
         try:
             return given.run(given)
         except KeyboardInterrupt:
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # it has been heard
             return say(f"\n{runs.stopped(given)}", to=INTERRUPTED)
         except Fault as error:
-            if kept := getattr(error, "run", None):
-                return say(f"\n{error}\n{runs.kept(kept)}", to=1)
-            raise
+            if not hasattr(error, "kept"):
+                raise
+            return say(f"\n{error}\n{runs.stopped(given)}", to=1)
 
 
 if __name__ == "__main__":

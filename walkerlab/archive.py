@@ -31,15 +31,11 @@ class Archive:
         self._table, self._lock = join([]), Lock()
 
     @classmethod
-    def of(cls, path: Path | None, table: pd.DataFrame, settings: dict[str, Any]) -> Self:
-        """Take up a run, to go on with it under these settings, plain data; of one that has a file no table is kept."""
+    def of(cls, path: Path, table: pd.DataFrame, settings: dict[str, Any]) -> Self:
+        """Take up a run file, to go on with it under these settings, plain data; its table is not kept."""
         archive = cls(path)
-        if path:
-            archive._id = store.go_on(path, settings)
-            archive._remember(table)
-        else:
-            for _, generation in table.groupby("generation"):
-                archive.add(generation, settings)
+        archive._id = store.go_on(path, settings)
+        archive._remember(table)
         return archive
 
     def add(self, generation: pd.DataFrame, settings: dict[str, Any]) -> None:
@@ -52,12 +48,25 @@ class Archive:
                 self._id = store.create(self._file, settings, generation)
             self._remember(generation)
 
+    def keep(self) -> Path:
+        """Return the file that it is in; what would go with the archive is kept in one from now on.
+
+        Raises:
+            RunFileError: if it is there no more, or none can be made.
+        """
+        with self._lock:
+            if not isinstance(self._file, Path):
+                assert self._file, "a generation was stored"
+                self._file = store.keep(self._file)
+            store.require(self._file, self._id)
+            return self._file
+
     def table(self, n_generations: int) -> pd.DataFrame:
         """Return the table of the first so many generations, the caller's own; what was read once is not read again."""
         with self._lock:
             n_read = 0 if self._table.empty else int(self._table.generation.iloc[-1]) + 1
             if self._file and n_read < n_generations:
-                self._table = join([self._table, store.read_generations(self._file, n_read, n_generations)])
+                self._table = join([self._table, store.read_generations(self._file, self._id, n_read, n_generations)])
             end = int(self._table.generation.searchsorted(n_generations))
             return self._table.iloc[:end].copy(deep=False)
 
@@ -69,7 +78,7 @@ class Archive:
             found = known.take(known[0].searchsorted(hashes), axis=1, mode="clip")
             births += found[1:, found[0] == hashes].T.tolist()
         with self._lock:
-            rows = store.read_births(self._file, Walked._fields, births) if self._file and births else []
+            rows = store.read_births(self._file, self._id, Walked._fields, births) if self._file and births else []
         return {one.genome: one for one in map(Walked._make, rows)}  # of two with the same hash, the one it is
 
     def _remember(self, table: pd.DataFrame) -> None:

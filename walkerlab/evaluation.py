@@ -168,7 +168,6 @@ def _rate(place: int, genome: Genome, rollouts: Sequence[Rollout], settings: Set
         scores = [measures.score(rollout, settings.algorithm.fitness) for rollout in rollouts]
     except OperatorError as error:
         error.place, error.genome, error.where = place, genome, f"for robot {place} of those given"
-        error.add_note("To look at that walk: import sys; rollout = wl.simulate(sys.last_value.genome, settings)")
         raise
     fitness = min(scores)
     rollout = rollouts[scores.index(fitness)]

@@ -19,6 +19,7 @@ from walkerlab.archive import Archive
 from walkerlab.evaluation import evaluate
 from walkerlab.ga.loop import Population, first_population, next_population
 from walkerlab.ga.own import OperatorError
+from walkerlab.gate import Stopped
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.interrupts import interrupts_held
@@ -27,7 +28,7 @@ from walkerlab.quantity import SettingsError, count
 from walkerlab.records import Individual, Walked
 from walkerlab.run import Run, load, own_slots, with_functions
 from walkerlab.settings import Settings
-from walkerlab.store import DamagedError
+from walkerlab.store import DamagedError, RunFileError
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,10 +74,7 @@ class Evolution:
             OperatorError: if an operator or fitness of the user's own does not do what its slot needs.
             RunFileError: if there is a file at ``path``, or none can be made there.
         """
-        if not isinstance(settings, Settings):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise TypeError(
-                f"an evolution is made from Settings, as in Settings().with_(generations=5); got {settings!r}"
-            )
+        _require(settings)
         check_own_operators(settings.algorithm, genes_of(settings.robot))
         fitness.check_own(settings.algorithm.fitness)
         workers.check(executor)
@@ -90,17 +88,17 @@ class Evolution:
         self._guests, self._next_bred, self._breeding = list[Genome](), 0, Lock()
 
     @classmethod
-    def _of(cls, run: Run, settings: Settings, **options: Any) -> Self:
+    def _of(cls, run: Run, path: Path, settings: Settings, **options: Any) -> Self:
         """Take up a run where its table ends."""
         evolution = cls(settings, **options)
-        evolution.path = run.path
-        evolution._archive = Archive.of(run.path, run.records, settings.model_dump())
+        evolution.path = path
+        evolution._archive = Archive.of(path, run.records, settings.model_dump())
         if not run.records.empty:
             try:
                 evolution._population = records.last_population(run.records)
                 evolution._next_bred = evolution._population.generation + 1
             except ValueError as error:
-                raise DamagedError(run.path or "this run", str(error)) from error
+                raise DamagedError(path, str(error)) from error
         return evolution
 
     @property
@@ -156,22 +154,27 @@ class Evolution:
                 with interrupts_held():  # what is stored and what is in hand must not part
                     self._archive.add(table, self.settings.model_dump())
                     self._population = population
+            except Stopped:
+                raise
             except Exception as error:
-                self._tell_what_is_kept(error)
+                self._keep(error)
                 raise
             yield Generation(population.generation, table)
 
-    def _tell_what_is_kept(self, error: Exception) -> None:
-        """Note on an error that ends the run where its generations are, and how to go on when it is mended."""
+    def _keep(self, error: Exception) -> None:
+        """Keep what is done in a file, and note on the error that ends the run where that is and how to go on."""
         if not self.n_generations:
             return
-        error.run = self.run  # type: ignore[attr-defined]
-        where = "sys.last_value.run" if self.path is None else repr(str(self.path))
+        try:
+            path = self._archive.keep()
+        except RunFileError as fault:
+            error.add_note(str(fault))
+            return
         own = "".join(f", {slot}={how}" for slot, how in own_slots(self.settings).items())
+        error.kept = path  # type: ignore[attr-defined]
         error.add_note(
-            f"{count(self.n_generations, 'generation')} done, and kept{f' in {self.path}' if self.path else ''}. "
-            f"When the fault is mended, go on with:\n"
-            f"    {'import sys; ' if self.path is None else ''}run = wl.resume({where}{own})"
+            f"What is done is kept in {path}: {count(self.n_generations, 'generation')}. When the fault is mended, go "
+            f"on with:\n    run = wl.resume({str(path)!r}{own})"
         )
 
     def _next(self) -> Population[Walked]:
@@ -240,15 +243,17 @@ def evolve(
         RunFileError: if there is a file at ``path``, or it cannot be written.
         WorkersLostError: if those who walk give no answer, or have no memory left.
 
-    What is raised once a generation is done holds the run so far, ``error.run``, and a note on how to go on with it.
+    What is raised once a generation is done has a note that says in which file the run so far is kept, ``error.kept``:
+    its own, or if it has none, ``kept.walk``.
     """
     settings = Settings() if settings is None else settings
+    _require(settings)
     with _bar(settings, progress) as bar:
         return _finish(Evolution(settings, path, executor, on_walks=bar.update), bar)
 
 
 def resume(
-    path: str | Path | Run,
+    path: str | Path,
     generations: int | None = None,
     executor: Executor | None = None,
     progress: bool = True,
@@ -257,7 +262,7 @@ def resume(
     """Go on with a run, to the very table that it would have had without the stop.
 
     Args:
-        path: its run file, or the folder with it; or a run that has no file.
+        path: its run file, or the folder with it.
         generations: how many it shall have in all; as the settings say if None.
         executor: any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: whether to show a bar.
@@ -271,13 +276,11 @@ def resume(
             or another was given in its place.
         SettingsError: if ``generations`` is out of range.
     """
-    if isinstance(path, Run) and path.path:
-        path = path.path
-    given = path if isinstance(path, Run) else load(path)
-    run, done = with_functions(given, functions), given.n_generations
-    if run.path and (changed := provenance.differences(store.read_facts(run.path)[1], provenance.here())):
+    run = with_functions(load(path), functions)
+    path, done = store.locate(path), run.n_generations
+    if changed := provenance.differences(store.read_facts(path)[1], provenance.here()):
         warnings.warn(
-            f"{run.path} was made with {changed}. What is done stays as it is; what comes now can differ in its last "
+            f"{path} was made with {changed}. What is done stays as it is; what comes now can differ in its last "
             "digits from what it would have been there, and so can all that follows from it. The file says of each "
             "generation what it was made with.",
             stacklevel=2,
@@ -286,9 +289,14 @@ def resume(
     if settings.algorithm.generations < done:
         raise SettingsError(f"{path} has {done} generations already; generations must be {done} or more, in all.")
     with _bar(settings, progress, done=done) as bar:
-        evolution = Evolution._of(run, settings, executor=executor, on_walks=bar.update)
-        del run, given  # its table is in the file, and need not be kept while it grows
+        evolution = Evolution._of(run, path, settings, executor=executor, on_walks=bar.update)
+        del run  # its table is in the file, and need not be kept while it grows
         return _finish(evolution, bar)
+
+
+def _require(settings: object) -> None:
+    if not isinstance(settings, Settings):
+        raise TypeError(f"an evolution is made from Settings, as in Settings().with_(generations=5); got {settings!r}")
 
 
 def n_walks(settings: Settings, done: int = 0) -> int:

@@ -1,7 +1,6 @@
 """What makes one robot better than another: a function from a rollout to a number, higher being better."""
 
 import math
-import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -22,10 +21,11 @@ SLOT = Slot(
     "the fitness function",
     "fitness(rollout)",
     "com = rollout.com.copy()",
-    advice="It is called with one Rollout: .time (n,) in s, .com (n, 3) in m, .on_ground (n,), .phenotype; .poses are "
-    "not recorded in an evolution.",
+    advice="It is called with one Rollout: .distance in m, .velocity in m/s, .time (n,) in s, .com (n, 3) in m, "
+    ".on_ground (n,), .work (n,) in J, .phenotype; .poses are not recorded in an evolution.",
     chance="It must look at nothing but the walk.",
 )
+LARGEST = 1e100  # that a fitness may be, or there is no axis for it
 IDLE = 10.0  # J counted on top, about what trembling contacts do to a robot that stands: doing nothing is not efficient
 
 
@@ -81,7 +81,7 @@ def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: f
     function = FUNCTIONS[fitness] if isinstance(fitness, Fitness) else fitness
     value = ask(SLOT, function, lambda: function(rollout), seconds)
     is_number = isinstance(value, int | float | np.integer | np.floating)
-    if is_number and abs(value) <= sys.float_info.max:
+    if is_number and abs(value) < LARGEST:
         return float(value)
     returned = f"{value!s:.60}" if is_number else portrait(value)
     raise OperatorError(

@@ -64,7 +64,8 @@ def recognise(db: sqlite3.Connection) -> int:
     found = db.execute("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL LIMIT 9").fetchall()
     if not found:
         raise NotARun(
-            "is empty: whatever was making it ended before a generation was stored. Delete it, and evolve anew"
+            "is empty: what was making it ended before a generation was stored, or all is lost. Delete it, and evolve "
+            "anew"
         )
     if db.execute("PRAGMA application_id").fetchone() != (APPLICATION,):
         raise NotARun("is a SQLite file, but not a run of walkerlab's")

@@ -5,6 +5,7 @@ from pathlib import Path
 from walkerlab import plots, report
 from walkerlab.export import export_mjcf
 from walkerlab.plots.look import paper
+from walkerlab.report.page import NAME
 from walkerlab.run import Run
 from walkerlab.store import RUN_FILE
 
@@ -22,12 +23,20 @@ FILES = {
 """Each file and what it is."""
 
 
+def are_there(path: Path) -> bool:
+    """Say whether all is there beside a run file, and of the run as it is now; the report comes last."""
+    whole = all((path.parent / name).exists() for name in FILES.keys() - {RUN_FILE})
+    return whole and (path.parent / NAME).stat().st_mtime_ns >= path.stat().st_mtime_ns
+
+
 def write(run: Run, folder: Path) -> None:
     """Write all but the run file, which is there already, anew; the report comes last.
 
     Raises:
         OSError: if a file cannot be written.
     """
+    for name in FILES.keys() - {RUN_FILE}:
+        (folder / name).unlink(missing_ok=True)  # also what points elsewhere
     best = run.champion.genome
     plots.save(plots.fitness_curve(run.records, paper(8, 4)), folder / "fitness.svg", folder / "fitness.png")
     plots.save(plots.stride(best, run.settings, paper(9, 3)), folder / "champion.png")

@@ -5,6 +5,8 @@ from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
 
+from walkerlab.markup import printable
+
 PACKAGES = ("walkerlab", "mujoco", "dm-control", "numpy")
 
 
@@ -26,5 +28,7 @@ def here() -> Mapping[str, str]:
 def differences(then: Mapping[str, str], now: Mapping[str, str]) -> str:
     """Say in words what is not as it was, as in ``mujoco 3.17.0 (here 3.18.0)``; nothing if all that is known is."""
     return ", ".join(
-        f"{name} {then[name]} (here {value})" for name, value in now.items() if then.get(name, value) != value
+        f"{name} {printable(then[name])} (here {value})"
+        for name, value in now.items()
+        if then.get(name, value) != value
     )

@@ -10,7 +10,8 @@ import pandas as pd
 from pandas.api.types import is_numeric_dtype
 
 from walkerlab.evaluation import Evaluation
-from walkerlab.ga.loop import Population
+from walkerlab.fitness import LARGEST
+from walkerlab.ga.loop import NOT_COUNTED, Population
 from walkerlab.genome import Genome, in_words
 from walkerlab.judge import VERDICTS
 from walkerlab.markup import facts, shown
@@ -98,7 +99,7 @@ def check(table: pd.DataFrame) -> pd.DataFrame:
     numbers = table[["generation", "individual", "born"]]
     wrong = {
         "individual": (numbers < 0).any(axis=1) | (table.individual > _MOST) | (table.born > table.generation),
-        "fitness": ~(table.fitness < np.inf),
+        "fitness": ~(table.fitness.abs() < LARGEST) & (table.fitness != NOT_COUNTED),
         "parents": ~table.parents.str.fullmatch(r"(\d{1,10}( \d{1,10})*)?", flags=re.ASCII),
         "verdict": ~table.verdict.str.fullmatch("[a-z_]{1,40}"),
         **{name: table[name].str.contains(_CONTROLS) for name in ("operators", "reason", "genome")},

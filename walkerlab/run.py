@@ -1,5 +1,7 @@
 """A run: its settings and its table, from memory or from a run file."""
 
+import builtins
+import unicodedata
 from collections.abc import Callable
 from functools import cached_property, partial
 from pathlib import Path
@@ -176,7 +178,11 @@ def rescue(path: str | Path, to: str | Path) -> Run:
         RunFileError: if nothing can be saved, or there is a file at ``to``, or none can be made there.
     """
     store.rescue(store.locate(path), Path(to))
-    return load(to)
+    try:
+        return load(to)
+    except DamagedError as error:  # as it was sealed already
+        Path(to).unlink()
+        raise RunFileError(f"nothing can be saved of {path}: {error.what}.") from error
 
 
 def with_functions(run: Run, functions: dict[str, Any]) -> Run:
@@ -204,8 +210,9 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
     if wrong:
         given = ", ".join(wrong)
         raise RunFileError(
-            f"{run.path} was made with functions of your own, and a run file holds no code. Give back the same, by "
-            f"name and bound numbers: resume(path, {given})"
+            f"{run.path} was made with functions of somebody's own, and a run file holds no code. To go on with it, "
+            f"give them back under the same names, mended or not: in Python, wl.resume({str(run.path)!r}, {given}). "
+            "To look at it, none is needed."
         )
     return Run(settings, run.records, run.path)
 
@@ -238,8 +245,13 @@ def _recipe(fill: tuple[Any, ...]) -> str:
     return words[0] if len(words) == 1 else f"[{', '.join(words)}]"
 
 
-_POWERS = {"eval", "exec", "compile", "open", "__import__", "breakpoint"}
+_POWERS = {*dir(builtins), "exit", "quit", "get_ipython"}
 """What no operator is called, or the code that repeats a stranger's run would hand over to it what the file says."""
+
+
+def _is_plain(name: str) -> bool:
+    """Say whether Python takes a text for a name, and for this one."""
+    return name.isidentifier() and unicodedata.normalize("NFKC", name) == name
 
 
 def _restored(written: Any, slot: str) -> Any:
@@ -249,7 +261,7 @@ def _restored(written: Any, slot: str) -> Any:
             return [_restored(one, slot) for one in written]
         case {"function": str(address), "with": dict(keywords), **rest}:
             home, _, name = address.rpartition(".")
-            if name in _POWERS or not all(map(str.isidentifier, (name.replace("<lambda>", "function"), *keywords))):
+            if name in _POWERS or not all(map(_is_plain, (name.replace("<lambda>", "function"), *keywords))):
                 raise ValueError(f"no function of a run is called {name!r:.60}, with {', '.join(keywords)!r:.60}")
             ours = _OURS[slot]
             is_ours = home == ours.__name__ and name in _choices(slot)

@@ -11,7 +11,9 @@ import sqlite3
 import weakref
 from collections.abc import Generator, Iterable, Sequence
 from contextlib import closing, contextmanager, suppress
+from itertools import count
 from pathlib import Path
+from tempfile import gettempdir
 from typing import Any, Literal, TypeAlias
 
 import pandas as pd
@@ -24,6 +26,8 @@ from walkerlab.records import COLUMNS, check, tidy
 RUN_FILE = "run.walk"  # its name in a folder of its own
 PAGE = 8192  # bytes; rows of nearly a kilobyte leave less of it empty than of the 4096 that SQLite takes
 PATIENCE = 60  # s that a writer waits for who is reading, and the other way round
+STEPS = 5_000_000  # of SQLite's machine that anything may take, and one more for each byte: ten times what is usual
+STRIDE = 1000  # steps between two looks at how many are left
 LONGEST = 200_000  # bytes of a text in the file; a longer one is refused before memory is taken for it
 
 File: TypeAlias = Path | sqlite3.Connection
@@ -47,9 +51,12 @@ class DamagedError(RunFileError):
 
 
 def locate(path: str | Path) -> Path:
-    """Return the run file that is meant by its own path, or by that of its folder."""
+    """Return the run file that is meant by its own path, or by that of its folder, if that has one only."""
     path = Path(path)
-    return path / RUN_FILE if path.is_dir() else path
+    if not path.is_dir():
+        return path
+    others = list(path.glob("*.walk"))
+    return others[0] if len(others) == 1 else path / RUN_FILE
 
 
 def claim(path: Path) -> None:
@@ -58,17 +65,21 @@ def claim(path: Path) -> None:
     Raises:
         RunFileError: if something is there already (a run is never written over), or nothing can be written there.
     """
-    if path.exists():
-        raise RunFileError(
-            f"{path} exists already, and a run is never written over. "
-            "Resume it, or give the new run another name or folder."
-        )
     try:
+        if path.exists():
+            raise RunFileError(
+                f"{path} exists already, and a run is never written over. "
+                "Resume it, or give the new run another name or folder."
+            )
         path.parent.mkdir(parents=True, exist_ok=True)
         path.touch(exist_ok=False)
         path.unlink()
     except OSError as error:
         raise RunFileError(f"no run file can be made at {path}: {error.strerror}. Give it another folder.") from error
+    except ValueError as error:
+        if isinstance(error, RunFileError):
+            raise
+        raise RunFileError(f"no run file can be made at {str(path)!r}: {error}. Give it another name.") from error
 
 
 def passing(keeper: object) -> sqlite3.Connection:
@@ -79,6 +90,22 @@ def passing(keeper: object) -> sqlite3.Connection:
     db = sqlite3.connect("", check_same_thread=False)
     weakref.finalize(keeper, db.close)
     return db
+
+
+def keep(db: sqlite3.Connection) -> Path:
+    """Copy a passing file into one with a name, ``kept.walk`` or ``kept-2.walk`` and so on, and return its path.
+
+    It is in this folder, or if nothing can be written here, in that of the system for such things.
+    """
+    for folder in (Path(), Path(gettempdir())):
+        names = (folder / f"kept{f'-{n}' if n > 1 else ''}.walk" for n in count(1))
+        path = next(path for path in names if not path.exists())
+        with suppress(RunFileError):
+            claim(path)
+            with closing(_connect(path)) as named:
+                db.backup(named)
+            return path
+    raise RunFileError("this run has no file, and none can be made: neither here nor in the system's temporary folder.")
 
 
 def create(file: File, settings: dict[str, Any], generation: pd.DataFrame) -> str:
@@ -113,13 +140,12 @@ def append(file: File, generation: pd.DataFrame, run_id: str) -> None:
         RunFileError: if it cannot be written, or another run is in the file, or another process has gone on with it.
     """
     with _open(file, "change") as db:
-        if layouts.fact(db, "id") != run_id:
-            raise RunFileError(f"{file} was replaced by another run while this one went on; that one is left as it is.")
+        _require(db, file, run_id)
         (n_done,) = db.execute("SELECT count(*) FROM generations").fetchone()
-        if not generation.empty and int(generation.generation.iloc[0]) < n_done:
+        if not generation.empty and int(generation.generation.iloc[0]) != n_done:
             raise RunFileError(
-                f"another process has gone on with {file} meanwhile, which has {n_done} generations now, whole ones. "
-                "Look at it, or go on with it, when that is done."
+                f"somebody else has changed {file} meanwhile, which has {n_done} generations now: another process has "
+                "gone on with it, or an older copy was put in its place. Go on with that when nobody else does."
             )
         _insert(db, generation, _made_with_here())
 
@@ -166,22 +192,27 @@ def read_facts(path: Path) -> tuple[dict[str, str], dict[str, str]]:
             raise DamagedError(path, str(error)) from error
 
 
-def read_generations(file: File, first: int, end: int) -> pd.DataFrame:
-    """Read the table of some generations: the first of them, and those after it that are before the end."""
+def read_generations(file: File, run_id: str, first: int, end: int) -> pd.DataFrame:
+    """Read the table of some generations of a run: the first of them, and those after it that are before the end."""
     with _open(file) as db:
+        _require(db, file, run_id)
         return _table(db, file, first, end)
 
 
-def read_births(file: File, columns: Sequence[str], births: Iterable[Sequence[int]]) -> list[tuple[Any, ...]]:
+def read_births(
+    file: File, run_id: str, columns: Sequence[str], births: Iterable[Sequence[int]]
+) -> list[tuple[Any, ...]]:
     """Read some columns of some individuals, each in the generation given, where it is there.
 
     Args:
         file: of the run.
+        run_id: of the run.
         columns: their names.
         births: generation and number of each individual.
     """
     of_one = f"SELECT {', '.join(columns)} FROM records WHERE generation = ? AND individual = ?"
     with _open(file) as db:
+        _require(db, file, run_id)
         return [row for birth in births for row in db.execute(of_one, birth)]
 
 
@@ -198,6 +229,8 @@ def rescue(path: Path, to: Path) -> int:
     Raises:
         RunFileError: if nothing can be saved, or the new file cannot be made; there is none then.
     """
+    if not path.is_file():
+        raise RunFileError(f"there is no run file at {path}")
     claim(to)
     whole = list[tuple[str, pd.DataFrame]]()
     try:
@@ -217,6 +250,21 @@ def rescue(path: Path, to: Path) -> int:
         for made_with, table in whole:
             _insert(db, table, made_with)
     return len(whole)
+
+
+def require(file: File, run_id: str) -> None:
+    """Make sure that a run is in a file still.
+
+    Raises:
+        RunFileError: if not.
+    """
+    with _open(file) as db:
+        _require(db, file, run_id)
+
+
+def _require(db: sqlite3.Connection, file: File, run_id: str) -> None:
+    if layouts.fact(db, "id") != run_id:
+        raise RunFileError(f"{file} was replaced by another run while this one went on; that one is left as it is.")
 
 
 def _settings(db: sqlite3.Connection, file: File) -> dict[str, Any]:
@@ -267,9 +315,13 @@ def _open(
         db.execute(f"PRAGMA page_size = {PAGE}")  # of a new file; any other has its own
         db.execute(f"PRAGMA writable_schema = {how == 'rescue'}")  # or SQLite refuses a file that is cut off
         layout = LAYOUT if how == "make" else layouts.recognise(db)
+        if how == "change":
+            db.execute("PRAGMA journal_mode = DELETE")  # also where another program has set a mode of several files
         if (how == "check" or layout < LAYOUT) and db.execute("PRAGMA quick_check(1)").fetchone() != ("ok",):
             raise DamagedError(file, "its pages do not hold together")
         if layout < LAYOUT and how != "change":
+            if db.execute("PRAGMA freelist_count").fetchone()[0] > 9:  # pages that no run leaves empty
+                raise DamagedError(file, "most of it is empty")
             old, db = db, _connect(":memory:")
             with closing(old):
                 old.backup(db)
@@ -288,7 +340,12 @@ def _open(
         code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF  # none where a text is no text
         if code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_TOOBIG):
             raise DamagedError(file, f"as SQLite says, {error}") from error
-        raise RunFileError(f"{file} cannot be used as a run file: {_WORDS.get(code, error)}.") from error
+        if code == sqlite3.SQLITE_INTERRUPT:
+            raise DamagedError(file, "there is no end to what is in it, as far as one can see") from error
+        if how == "make" and isinstance(file, Path) and file.is_file() and not file.stat().st_size:
+            file.unlink()  # nothing has come of it
+        whole = " What was in it is whole." if how == "change" else ""
+        raise RunFileError(f"{file} cannot be used: {_WORDS.get(code, error)}.{whole}") from error
     finally:
         if isinstance(db, sqlite3.Connection) and db is not file:
             db.close()
@@ -297,17 +354,19 @@ def _open(
 def _connect(file: Path | str) -> sqlite3.Connection:
     db = sqlite3.connect(file, timeout=PATIENCE)
     db.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST)
+    left = count(STEPS + (Path(file).stat().st_size if Path(file).is_file() else 0), -STRIDE)
+    db.set_progress_handler(lambda: next(left) < 0, STRIDE)
     db.execute("PRAGMA trusted_schema = OFF")
     return db
 
 
 _WORDS = {
-    sqlite3.SQLITE_FULL: "the disk is full; what was in it is whole. Make room, and go on with it",
+    sqlite3.SQLITE_FULL: "the disk is full. Make room",
     sqlite3.SQLITE_READONLY: "it, or the folder that it is in, cannot be written to. Copy it into a folder of your own",
     sqlite3.SQLITE_CANTOPEN: "it, or the folder that it is in, cannot be opened. Copy it into a folder of your own",
     sqlite3.SQLITE_PERM: "you may not write to it. Copy it into a folder of your own",
     sqlite3.SQLITE_BUSY: f"another program has been busy with it for {PATIENCE} s. Try again when that is done",
     sqlite3.SQLITE_NOTADB: "it is not a database, but something else",
-    sqlite3.SQLITE_IOERR: "the disk is full, or failed, or the network before it is gone; what was in it is whole",
+    sqlite3.SQLITE_IOERR: "the disk is full, or failed, or the network before it is gone",
 }
 """What is the matter, and the mend, by what SQLite calls it."""

@@ -141,12 +141,15 @@ def test_a_full_disk_keeps_what_is_done_and_with_room_the_run_goes_on(whole, tmp
             wl.evolve(SETTINGS, path, progress=False)
         kept = wl.load(path)
         assert 0 < kept.n_generations < SETTINGS.algorithm.generations
-        assert f"{kept.n_generations} generations done, and kept in {path}" in "".join(caught.value.__notes__)
+        assert f"What is done is kept in {path}: {kept.n_generations} gen" in "".join(caught.value.__notes__)
         assert truth.startswith(text(kept.records))
         assert main(["resume", str(path), "--quiet"]) == 1
         told = capsys.readouterr().err
         assert "the disk is full" in told
-        assert f"Go on, and have all files made: walkerlab resume {tmp_path}" in told
+        assert f"Go on with it: walkerlab resume {tmp_path}" in told
+        with pytest.raises(wl.RunFileError, match="the disk is full"):
+            wl.evolve(SETTINGS, tmp_path / "another.walk", progress=False)
+        assert not (tmp_path / "another.walk").exists()
         resize(4000)
         assert text(wl.resume(path, progress=False).records) == truth
 
@@ -165,7 +168,7 @@ def test_a_file_that_may_not_grow_keeps_what_is_done(whole, tmp_path):
     path = tmp_path / "run.walk"
     ended = subprocess.run([sys.executable, "-c", program, root, path], capture_output=True, text=True, check=False)
     assert "RunFileError" in ended.stderr
-    assert "what was in it is whole" in ended.stderr
+    assert "What was in it is whole" in ended.stderr
     kept = text(wl.load(path).records)
     assert truth.startswith(kept)
     assert kept

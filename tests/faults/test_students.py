@@ -218,7 +218,6 @@ def test_alone_evaluate_tells_the_place_of_a_robot_and_its_genome(pool):
     ) as caught:
         wl.evaluate(genomes, settings, pool)
     assert caught.value.genome == genomes[3].within(SETTINGS.robot)
-    assert "sys.last_value.genome" in caught.value.__notes__[0]
 
 
 REAL = SETTINGS.with_(population_size=4, generations=3, n_elites=0)

@@ -62,7 +62,10 @@ def open_lab(folder: Path, options: Sequence[str] = ()) -> None:
 def run(given: argparse.Namespace) -> int:
     """Copy the notebooks, say so, and open JupyterLab on them."""
     folder = Path(FOLDER)
-    copied = copy_notebooks(folder)
+    try:
+        copied = copy_notebooks(folder)
+    except OSError as error:
+        return say(f"No notebooks can be put into {folder}: {error.strerror}. cd to a folder of your own.", to=REFUSED)
     notebooks = f"{len(copied)} notebook{'' if len(copied) == 1 else 's'}"
     new = f"New in {folder}: {notebooks}." if copied else f"All notebooks are in {folder} already."
     print(f"{new} What was there before stays as it was.", flush=True)

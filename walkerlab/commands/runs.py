@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from walkerlab.commands.terminal import INTERRUPTED, tell
 from walkerlab.interrupts import interrupts_held
+from walkerlab.markup import printable
 
 if TYPE_CHECKING:
     from walkerlab.run import Run
@@ -54,7 +55,7 @@ def resume(given: argparse.Namespace) -> int:
     done, wanted = run.n_generations, given.generations
     wanted = run.settings.algorithm.generations if wanted is None else wanted
     if done == wanted and run.path:
-        if not all((run.path.parent / name).exists() for name in outputs.FILES):  # stopped when all but these was done
+        if not outputs.are_there(run.path):  # stopped when all but these was done
             outputs.write(run, run.path.parent)
         if not given.quiet:
             print(f"All {done} generations are done; to go on: walkerlab {_to_go_on(run)}")
@@ -97,7 +98,13 @@ def _finish(run: Run, *, quiet: bool) -> int:
         if run.champion.verdict == "ok":
             print(run.confirm())
         print("\nDrawing the report …", flush=True)
-    outputs.write(run, folder)
+    try:
+        outputs.write(run, folder)
+    except OSError as error:
+        raise OSError(
+            f"The run is whole, but {error.filename or 'a file beside it'} could not be written: {error.strerror}. "
+            f"When that is mended, all files are made by: walkerlab resume {_named(run)}"
+        ) from error
     if not quiet:
         print(f"\nIn the folder {folder} there are now")
         print("\n".join(f"  {name:13} {about}" for name, about in outputs.FILES.items()))
@@ -122,7 +129,7 @@ def show(given: argparse.Namespace) -> int:
     tell(f"{path}: {run.n_generations} of {run.settings.algorithm.generations} generations")
     whose, made_with = store.read_facts(path)
     for about, facts in (("it has", whose), ("made with", made_with)):
-        tell(f"{about} {', '.join(f'{name} {fact}' for name, fact in facts.items())}")
+        tell(f"{about} {', '.join(printable(f'{name} {fact}') for name, fact in facts.items())}")
     tell(f"\n{story.changed_settings(settings)}")
     best = run.champion
     for part in (
@@ -139,8 +146,10 @@ def show(given: argparse.Namespace) -> int:
 def rescue(given: argparse.Namespace) -> int:
     """Save what is whole of a damaged run."""
     from walkerlab import run as runs
-    from walkerlab.store import RUN_FILE
+    from walkerlab.store import RUN_FILE, RunFileError
 
+    if (given.out / RUN_FILE).exists():
+        raise RunFileError(f"{given.out} holds a run already. Give the saved one another folder: --out ANOTHER-FOLDER")
     run = runs.rescue(given.path, given.out / RUN_FILE)
     done, wanted = run.n_generations, run.settings.algorithm.generations
     print(f"{done} of {wanted} generations are whole, and saved in {given.out}; {given.path} is left as it was.")
@@ -166,5 +175,5 @@ def kept(run: Run) -> str:
     done, wanted = run.n_generations, run.settings.algorithm.generations
     return (
         f"Stopped after {done} of {wanted} generations; all of these are kept.\n"
-        f"Go on, and have all files made: walkerlab resume {_named(run)}"
+        f"Go on with it: walkerlab resume {_named(run)}"
     )

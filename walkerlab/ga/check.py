@@ -80,7 +80,9 @@ def _check(
         )
         if not all(map(np.array_equal, first, second)):
             must = "must give the same answer for the same rng, or no run can be repeated"
-            raise OperatorError(f"{slot.who(operator)} {must}; it gave two", slot.chance)
+            raise OperatorError(
+                f"{slot.who(operator)} {must}; it gave two", f"{slot.chance} And let it remember nothing."
+            )
     except OperatorError as error:
         error.where = f"when tried on {toy}"
         raise

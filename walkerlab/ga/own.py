@@ -119,21 +119,24 @@ def _in_words(slot: Slot, function: Callable[..., object], call: Callable[[], An
     try:
         return call()
     except Overdue as error:
-        stays = "" if error.is_stopped else ", and could not be stopped: it goes on until Python is restarted"
+        stays = "" if error.is_stopped else " It could not be stopped, and goes on until Python is restarted."
         raise OperatorError(
-            f"{who} had not returned after {error.seconds:g} s{_line_of(error, function)}{stays}",
-            f"Is there a loop that never ends? If it needs longer: os.environ[{VARIABLE!r}] = '600' before the run.",
+            f"{who} had not returned after {error.seconds:g} s{_line_of(error, function)}",
+            f"Is there a loop that never ends? If it needs longer: os.environ[{VARIABLE!r}] = '600' before the run."
+            f"{stays}",
         ) from error
     except Fault:  # which has its words
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         line = _line_of(error, function)
         if isinstance(error, FrozenInstanceError) or "read-only" in str(error):
             raise OperatorError(
                 f"{who} must leave what it is given as it was; it wrote into what is read-only{line}",
                 f"Let it work on a copy, as in {slot.copy}; +=, sort and shuffle write in place.",
             ) from error
-        raise OperatorError(f"{who} raised {type(error).__name__}: {error}{line}", slot.advice) from error
+        says_all = isinstance(error, NameError | MemoryError | RecursionError | SystemExit)
+        advice = "" if says_all else slot.advice
+        raise OperatorError(f"{who} raised {type(error).__name__}: {error}{line}", advice) from error
 
 
 def _watched(call: Callable[[], Any]) -> tuple[Any, set[str]]:
@@ -157,7 +160,7 @@ def _is_ours(function: Callable[..., object]) -> bool:
     return str(home.get("__name__")).partition(".")[0] == __name__.partition(".")[0]
 
 
-def _line_of(error: Exception, function: Callable[..., object]) -> str:
+def _line_of(error: BaseException, function: Callable[..., object]) -> str:
     """Say in which line of a function an error was, counted as in its file or notebook cell."""
     own = getattr(inspect.unwrap(_unbound(function)), "__code__", None)
     lines = [line for frame, line in traceback.walk_tb(error.__traceback__) if frame.f_code is own]

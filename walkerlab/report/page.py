@@ -236,7 +236,7 @@ def _again(run: Subject, versions: Mapping[str, str], files: bool) -> Html:
     return join(
         tag("p", "With the same versions, this gives the same table to the last digit, on any number of cores."),
         tag("p", note) if note else "",
-        code(as_python(run.settings)),
+        code(as_python(run.settings, run.records)),
         facts("Made with", versions.items()),
         tag("p", "Beside this page lies ", tag("a", "records.csv", href="records.csv"), ROWS, FILES if files else MORE),
     )

@@ -17,6 +17,7 @@ from typing import cast
 import ipywidgets
 
 from walkerlab.evolution import n_walks
+from walkerlab.faults import Fault
 from walkerlab.forecast import in_words, seconds_of
 from walkerlab.genome import Genome
 from walkerlab.live import LiveRun, State
@@ -218,7 +219,8 @@ class Lab(ipywidgets.Box):
                     else (f"Generation {done} of 0 to {last} walks: {in_words(left)} left.")
                 )
             case State.failed:
-                words = f"Failed after {come}; what is done is kept. {in_full(live.error)}"
+                words = f"Failed after {come}. {in_full(live.error)}"
+                self.runs.drawer.words = "\n".join(getattr(live.error, "__notes__", []))
             case State.finished:
                 words = f"Finished: generations 0 to {last} in {live.seconds:.0f} s."
             case state:
@@ -273,8 +275,8 @@ class Lab(ipywidgets.Box):
 
 
 def in_full(error: BaseException | None) -> str:
-    """Say what went wrong, with what is known of where."""
-    return "; ".join([f"{type(error).__name__}: {error}", *getattr(error, "__notes__", [])])
+    """Say what went wrong; of what is not in words for people, also what kind of error it is."""
+    return str(error) if isinstance(error, Fault) else f"{type(error).__name__}: {error}"
 
 
 def _world_of(settings: Settings) -> tuple[object, ...]:

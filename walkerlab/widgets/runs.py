@@ -130,8 +130,8 @@ class RunsRoom(ipywidgets.Box):
         except Exception as error:  # it is on a thread of its own: nobody else would say so
             self.drawer.words = f"Not all could be written into {folder}. {type(error).__name__}: {error}"
         else:
-            self.drawer.words = f"Exported into the folder {folder}: {', '.join(outputs.FILES)}."
             self.drawer.files = run_files(self._folder)
+            self.drawer.words = f"Exported into the folder {folder}: {', '.join(outputs.FILES)}."
 
 
 def _code(run: Run) -> str:
