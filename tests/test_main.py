@@ -283,6 +283,14 @@ def test_resuming_a_finished_run_makes_up_for_files_that_a_stop_has_left_out(her
     assert at_the_top(here / "walk") == set(outputs.FILES)
 
 
+def test_a_report_from_before_the_last_generation_is_made_anew(here: Path, undrawn: None) -> None:
+    main(["evolve", *TINY])
+    wl.resume("walk", 3, progress=False)  # and killed before anything was drawn
+    assert len(pd.read_csv("walk/records.csv")) == 12
+    assert main(["resume", "walk", "--quiet"]) == 0
+    assert len(pd.read_csv("walk/records.csv")) == 18
+
+
 def test_resume_opens_as_evolve_does_and_names_a_file_that_has_another_name(here, undrawn, capsys):
     assert main(["evolve", *TINY]) == 0
     Path("walk/run.walk").rename("mine.walk")

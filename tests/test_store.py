@@ -213,6 +213,51 @@ def test_of_two_processes_that_go_on_with_a_run_one_is_told(path):
     assert same(table_of(path), before)
 
 
+def test_an_older_copy_put_in_its_place_is_not_gone_on_with(path):
+    add(path, generation(0))
+    older = path.read_bytes()
+    add(path, generation(1))
+    path.write_bytes(older)
+    with pytest.raises(RunFileError, match="an older copy was put in its place"):
+        add(path, generation(2))
+    assert path.read_bytes() == older
+
+
+def test_what_is_asked_of_a_run_is_not_answered_by_another(path):
+    add(path, generation(0))
+    for ask in (
+        lambda: store.read_generations(path, "another", 0, 1),
+        lambda: store.read_births(path, "another", ["genome"], [(0, 0)]),
+        lambda: store.require(path, "another"),
+    ):
+        with pytest.raises(RunFileError, match="replaced by another run"):
+            ask()
+
+
+def test_nothing_behind_a_hole_is_rescued_nor_what_no_run_has(path, tmp_path):
+    for number in range(3):
+        add(path, generation(number).assign(fitness=1.0, parents="", verdict="ok", born=0, reason=""))
+    with closing(sqlite3.connect(path)) as db, db:
+        db.execute("DELETE FROM generations WHERE generation = 1")
+    assert store.rescue(path, tmp_path / "one.walk") == 1
+    with closing(sqlite3.connect(path)) as db, db:
+        db.execute("UPDATE records SET parents = 'nobody' WHERE generation = 0")
+        db.execute("DELETE FROM generations WHERE generation = 0")
+        layouts.seal(db, 0, "{}")
+    with pytest.raises(RunFileError, match="nothing can be saved"):
+        store.rescue(path, tmp_path / "none.walk")
+    assert not (tmp_path / "none.walk").exists()
+
+
+def test_a_file_of_several_is_one_again_when_it_is_changed(path):
+    with closing(sqlite3.connect(path)) as db:
+        assert db.execute("PRAGMA journal_mode = WAL").fetchone() == ("wal",)
+    add(path, generation(0))
+    assert list(path.parent.iterdir()) == [path]
+    with closing(sqlite3.connect(path)) as db:
+        assert db.execute("PRAGMA journal_mode").fetchone() == ("delete",)
+
+
 def test_a_run_that_was_made_meanwhile_is_told_and_left(path):
     before = path.read_bytes()
     with pytest.raises(RunFileError, match="already"):

@@ -83,6 +83,7 @@ def test_a_file_that_is_cut_off_is_an_error_and_what_is_before_the_cut_is_saved(
         found.append(what_is_left(copy, truth))
         copy.unlink()
     assert "all" not in found
+    assert "a prefix" in found
     print(f"\n{len(found)} files cut off: {Counter(found)}")
 
 

@@ -4,16 +4,18 @@ import json
 import sqlite3
 import subprocess
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 
 import pytest
 
 import walkerlab as wl
-from tests.faults import number
+from tests.faults import bombs, number
 from tests.frontends import book, run_all
+from tests.test_layouts import KEPT
 from tests.test_panel import button, curve_says, picture, says
-from walkerlab import layouts
+from walkerlab import layouts, outputs
 from walkerlab.__main__ import main
 
 SQL = "'); DROP TABLE records; --"
@@ -101,11 +103,13 @@ def test_what_no_run_has_in_it_is_refused_in_words(forge, statement, capsys):
         assert (told.out + told.err).replace("\n", "").isprintable()
 
 
-@pytest.mark.parametrize("name", ["\n__import__('os')", SCRIPT, "a b", "", "\x1b[2J", "9", "\ud800", "eval"])
+@pytest.mark.parametrize(
+    "name", ["\n__import__('os')", SCRIPT, "a b", "", "\x1b[2J", "9", "\ud800", "eval", "ｅｖａｌ", "exit"]
+)
 def test_a_function_that_has_no_name_is_refused(forge, name):
     """Or its name would be a line of the code that repeats the run."""
     functions = [{"function": f"home.{name}", "with": {}}, {"function": "home.mine", "with": {name: 1}}]
-    for function in functions[: 1 if name == "eval" else 2]:
+    for function in functions[: 1 if name in ("eval", "exit") else 2]:
         path = forge(
             settings=lambda plain, given=function: {**plain, "algorithm": {**plain["algorithm"], "fitness": given}}
         )
@@ -217,3 +221,47 @@ def test_in_the_panel_it_is_text(forge, page, jupyter):
     page.wait_for_timeout(1000)
     assert unharmed(page)
     picture(page, "hostile-panel")
+
+
+@pytest.mark.parametrize("bomb", [bombs.endless_schema, bombs.endless_index])
+def test_a_file_without_an_end_is_refused_before_long(forge, bomb, tmp_path):
+    path = forge()
+    bomb(path)
+    before = time.process_time()
+    for use in (wl.load, lambda path: wl.rescue(path, tmp_path / "rescued.walk")):
+        with pytest.raises(wl.RunFileError):
+            use(path)
+    assert time.process_time() - before < 10
+
+
+def test_an_old_file_that_is_mostly_empty_is_not_copied(tmp_path):
+    path = tmp_path / "run.walk"
+    path.write_bytes((KEPT / "layout_2.walk").read_bytes())
+    with closing(sqlite3.connect(path)) as db, db:
+        db.execute("CREATE TABLE more (words)")
+        db.execute("INSERT INTO more VALUES (zeroblob(1000000))")
+        db.execute("DROP TABLE more")
+    with pytest.raises(wl.RunFileError, match="most of it is empty"):
+        wl.load(path)
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_text_of_a_run_is_no_line_of_the_next(forge, capsys):
+    path = forge(["UPDATE provenance SET made_with = ?", json.dumps({"mujoco": "1\x1b[2J\nok   all is well"})])
+    main(["show", str(path)])
+    main(["resume", str(path), "--generations", "3", "--quiet"])
+    told = capsys.readouterr()
+    assert "\x1b" not in told.out + told.err
+    assert "\nok " not in told.out + told.err
+    assert "Note: " in told.err
+
+
+def test_what_points_elsewhere_is_not_written_through(forge, tmp_path):
+    path = forge()
+    precious = tmp_path / "precious"
+    precious.write_text("three years of work")
+    for name in outputs.FILES.keys() - {"run.walk", "champion.png"}:
+        (path.parent / name).symlink_to(precious)
+    assert main(["resume", str(path), "--quiet"]) == 0
+    assert precious.read_text() == "three years of work"
+    assert outputs.are_there(path)
