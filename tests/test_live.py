@@ -34,6 +34,12 @@ class Listener:
             assert self.news.wait_for(holds, PATIENCE)
 
 
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    """Be where a run that has no file may be kept."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.fixture
 def alive():
     """Makes live runs on two threads, and ends them."""

@@ -103,6 +103,12 @@ def walks(genomes, settings, asked=""):
     ]
 
 
+@pytest.fixture(autouse=True)
+def elsewhere(tmp_path, monkeypatch):
+    """Be where a run that has no file may be kept."""
+    monkeypatch.chdir(tmp_path)
+
+
 @pytest.fixture
 def pool(monkeypatch):
     monkeypatch.setattr(evaluation, "_walk_all", walks)
