@@ -220,3 +220,29 @@ def test_a_cell_that_runs_again_closes_the_panel_that_it_had(page, jupyter):
     says(page, "Loaded", ".wl-drawer")
     button(page, "Take its settings", ".wl-drawer").click()
     curve_says(page, "generations:")
+
+
+FAULTY = """
+import walkerlab as wl
+calls = []
+def bad(genomes, genes, *, rng):
+    calls.append(1)
+    return genomes + (undefined if len(calls) > 4 else 0)
+lab = wl.Lab(wl.Settings().with_(mutation=bad, population_size=8, generations=6, duration=1))
+lab
+"""
+
+
+def test_a_function_that_goes_wrong_is_told_with_how_to_go_on(page, jupyter):
+    page.set_viewport_size({"width": 1280, "height": 800})
+    assert run_all(page, jupyter.put(book(FAULTY), "JupyterLab")) == []
+    page.locator(".wl-lab .wl-transport").first.scroll_into_view_if_needed()
+    button(page, "Start").click()
+    says(page, "mutation 'bad' raised NameError")
+    says(page, "(line 5), while making generation 3")
+    path = only_run(jupyter).relative_to(jupyter.folder)
+    says(page, f"run = wl.resume('{path}', mutation=bad)", ".wl-drawer")
+    drawer = page.locator(".wl-drawer").first
+    drawer.scroll_into_view_if_needed()
+    assert drawer.evaluate("one => one.scrollHeight <= one.clientHeight"), "nothing of it is cut off"
+    picture(page, "fault")
