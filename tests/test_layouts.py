@@ -11,7 +11,7 @@ import pytest
 import walkerlab as wl
 from tests.faults.standins import evaluate
 from tests.test_store import broken
-from walkerlab import evolution, layouts, provenance, store
+from walkerlab import evolution, layouts, opening, provenance, store
 
 KEPT = Path(__file__).parent / "kept"
 FILES = sorted(KEPT.glob("layout_*.walk"))
@@ -94,6 +94,6 @@ def test_a_table_that_is_a_view_is_none(kept):
 
 def test_what_is_written_is_on_the_disk_before_it_counts(kept):
     """SQLite's own promise, for a machine that is switched off; nothing here may weaken it."""
-    with store._open(kept, "change") as db:
+    with opening.opened(kept, "change") as db:
         assert db.execute("PRAGMA synchronous").fetchone() == (2,)  # FULL
         assert db.execute("PRAGMA journal_mode").fetchone() == ("delete",)

@@ -348,7 +348,7 @@ def test_what_is_not_there_is_refused_and_not_made(tmp_path):
 
 
 def test_a_run_of_a_newer_walkerlab_is_refused_with_the_mend(path):
-    broken(path, f"PRAGMA user_version = {store.LAYOUT + 1}")
+    broken(path, f"PRAGMA user_version = {layouts.LAYOUT + 1}")
     before = path.read_bytes()
     assert all("newer" in refusal and "pip install --upgrade walkerlab" in refusal for refusal in refusals(path))
     assert path.read_bytes() == before

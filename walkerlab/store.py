@@ -9,45 +9,20 @@ import json
 import math
 import sqlite3
 import weakref
-from collections.abc import Generator, Iterable, Sequence
-from contextlib import closing, contextmanager, suppress
+from collections.abc import Iterable, Sequence
+from contextlib import closing, suppress
 from itertools import count
 from pathlib import Path
 from tempfile import gettempdir
-from typing import Any, Literal, TypeAlias
+from typing import Any
 
 import pandas as pd
 
 from walkerlab import layouts, provenance
-from walkerlab.faults import Fault
-from walkerlab.layouts import LAYOUT, NotARun
+from walkerlab.opening import DamagedError, File, RunFileError, connect, opened
 from walkerlab.records import COLUMNS, check, tidy
 
 RUN_FILE = "run.walk"  # its name in a folder of its own
-PAGE = 8192  # bytes; rows of nearly a kilobyte leave less of it empty than of the 4096 that SQLite takes
-PATIENCE = 60  # s that a writer waits for who is reading, and the other way round
-STEPS = 5_000_000  # of SQLite's machine that anything may take, and one more for each byte: ten times what is usual
-STRIDE = 1000  # steps between two looks at how many are left
-LONGEST = 200_000  # bytes of a text in the file; a longer one is refused before memory is taken for it
-
-File: TypeAlias = Path | sqlite3.Connection
-"""A run file, by its path; or a passing one, which has none."""
-
-
-class RunFileError(Fault, ValueError):
-    """A run file that cannot be used as asked; it says why, and what would."""
-
-
-class DamagedError(RunFileError):
-    """A run file of which something is not as it was written."""
-
-    def __init__(self, file: File | str, what: str) -> None:
-        """Say what is the matter, and how to save what is whole."""
-        super().__init__(
-            f"{file} is damaged: {what}. The generations before the damage can be saved as a run of their own: "
-            f'walkerlab rescue "{file}", or in Python wl.rescue("{file}", "rescued.walk").'
-        )
-        self.what = what
 
 
 def locate(path: str | Path) -> Path:
@@ -102,7 +77,7 @@ def keep(db: sqlite3.Connection) -> Path:
         path = next(path for path in names if not path.exists())
         with suppress(RunFileError):
             claim(path)
-            with closing(_connect(path)) as named:
+            with closing(connect(path)) as named:
                 db.backup(named)
             return path
     raise RunFileError("this run has no file, and none can be made: neither here nor in the system's temporary folder.")
@@ -122,7 +97,7 @@ def create(file: File, settings: dict[str, Any], generation: pd.DataFrame) -> st
     Raises:
         RunFileError: if the file cannot be written.
     """
-    with _open(file, "make") as db:
+    with opened(file, "make") as db:
         run_id = layouts.lay_out(db, json.dumps(settings))
         _insert(db, generation, _made_with_here())
     return run_id
@@ -139,7 +114,7 @@ def append(file: File, generation: pd.DataFrame, run_id: str) -> None:
     Raises:
         RunFileError: if it cannot be written, or another run is in the file, or another process has gone on with it.
     """
-    with _open(file, "change") as db:
+    with opened(file, "change") as db:
         _require(db, file, run_id)
         (n_done,) = db.execute("SELECT count(*) FROM generations").fetchone()
         if not generation.empty and int(generation.generation.iloc[0]) != n_done:
@@ -156,7 +131,7 @@ def go_on(path: Path, settings: dict[str, Any]) -> str:
     Returns:
         The run's id.
     """
-    with _open(path, "change") as db:
+    with opened(path, "change") as db:
         layouts.write_settings(db, json.dumps(settings))
         return layouts.fact(db, "id")
 
@@ -179,13 +154,13 @@ def read(path: Path) -> tuple[dict[str, Any], pd.DataFrame]:
         RunFileError: if there is no such file, or it is not one of ours.
         DamagedError: if anything in it is not as it was written.
     """
-    with _open(path, "check") as db:
+    with opened(path, "check") as db:
         return _settings(db, path), _table(db, path)
 
 
 def read_facts(path: Path) -> tuple[dict[str, str], dict[str, str]]:
     """Read what a run says of itself: its id and the digest of its settings; what its last generation was made with."""
-    with _open(path) as db:
+    with opened(path) as db:
         try:
             return {name: layouts.fact(db, name) for name in ("id", "settings digest")}, layouts.made_with(db)
         except (AttributeError, ValueError, RecursionError) as error:
@@ -194,7 +169,7 @@ def read_facts(path: Path) -> tuple[dict[str, str], dict[str, str]]:
 
 def read_generations(file: File, run_id: str, first: int, end: int) -> pd.DataFrame:
     """Read the table of some generations of a run: the first of them, and those after it that are before the end."""
-    with _open(file) as db:
+    with opened(file) as db:
         _require(db, file, run_id)
         return _table(db, file, first, end)
 
@@ -211,7 +186,7 @@ def read_births(
         births: generation and number of each individual.
     """
     of_one = f"SELECT {', '.join(columns)} FROM records WHERE generation = ? AND individual = ?"
-    with _open(file) as db:
+    with opened(file) as db:
         _require(db, file, run_id)
         return [row for birth in births for row in db.execute(of_one, birth)]
 
@@ -234,7 +209,7 @@ def rescue(path: Path, to: Path) -> int:
     claim(to)
     whole = list[tuple[str, pd.DataFrame]]()
     try:
-        with _open(path, "rescue") as db:
+        with opened(path, "rescue") as db:
             settings = _settings(db, path)
             with suppress(sqlite3.Error, ValueError):
                 for number, (generation, made_with, rows) in enumerate(layouts.generations(db)):
@@ -245,7 +220,7 @@ def rescue(path: Path, to: Path) -> int:
         raise RunFileError(f"nothing can be saved of {path}: {error.what}.") from error
     if not whole:
         raise RunFileError(f"nothing can be saved of {path}: its first generation is damaged already.")
-    with _open(to, "make") as db:
+    with opened(to, "make") as db:
         layouts.lay_out(db, json.dumps(settings))
         for made_with, table in whole:
             _insert(db, table, made_with)
@@ -258,7 +233,7 @@ def require(file: File, run_id: str) -> None:
     Raises:
         RunFileError: if not.
     """
-    with _open(file) as db:
+    with opened(file) as db:
         _require(db, file, run_id)
 
 
@@ -294,79 +269,3 @@ def _tidied(rows: list[tuple[Any, ...]], file: File) -> pd.DataFrame:
         return tidy(pd.DataFrame(rows, columns=list(COLUMNS)))
     except (TypeError, ValueError) as error:
         raise DamagedError(file, str(error)) from error
-
-
-@contextmanager
-def _open(
-    file: File, how: Literal["make", "look", "check", "rescue", "change"] = "look"
-) -> Generator[sqlite3.Connection, None, None]:
-    """Open a run file for one transaction; of one of an earlier layout, a renewed copy in memory.
-
-    Args:
-        file: a run file.
-        how: ``make`` it; ``look`` into it; ``check`` first if all of its pages hold together; ``rescue`` what can be
-            read, also where the end is cut off; or ``change`` it, which renews the file itself.
-    """
-    if isinstance(file, Path) and how != "make" and not file.is_file():
-        raise RunFileError(f"there is no run file at {file}")
-    db = file
-    try:
-        db = _connect(file) if isinstance(file, Path) else file
-        db.execute(f"PRAGMA page_size = {PAGE}")  # of a new file; any other has its own
-        db.execute(f"PRAGMA writable_schema = {how == 'rescue'}")  # or SQLite refuses a file that is cut off
-        layout = LAYOUT if how == "make" else layouts.recognise(db)
-        if how == "change":
-            db.execute("PRAGMA journal_mode = DELETE")  # also where another program has set a mode of several files
-        if (how == "check" or layout < LAYOUT) and db.execute("PRAGMA quick_check(1)").fetchone() != ("ok",):
-            raise DamagedError(file, "its pages do not hold together")
-        if layout < LAYOUT and how != "change":
-            if db.execute("PRAGMA freelist_count").fetchone()[0] > 9:  # pages that no run leaves empty
-                raise DamagedError(file, "most of it is empty")
-            old, db = db, _connect(":memory:")
-            with closing(old):
-                old.backup(db)
-        db.execute("BEGIN")
-        try:
-            if layout < LAYOUT:
-                layouts.renew(db, layout)
-            yield db
-            if how in ("make", "change"):
-                db.commit()
-        finally:
-            db.rollback()  # of what is not committed
-    except NotARun as error:
-        raise RunFileError(f"{file} {error}.") from error
-    except sqlite3.Error as error:
-        code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF  # none where a text is no text
-        if code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_TOOBIG):
-            raise DamagedError(file, f"as SQLite says, {error}") from error
-        if code == sqlite3.SQLITE_INTERRUPT:
-            raise DamagedError(file, "there is no end to what is in it, as far as one can see") from error
-        if how == "make" and isinstance(file, Path) and file.is_file() and not file.stat().st_size:
-            file.unlink()  # nothing has come of it
-        whole = " What was in it is whole." if how == "change" else ""
-        raise RunFileError(f"{file} cannot be used: {_WORDS.get(code, error)}.{whole}") from error
-    finally:
-        if isinstance(db, sqlite3.Connection) and db is not file:
-            db.close()
-
-
-def _connect(file: Path | str) -> sqlite3.Connection:
-    db = sqlite3.connect(file, timeout=PATIENCE)
-    db.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST)
-    left = count(STEPS + (Path(file).stat().st_size if Path(file).is_file() else 0), -STRIDE)
-    db.set_progress_handler(lambda: next(left) < 0, STRIDE)
-    db.execute("PRAGMA trusted_schema = OFF")
-    return db
-
-
-_WORDS = {
-    sqlite3.SQLITE_FULL: "the disk is full. Make room",
-    sqlite3.SQLITE_READONLY: "it, or the folder that it is in, cannot be written to. Copy it into a folder of your own",
-    sqlite3.SQLITE_CANTOPEN: "it, or the folder that it is in, cannot be opened. Copy it into a folder of your own",
-    sqlite3.SQLITE_PERM: "you may not write to it. Copy it into a folder of your own",
-    sqlite3.SQLITE_BUSY: f"another program has been busy with it for {PATIENCE} s. Try again when that is done",
-    sqlite3.SQLITE_NOTADB: "it is not a database, but something else",
-    sqlite3.SQLITE_IOERR: "the disk is full, or failed, or the network before it is gone",
-}
-"""What is the matter, and the mend, by what SQLite calls it."""
