@@ -89,8 +89,8 @@ class TestTriedBeforeAnyPhysics:
             (lambda rollout: rollout.com.sort(), r"wrote into what is read-only \(line .*com = rollout.com.copy"),
             (lambda rollout: setattr(rollout, "com", 0), "wrote into what is read-only"),
             (lambda rollout: float("nan"), r"it returned nan, when .*\. Is a return missing"),
-            (lambda rollout: np.random.random() * 0, "used np.random.* nothing but the walk"),  # noqa: NPY002
-            (lambda rollout: random.random() * 0, "used random.* nothing but the walk"),
+            (lambda rollout: np.random.random(), "used np.random.* nothing but the walk"),  # noqa: NPY002
+            (lambda rollout: random.random(), "used random.* nothing but the walk"),
         ],
     )
     def test_an_unsound_one_is_told_what_is_wrong(self, own, told):

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.figure import Figure
 
 import walkerlab as wl
 from walkerlab.__main__ import main
@@ -88,7 +89,7 @@ def test_a_report_can_be_read_and_runs_nothing(report):
 
 
 def test_strange_runs_stay_labels_on_a_curve(tmp_path, run):
-    axes = fitness_curve(run.records, label=STRANGE)
+    axes = fitness_curve(run.records, Figure().add_subplot(), label=STRANGE)
     save(axes, tmp_path / "curve.svg")
     ElementTree.parse(tmp_path / "curve.svg")
 
@@ -109,7 +110,7 @@ def test_no_name_of_a_function_gets_out_of_a_comment():
 def test_show_moves_no_cursor(tmp_path, capsys, monkeypatch, run):
     evolved(tmp_path / "run.walk")
     strange = Run(SMALL, run.records.assign(operators=STRANGE))
-    monkeypatch.setattr(wl, "load", lambda path: strange, raising=False)
+    monkeypatch.setattr("walkerlab.run.load", lambda path: strange)
     assert main(["show", str(tmp_path)]) == 0
     shown = capsys.readouterr().out
     assert "pwned" in shown

@@ -65,8 +65,14 @@ def writes(answer, given):
 
 
 def gambles(answer, given):
-    np.random.random()  # noqa: NPY002
-    return answer
+    drawn = np.random.random()  # noqa: NPY002
+    match answer:
+        case (genomes, parents):
+            return genomes + drawn, parents
+        case np.ndarray() if answer.ndim == 1:  # chosen parents
+            return np.roll(answer, 1 + int(drawn * (len(answer) - 1))) if len(set(answer)) > 1 else answer
+        case _:
+            return answer + drawn
 
 
 def hangs(answer, given):

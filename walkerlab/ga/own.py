@@ -2,12 +2,11 @@
 
 import inspect
 import sys
-import time
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import FrozenInstanceError, dataclass
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -18,8 +17,6 @@ IN_A_RUN, IN_A_CHECK = 60.0, 10.0  # s that one call may take
 
 SHARED = {"np.random": "numpy.random", "random": "random"}
 """The sources of chance that everybody draws from, and the modules that they are."""
-
-PAUSE = 0.01  # s, in which somebody else who draws from them would do so
 
 
 class OperatorError(Fault, ValueError):
@@ -85,21 +82,18 @@ def ask(slot: Slot, function: Callable[..., object], call: Callable[[], Any], se
         seconds: that a call may take, if WALKERLAB_PATIENCE does not say otherwise.
 
     Raises:
-        OperatorError: if it raises anything, does not return, writes into what it is given, or draws from a source of
-            chance that it shares with others.
+        OperatorError: if it raises anything, does not return, writes into what it is given, or its answer
+            depends on a source of chance that it shares with others.
     """
     if _is_ours(function):
         return _in_words(slot, function, call)
     attempt = partial(_in_words, slot, function, partial(in_time, call, patience(seconds)))
-    answer, used = _watched(attempt)
-    if used:  # by it, or by another thread meanwhile, as that of a notebook cell; then it is not to blame
-        used -= _watched(partial(time.sleep, PAUSE))[1]
-        for name in used:
-            sys.modules[SHARED[name]].random()  # so that seeding, too, changes what is there
-        used &= _watched(attempt)[1] if used else set()
-    for name in used:
+    before = _shared_chance()
+    answer = attempt()
+    used = {name for name, state in _shared_chance().items() if state != before.get(name)}
+    if used and not _alike(answer, attempt()):  # or others drew from it, as the threads of Dask do
         raise OperatorError(
-            f"{slot.who(function)} used {name}, which all of Python shares",
+            f"{slot.who(function)} used {' and '.join(sorted(used))}, which all of Python shares",
             f"So no run could be repeated. {slot.chance}",
         )
     return answer
@@ -139,11 +133,15 @@ def _in_words(slot: Slot, function: Callable[..., object], call: Callable[[], An
         raise OperatorError(f"{who} raised {type(error).__name__}: {error}{line}", advice) from error
 
 
-def _watched(call: Callable[[], Any]) -> tuple[Any, set[str]]:
-    """Return an answer, and which of the shared sources of chance were drawn from meanwhile."""
-    before = _shared_chance()
-    answer = call()
-    return answer, {name for name, state in _shared_chance().items() if state != before.get(name)}
+def _alike(one: Any, other: Any) -> bool:
+    """Say whether two answers are the same, be they numbers, arrays or pairs of arrays."""
+    if isinstance(one, tuple | list) and isinstance(other, tuple | list):
+        pairs = cast(Iterable[tuple[Any, Any]], zip(one, other, strict=False))
+        return len(one) == len(other) and all(_alike(*pair) for pair in pairs)
+    try:
+        return np.array_equal(one, other, equal_nan=True)
+    except TypeError:  # of what is no number something else is said
+        return True
 
 
 def _shared_chance() -> dict[str, object]:
