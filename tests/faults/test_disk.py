@@ -64,7 +64,7 @@ def test_a_file_with_flipped_bytes_is_the_run_or_an_error(whole, tmp_path):
     path, truth = whole
     rng, found, intact = np.random.default_rng(3), [], path.read_bytes()
     copy = tmp_path / "copy.walk"
-    for _ in range(number(40, 200)):
+    for _ in range(number(20, 200)):
         hurt = bytearray(intact)
         for place in rng.integers(len(hurt), size=rng.integers(1, 4)):
             hurt[place] ^= rng.integers(1, 256)
@@ -92,7 +92,7 @@ def test_a_file_that_is_copied_while_it_is_written_is_the_run_so_far_or_an_error
     _, truth = whole
     path, copy, found = tmp_path / "run.walk", tmp_path / "copy.walk", []
     journal = path.with_name(f"{path.name}-journal")
-    while len(found) < number(40, 1000):
+    while len(found) < number(20, 1000):
         path.unlink(missing_ok=True)
         writer = threading.Thread(target=wl.evolve, args=(SETTINGS, path), kwargs={"progress": False})
         writer.start()

@@ -72,7 +72,7 @@ def test_killed_and_resumed_as_often_as_one_likes_it_is_the_same_table(kind, tmp
     longest, root = time.monotonic() - began, request.config.rootpath
 
     rng, found = np.random.default_rng(7), []
-    for run in range(number(2, 50)):
+    for run in range(number(1, 50)):
         path = tmp_path / f"{run}.walk"
         while go(kind, path, root, rng.uniform(0, longest)):  # too late: it had come to its end
             path.unlink()

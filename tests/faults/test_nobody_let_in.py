@@ -137,7 +137,6 @@ def test_a_run_on_all_cores_listens_nowhere(tmp_path):
         assert not listening(pid)
 
 
-@pytest.mark.skipif(number(True, False), reason="in full number only: python -m tests.faults")
 def test_the_cluster_of_the_notebook_is_for_this_computer_only(tmp_path):
     if not importlib.util.find_spec("distributed"):
         lacking("distributed")
