@@ -23,6 +23,7 @@ from walkerlab.opening import DamagedError, File, RunFileError, connect, opened
 from walkerlab.records import COLUMNS, check, tidy
 
 RUN_FILE = "run.walk"  # its name in a folder of its own
+SHOWN = 16  # digits of a digest, enough to tell two apart
 
 
 def locate(path: str | Path) -> Path:
@@ -162,7 +163,8 @@ def read_facts(path: Path) -> tuple[dict[str, str], dict[str, str]]:
     """Read what a run says of itself: its id and the digest of its settings; what its last generation was made with."""
     with opened(path) as db:
         try:
-            return {name: layouts.fact(db, name) for name in ("id", "settings digest")}, layouts.made_with(db)
+            whose = {"id": layouts.fact(db, "id"), "settings digest": layouts.fact(db, "settings digest")[:SHOWN]}
+            return whose, layouts.made_with(db)
         except (AttributeError, ValueError, RecursionError) as error:
             raise DamagedError(path, str(error)) from error
 
