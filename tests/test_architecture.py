@@ -17,7 +17,7 @@ HOUSE = Path(walkerlab.__file__).parent
 FLOORS = (
     ("faults",),
     ("quantity", "randomness", "genes", "interrupts", "markup", "graphics", "gate", "time_limit"),
-    ("choices", "glossary", "workers", "provenance"),
+    ("choices", "glossary", "workers", "provenance", "snapshots"),
     ("settings", "ga", "waiting"),
     ("limits", "ground", "textures", "cameras"),
     ("layout",),
@@ -61,7 +61,7 @@ ONLY_IN = {
     "anywidget": {"viewer", "widgets"},
     "av": {"cinema"},
     "ipywidgets": {"widgets"},
-    "IPython": {"widgets"},
+    "IPython": {"snapshots", "widgets"},
     "loky": {"workers"},
     "sqlite3": {"store", "opening", "layouts"},
     "random": set(),

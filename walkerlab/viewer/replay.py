@@ -30,6 +30,7 @@ from walkerlab.judge import UNSTABLE, VERDICTS
 from walkerlab.markup import Html, join, tag
 from walkerlab.quantity import count
 from walkerlab.settings import Settings
+from walkerlab.snapshots import LIVE_STYLE, WHITE, HasSnapshot
 from walkerlab.store import RunFileError
 from walkerlab.viewer.cast import line_up
 from walkerlab.viewer.poster import poster
@@ -37,6 +38,7 @@ from walkerlab.viewer.stage import Stage, Walk, set_up
 from walkerlab.viewer.tracks import pack
 
 HERE = Path(__file__).parent
+PRESS = " Press to play."
 NATURAL = "#e69f00"  # the colour of a trunk
 
 
@@ -98,11 +100,8 @@ class Replay:
         """A new widget that shows it in a notebook: a picture first."""
         return Frame(self)
 
-    def _repr_mimebundle_(self, **_: Any) -> Any:
-        frame = self.widget
-        bundle, *more = frame._repr_mimebundle_()  # type: ignore[misc]
-        picture = tag("img", src=frame.poster, alt=frame.alt, style="max-width: 100%")
-        return {**bundle, "text/plain": repr(self), "text/html": picture}, *more
+    def _ipython_display_(self, **_: Any) -> None:
+        self.widget._ipython_display_()
 
     @property
     def _title(self) -> str:
@@ -174,14 +173,16 @@ def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | s
 # ---------------------------------------------------------------------------------------------- in a notebook
 
 
-class Frame(anywidget.AnyWidget):
+class Frame(HasSnapshot, anywidget.AnyWidget):
     """A picture in a notebook; pressed, it becomes the page, and closed it is a picture again.
 
     Of a replay it has the page from the start, so that it plays while the kernel is busy, or gone. A notebook keeps
     every widget: this one holds nothing else of the walks.
     """
 
+    title = "replay"
     _esm = HERE / "frame.js"
+    _css = LIVE_STYLE
     poster = traitlets.Unicode("").tag(sync=True)
     alt = traitlets.Unicode("").tag(sync=True)
     page = traitlets.Bytes(b"").tag(sync=True)
@@ -195,7 +196,7 @@ class Frame(anywidget.AnyWidget):
         if shown:
             picture = base64.b64encode(poster(shown.walks, shown.settings)).decode("ascii")
             walks = "; ".join(f"{walk.label}, {walk.rollout.distance:.2f} m forward" for walk in shown.walks)
-            self.alt, self.page = f"Replay of {walks}. Press to play.", shown.page.encode("utf-8")
+            self.alt, self.page = f"Replay of {walks}.{PRESS}", shown.page.encode("utf-8")
             self.poster = f"data:image/png;base64,{picture}"
 
     def offer(self, make: Callable[[], Replay], picture: str, alt: str) -> None:
@@ -208,6 +209,16 @@ class Frame(anywidget.AnyWidget):
         """
         with self.hold_sync():
             self._make, self.page, self.alt, self.poster = make, b"", alt, picture
+
+    def __repr__(self) -> str:
+        """Name the walks."""
+        return f"<{self.alt or 'A replay: nothing to be shown yet'}>"
+
+    def snapshot(self) -> Html:
+        """Write the picture as static HTML."""
+        if not self.poster:
+            return tag("p", "No walk was offered yet.")
+        return tag("img", src=self.poster, alt=self.alt.removesuffix(PRESS), style=WHITE)
 
     def play(self) -> None:
         """Press it."""

@@ -1,5 +1,6 @@
 """The fitness of one run or several, generation by generation: a picture that grows."""
 
+import base64
 import io
 import math
 from collections.abc import Mapping, Sequence
@@ -10,8 +11,9 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from walkerlab import plots
-from walkerlab.markup import inline_svg, tag
+from walkerlab.markup import Html, inline_svg, tag
 from walkerlab.plots.style import COLUMNS
+from walkerlab.snapshots import LIVE_STYLE, WHITE, HasSnapshot
 
 SIZE = (6.4, 3.5)  # inches
 MARGINS = {"left": 0.1, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
@@ -19,11 +21,14 @@ _NAMES = count()  # of all drawings, for no two on a page may share an id
 LONGEST = 18  # characters of a name in the key; the list of runs has it whole
 LINE = 0.055  # of the height, for each line of the key above the axes
 SHEET = f"aspect-ratio: {SIZE[0]} / {SIZE[1]}; background: white; border-radius: 6px; color: #555; display: grid"
+LIVE = tag("style", Html(LIVE_STYLE))
 EMPTY = "margin: auto; padding: 0 10%; text-align: center"
 
 
-class Curve(ipywidgets.HTML):
+class Curve(HasSnapshot, ipywidgets.HTML):
     """The fitness curves of runs on one picture."""
+
+    title = "fitness curve"
 
     def __init__(self, runs: Mapping[str, pd.DataFrame] | None = None, n_generations: int = 1) -> None:
         """Draw the runs that there are, as ``draw`` does."""
@@ -48,15 +53,28 @@ class Curve(ipywidgets.HTML):
             if not table.empty:
                 plots.fitness_curve(table, axes, label=_brief(name) if n_runs > 1 else "", look=look)
                 n_generations = max(n_generations, int(table.generation.max()) + 1)
+        self._axes = axes
         if not plots.alt_text(axes):
             empty = tag("p", "Here the fitness curve will grow, generation by generation.", style=EMPTY)
-            self.value = tag("div", empty, style=SHEET)
+            self.value = tag("div", empty, LIVE, style=SHEET)
             return
         axes.set_xlim(-0.02 * n_generations, 1.02 * max(1, n_generations - 1))
         file = io.StringIO()
         figure.savefig(file, format="svg")
         picture = inline_svg(file.getvalue(), f"curve{next(_NAMES)}", plots.alt_text(axes))
-        self.value = tag("div", picture, style=SHEET)
+        self.value = tag("div", picture, LIVE, style=SHEET)
+
+    def snapshot(self) -> Html:
+        """Write the picture as static HTML: as PNG, the size of which does not grow with the curve."""
+        axes = self._axes
+        if not plots.alt_text(axes):
+            return tag("p", "No generation was done yet.")
+        file = io.BytesIO()
+        figure = axes.get_figure(root=True)
+        assert figure
+        figure.savefig(file, format="png", dpi=100)
+        url = f"data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}"
+        return tag("img", src=url, alt=plots.alt_text(axes), style=WHITE)
 
 
 def _brief(name: str) -> str:

@@ -5,6 +5,7 @@ from typing import Any
 
 import traitlets
 
+from walkerlab.markup import Html, code, details, join, tag
 from walkerlab.widgets.part import Part, script, style
 
 
@@ -18,6 +19,7 @@ class Drawer(Part):
         can_export: whether there is something to export.
     """
 
+    title = "run files"
     _esm = script("drawer")
     _css = style("drawer")
     files = traitlets.List(traitlets.Unicode()).tag(sync=True)
@@ -38,6 +40,11 @@ class Drawer(Part):
         super().__init__()
         self._on_load, self._on_export, self._on_settings = on_load, on_export, on_settings
         self.on_msg(self._hear)
+
+    def snapshot(self) -> Html:
+        """Write what became of the last wish, and the code of the run, as static HTML."""
+        said = tag("p", self.words or "No run was loaded or exported.")
+        return join(said, details("The Python that repeats this run", code(self.code)) if self.code else "")
 
     def _hear(self, _widget: object, message: Any, _buffers: object) -> None:
         match message:

@@ -8,8 +8,10 @@ import traitlets
 
 from walkerlab import sketch
 from walkerlab.genome import Genome, GenomeError
+from walkerlab.markup import Html, code, join, tag
 from walkerlab.randomness import stream
 from walkerlab.settings import Settings
+from walkerlab.snapshots import image
 from walkerlab.widgets.mended import laid_out, mended, place_of
 from walkerlab.widgets.part import Part, script, style
 
@@ -34,6 +36,7 @@ class Editor(Part):
         heard: the buttons that somebody listens to; the others are not there.
     """
 
+    title = "gene editor"
     _esm = script("editor")
     _css = style("editor")
     text = traitlets.Unicode("").tag(sync=True)
@@ -69,6 +72,11 @@ class Editor(Part):
     def on_insert(self, callback: OnGenome) -> None:
         """Have something called with the genome, when it is to be put into the next generation."""
         self._listen("insert", callback)
+
+    def snapshot(self) -> Html:
+        """Write the robot, its gene and what is wrong with it as static HTML."""
+        notes = [tag("p", note) for note in ([self.fault] if self.fault else self.notes)]
+        return join(image(self.picture) if self.picture else "", code(self.text), *notes)
 
     def _listen(self, button: str, callback: OnGenome) -> None:
         self._listeners[button].append(callback)

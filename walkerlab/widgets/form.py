@@ -5,9 +5,11 @@ from typing import Any, cast
 
 import traitlets
 
+from walkerlab.glossary import rows_of
+from walkerlab.markup import Html, join, table, tag
 from walkerlab.quantity import Domain, SettingsError, did_you_mean, function_name
 from walkerlab.settings import Settings
-from walkerlab.widgets.controls import OWN, PLACE, controls_of, idle, in_words
+from walkerlab.widgets.controls import OWN, PLACE, controls_of, idle, in_words, label
 from walkerlab.widgets.part import Part, script, style
 from walkerlab.widgets.presets import PRESETS, worlds
 
@@ -27,6 +29,7 @@ class Form(Part):
         form.observe(lambda change: print(change.new), "settings")
     """
 
+    title = "form"
     _esm = script("controls", "form")
     _css = style("form")
 
@@ -61,6 +64,20 @@ class Form(Part):
     def set_state(self, sync_data: Named) -> None:
         """Hear from a browser what is its to say: no more than the values, and the name of a preset."""
         super().set_state({name: said for name, said in sync_data.items() if name in ("values", "preset")})
+
+    def snapshot(self) -> Html:
+        """Write the settings that are shown as static HTML, a table to a domain."""
+        tables = tag("div", *map(self._table, self._last), class_="beside")
+        return join(tables, tag("p", self.fault)) if self.fault else tables
+
+    def _table(self, named: tuple[str, Domain]) -> Html:
+        """Write the shown settings of a domain: those that differ from the default are bold and marked."""
+        name, domain = named
+        rows = [row for row in rows_of(domain) if row.name in self._shown[name]]
+        lines = ([f"● {label(row.name)}" if row.changed else label(row.name), row.value] for row in rows)
+        strong = ["strong" if row.changed else "" for row in rows]
+        caption = f"{name.capitalize()} (● differs from the default)" if any(strong) else name.capitalize()
+        return table(caption, ("setting", "value"), lines, classes=strong) if rows else Html("")
 
     @traitlets.validate("values")
     def _whole(self, proposal: Any) -> dict[str, Named]:

@@ -21,9 +21,11 @@ from walkerlab.faults import Fault
 from walkerlab.forecast import in_words, seconds_of
 from walkerlab.genome import Genome
 from walkerlab.live import LiveRun, State
+from walkerlab.markup import Html, details, tag
 from walkerlab.records import join
 from walkerlab.run import Run
 from walkerlab.settings import Settings
+from walkerlab.snapshots import HasSnapshot, pieces_of
 from walkerlab.store import RunFileError
 from walkerlab.widgets.cell import made_before
 from walkerlab.widgets.controls import in_words as in_labels
@@ -40,7 +42,7 @@ from walkerlab.workers import check
 OFTEN = 0.2  # s between two words on how far a run has come
 
 
-class Lab(ipywidgets.Box):
+class Lab(HasSnapshot, ipywidgets.Box):
     """The panel, in a notebook.
 
         lab = wl.Lab()
@@ -50,6 +52,8 @@ class Lab(ipywidgets.Box):
         run: the run that is chosen in the list, as far as it has come; None before there is one.
         settings: what the form says; None while that cannot be. Setting it moves the form.
     """
+
+    title = "panel"
 
     def __init__(
         self, settings: Settings | None = None, folder: str | Path = "lab", executor: Executor | None = None
@@ -97,6 +101,11 @@ class Lab(ipywidgets.Box):
         """Name it; its widgets are many."""
         return f"<Lab: a panel, to be seen in a notebook; it keeps {len(self.runs.kept)} runs>"
 
+    def snapshot(self) -> Html:
+        """Write what the panel shows as static HTML."""
+        pieces = (self.transport, self.runs, self.population, self.robot, self.world)
+        return tag("div", *(piece.snapshot() for piece in pieces), details("Settings", self.form.snapshot()))
+
     @property
     def settings(self) -> Settings | None:
         """What the form says; None while that cannot be."""
@@ -118,7 +127,7 @@ class Lab(ipywidgets.Box):
         for end in (LiveRun.stop, LiveRun.close):  # all are stopped before any is waited for
             for live in lives:
                 end(live)
-        for piece in _within(self):
+        for piece in pieces_of(self):
             piece.close()
         super().close()
 
@@ -286,13 +295,4 @@ def _world_of(settings: Settings) -> tuple[object, ...]:
 
 def _room(name: str, *pieces: ipywidgets.Widget) -> ipywidgets.Box:
     """Put pieces below each other."""
-    box = ipywidgets.Box(pieces)
-    box.add_class("wl-room")
-    box.add_class(f"wl-{name}")
-    return box
-
-
-def _within(box: ipywidgets.Widget) -> list[ipywidgets.Widget]:
-    """Return every widget in a box, in boxes in it and so on, the inner ones first."""
-    children: tuple[ipywidgets.Widget, ...] = getattr(box, "children", ())
-    return [one for child in children for one in (*_within(child), child)]
+    return ipywidgets.Box(pieces).add_class("wl-room").add_class(f"wl-{name}")

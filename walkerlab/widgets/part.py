@@ -5,12 +5,14 @@ from typing import Any
 
 import anywidget
 
+from walkerlab.snapshots import LIVE_STYLE, HasSnapshot
+
 HERE = Path(__file__).parent
 
 
 def style(*names: str) -> str:
     """Return the style sheet of a piece: what all share, and those of these names."""
-    return _joined("css", names)
+    return f"{_joined('css', names)}\n{LIVE_STYLE}"
 
 
 def script(*names: str) -> str:
@@ -22,7 +24,7 @@ def _joined(kind: str, names: tuple[str, ...]) -> str:
     return "\n".join((HERE / f"{name}.{kind}").read_text(encoding="utf-8") for name in ("part", *names))
 
 
-class Part(anywidget.AnyWidget):
+class Part(HasSnapshot, anywidget.AnyWidget):
     """A piece of the panel: traits that a browser and Python both see, and the JavaScript that shows them.
 
     Its controls are those of HTML, which every keyboard reaches and every screen reader knows.

@@ -7,14 +7,17 @@ import pandas as pd
 import traitlets
 
 from walkerlab import sketch
+from walkerlab.markup import Html, table, tag
 from walkerlab.plots.style import table_of
 from walkerlab.records import join
 from walkerlab.run import Run
 from walkerlab.settings import Settings
+from walkerlab.snapshots import image
 from walkerlab.widgets.part import Part, script, style
 from walkerlab.widgets.roster import COLUMNS, DRAWN, order, roster
 
 SIZE = (100, 56)  # pixels of a picture
+IN_SNAPSHOT = 12  # robots at most in the static picture
 ROOM = 0.15  # m beside the longest robot, for its feet
 STEP = (
     0.2  # m, to which the longest robot's length is rounded up, so that the scale stays when a child is a little longer
@@ -33,6 +36,7 @@ class Population(Part):
         as_table: whether they are shown as a table.
     """
 
+    title = "population"
     _esm = script("population")
     _css = style("population")
     selected = traitlets.Int(-1).tag(sync=True)
@@ -84,10 +88,38 @@ class Population(Part):
         """Draw those in sight; what was drawn lately is remembered where it is drawn."""
         with self._lock:
             first, last = self.sight if len(self.sight) == 2 else (0, 0)
-            seen = self._shown.iloc[max(first, 0) : min(last, DRAWN)]
-            span = STEP * math.ceil(self._shown.body_length.max() / STEP) + ROOM if len(seen) else 0.0
-            robot = self._settings.robot if self._settings else None
-            self.pictures = {
-                str(number): sketch.body(gene, robot, size=SIZE, span=span)
-                for number, gene in zip(seen.individual, seen.genome, strict=True)
-            }
+            self.pictures = self._drawn(max(first, 0), min(last, DRAWN))
+
+    def _drawn(self, first: int, last: int) -> dict[str, str]:
+        """Draw some of the robots, counted in the order in which they are listed."""
+        seen = self._shown.iloc[first:last]
+        span = STEP * math.ceil(self._shown.body_length.max() / STEP) + ROOM if len(seen) else 0.0
+        robot = self._settings.robot if self._settings else None
+        return {
+            str(number): sketch.body(gene, robot, size=SIZE, span=span)
+            for number, gene in zip(seen.individual, seen.genome, strict=True)
+        }
+
+    def snapshot(self) -> Html:
+        """Write the first robots as static HTML: their pictures, or a table of them."""
+        with self._lock:
+            listed, pictures = self.roster, {} if self.as_table else self._drawn(0, IN_SNAPSHOT)
+        if not listed:
+            return tag("p", "No generation was done yet.")
+        rows, n = listed["rows"][:IN_SNAPSHOT], len(self._shown)
+        some = f" The first {len(rows)} of {n:,} are shown, {COLUMNS[self.sort].first}." if n > len(rows) else ""
+        caption = f"{listed['title']}.{some}"
+        if self.as_table:
+            columns = [f"{column['title']} {column['unit']}".strip() for column in listed["columns"]]
+            cells = ([f"{row['sign']} {row['individual']}".strip(), *row["cells"][1:]] for row in rows)
+            return table(caption, columns, cells, numbers=range(1, len(columns) - 1))
+        figures = (
+            tag(
+                "figure",
+                image(pictures[str(row["individual"])], alt=row["says"]),
+                tag("figcaption", f"{row['sign']} {row['worth']}".strip()),
+                style="display: inline-block; margin: 4px; text-align: center",
+            )
+            for row in rows
+        )
+        return tag("div", tag("p", caption), *figures)

@@ -8,10 +8,11 @@ import ipywidgets
 
 from walkerlab import sketch
 from walkerlab.genome import Genome
-from walkerlab.markup import shown, tag
+from walkerlab.markup import Html, join, shown, tag
 from walkerlab.records import births
 from walkerlab.run import Run
 from walkerlab.settings import Settings
+from walkerlab.snapshots import HasSnapshot
 from walkerlab.viewer import Replay, replay
 from walkerlab.viewer.replay import Frame
 from walkerlab.widgets.card import card
@@ -22,13 +23,15 @@ POSTER = (640, 360)  # pixels
 FIRST = "No robot has walked yet. This one is drawn by chance: play its walk, or edit its gene."
 
 
-class RobotRoom(ipywidgets.Box):
+class RobotRoom(HasSnapshot, ipywidgets.Box):
     """A robot of a run: its card, its gene in an editor, and its replay.
 
     Attributes:
         editor: of its gene.
         frame: its replay, a picture until it is played.
     """
+
+    title = "robot"
 
     def __init__(self, settings: Settings, on_insert: Callable[[Genome], str]) -> None:
         """Make it, with nobody in it.
@@ -50,6 +53,10 @@ class RobotRoom(ipywidgets.Box):
         self._offer(self.editor.genome, "a robot drawn by chance")
         self.editor.on_walk(self._walk)
         self.editor.on_insert(self._insert)
+
+    def snapshot(self) -> Html:
+        """Write the card, the picture and the gene of the robot as static HTML."""
+        return join(Html(self.card.value), self.frame.snapshot(), self.editor.snapshot())
 
     def use(self, settings: Settings) -> None:
         """Let edited genes walk in another world."""

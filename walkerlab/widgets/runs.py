@@ -8,9 +8,11 @@ from typing import Any
 import ipywidgets
 
 from walkerlab import outputs
+from walkerlab.markup import Html, join
 from walkerlab.plots.style import RUNS
 from walkerlab.report.code import as_python, own_functions
 from walkerlab.run import Run, load
+from walkerlab.snapshots import HasSnapshot
 from walkerlab.widgets.curve import Curve
 from walkerlab.widgets.desk import Desk
 from walkerlab.widgets.drawer import Drawer
@@ -18,7 +20,7 @@ from walkerlab.widgets.kept import Kept, best_of, name_of, new_file, run_files, 
 from walkerlab.widgets.shelf import Shelf
 
 
-class RunsRoom(ipywidgets.Box):
+class RunsRoom(HasSnapshot, ipywidgets.Box):
     """The runs of a panel, of which one is chosen to be looked at.
 
     Attributes:
@@ -27,6 +29,8 @@ class RunsRoom(ipywidgets.Box):
         shelf: their list.
         drawer: where the chosen one is exported and its code copied, and others are loaded.
     """
+
+    title = "runs"
 
     def __init__(
         self, folder: Path, desk: Desk, on_chosen: Callable[[], None], on_settings: Callable[[], None]
@@ -48,6 +52,10 @@ class RunsRoom(ipywidgets.Box):
         self.add_class("wl-runs")
         self.shelf.observe(self._run_chosen, "selected")
         self.shelf.observe(self._runs_changed, "runs")
+
+    def snapshot(self) -> Html:
+        """Write the curves, the list and the code of the chosen run as static HTML."""
+        return join(*(piece.snapshot() for piece in (self.curve, self.shelf, self.drawer)))
 
     @property
     def chosen(self) -> Run | None:

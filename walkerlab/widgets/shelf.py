@@ -7,6 +7,7 @@ from typing import Any
 
 import traitlets
 
+from walkerlab.markup import Html, table, tag
 from walkerlab.plots.style import MARKS, RUNS
 from walkerlab.widgets.part import Part, script, style
 
@@ -22,6 +23,7 @@ class Shelf(Part):
         selected: the key of the run that is looked at, "" if there is none.
     """
 
+    title = "list of runs"
     _esm = script("shelf")
     _css = style("shelf")
     runs = traitlets.List().tag(sync=True)
@@ -71,6 +73,14 @@ class Shelf(Part):
             self.runs = [run for run in self.runs if run["key"] != key]
             if self.selected == key:
                 self.selected = self.runs[min(place, len(self.runs) - 1)]["key"] if self.runs else ""
+
+    def snapshot(self) -> Html:
+        """Write the list as static HTML."""
+        if not self.runs:
+            return tag("p", "No run was started or loaded.")
+        rows = [[run[key] for key in ("name", "differs", "best", "state")] for run in self.runs]
+        strong = ["strong" if run["key"] == self.selected else "" for run in self.runs]
+        return table("Runs", ("run", "differs", "best", "state"), rows, classes=strong)
 
     def _next_look(self) -> dict[str, str]:
         """Return the colour and mark that fewest runs have, the earlier ones first."""

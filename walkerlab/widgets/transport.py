@@ -5,6 +5,7 @@ from typing import Any
 
 import traitlets
 
+from walkerlab.markup import Html, join, tag
 from walkerlab.widgets.part import Part, script, style
 
 
@@ -19,6 +20,7 @@ class Transport(Part):
         fault: why no run can be started, or "".
     """
 
+    title = "run controls"
     _esm = script("transport")
     _css = style("transport", "lab")  # the panel itself has no front end to bring its style
     state = traitlets.Unicode("ready").tag(sync=True)
@@ -36,6 +38,11 @@ class Transport(Part):
         super().__init__()
         self._on_press = on_press
         self.on_msg(self._hear)
+
+    def snapshot(self) -> Html:
+        """Write what is said of the run as static HTML."""
+        said = [self.words, self.fault or self.forecast]
+        return join(*(tag("p", words) for words in said if words)) or tag("p", f"The run is {self.state}.")
 
     def _hear(self, _widget: object, message: Any, _buffers: object) -> None:
         match message:

@@ -7,8 +7,10 @@ import traitlets
 
 from walkerlab import sketch
 from walkerlab.genome import Genome
+from walkerlab.markup import Html
 from walkerlab.randomness import stream
 from walkerlab.settings import Settings
+from walkerlab.snapshots import image
 from walkerlab.widgets.part import Part, script, style
 
 
@@ -23,6 +25,7 @@ class World(Part):
         by_chance: whether its robot is one of chance, of which there are others.
     """
 
+    title = "world"
     _esm = script("world")
     _css = style("world")
     settings: Any = traitlets.Instance(Settings, allow_none=True)
@@ -49,6 +52,10 @@ class World(Part):
         """Draw other settings and another robot in one go; from any thread."""
         with self._lock, self.hold_trait_notifications():
             self.settings, self.genome = settings, genome
+
+    def snapshot(self) -> Html:
+        """Write the drawing as static HTML."""
+        return image(self.picture)
 
     def _redraw(self, _: object = None) -> None:
         with self._lock:
