@@ -79,7 +79,8 @@ class _Display:
 
         if self._is_open:
             bundle = self._widget._repr_mimebundle_()
-            display(bundle[0] if isinstance(bundle, tuple) else bundle, raw=True)
+            view = bundle[0] if isinstance(bundle, tuple) else bundle
+            display(view | {"text/html": ""}, raw=True)  # shown instead of the text where there is no live view
         shell: Any = get_ipython()
         if not hasattr(shell, "kernel"):
             return

@@ -43,8 +43,9 @@ class Drawer(Part):
 
     def snapshot(self) -> Html:
         """Write what became of the last wish, and the code of the run, as static HTML."""
-        said = tag("p", self.words or "No run was loaded or exported.")
-        return join(said, details("The Python that repeats this run", code(self.code)) if self.code else "")
+        code_of_run = details("The Python that repeats this run", code(self.code)) if self.code else ""
+        said = tag("p", self.words) if self.words else ""
+        return join(said, code_of_run) or tag("p", "No run was loaded or exported.")
 
     def _hear(self, _widget: object, message: Any, _buffers: object) -> None:
         match message:

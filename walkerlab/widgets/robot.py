@@ -8,7 +8,7 @@ import ipywidgets
 
 from walkerlab import sketch
 from walkerlab.genome import Genome
-from walkerlab.markup import Html, join, shown, tag
+from walkerlab.markup import Html, details, join, shown, tag
 from walkerlab.records import births
 from walkerlab.run import Run
 from walkerlab.settings import Settings
@@ -56,7 +56,7 @@ class RobotRoom(HasSnapshot, ipywidgets.Box):
 
     def snapshot(self) -> Html:
         """Write the card, the picture and the gene of the robot as static HTML."""
-        return join(Html(self.card.value), self.frame.snapshot(), self.editor.snapshot())
+        return join(Html(self.card.value), self.frame.snapshot(), details("Its gene", self.editor.snapshot()))
 
     def use(self, settings: Settings) -> None:
         """Let edited genes walk in another world."""
