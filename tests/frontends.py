@@ -51,13 +51,21 @@ class Jupyter:
     def put(self, notebook: NotebookNode, frontend: str = "JupyterLab", name: str = "book.ipynb") -> str:
         """Write a notebook into the folder, and return the address at which a front end shows it."""
         nbformat.write(notebook, self.folder / name)
-        place = PLACES[frontend].format(stem=Path(name).stem, name=name)
+        return self.address_of(name, frontend)
+
+    def address_of(self, name: str, frontend: str = "JupyterLab", stem: str = "") -> str:
+        """Return the address at which a front end shows a notebook, in a workspace of JupyterLab named ``stem``."""
+        place = PLACES[frontend].format(stem=stem or Path(name).stem, name=name)
         return f"{self.address}{place}?token={self.token}"
+
+    def end_kernels(self) -> None:
+        """End every kernel."""
+        for kernel in json.loads(self.ask("/api/kernels")):
+            self.ask(f"/api/kernels/{kernel['id']}", "DELETE")
 
     def clear(self) -> None:
         """End what earlier notebooks have left running, and remove what they have left in the folder."""
-        for kernel in json.loads(self.ask("/api/kernels")):
-            self.ask(f"/api/kernels/{kernel['id']}", "DELETE")
+        self.end_kernels()
         for left in self.folder.iterdir():  # but not the folder: the server works in it
             shutil.rmtree(left) if left.is_dir() else left.unlink()
 

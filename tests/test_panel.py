@@ -64,6 +64,8 @@ def only_run(jupyter):
 def test_a_student_evolves_a_walker(page, jupyter):
     open_panel(page, jupyter, "JupyterLab")
     says(page, "60 generations of 20 robots")
+    page.locator(".wl-lab").evaluate("panel => { panel.dataset.is = 'the first view'; }")
+    assert page.locator(".wl-snapshot").is_hidden()
 
     # settings, by slider and by keyboard
     page.get_by_role("tab", name="algorithm").click()
@@ -123,6 +125,19 @@ def test_a_student_evolves_a_walker(page, jupyter):
     picture(page, "stopped")
     page.set_viewport_size({"width": 900, "height": 800})
     picture(page, "narrow")
+
+    # the snapshot has followed, and never rebuilt the panel; without a kernel it takes the panel's place
+    page.locator(".wl-snapshot", has_text="Stopped after").wait_for(state="attached")
+    assert page.locator(".wl-snapshot").is_hidden()
+    assert page.locator(".wl-lab[data-is='the first view']").count() == 1
+    page.evaluate("jupyterapp.commands.execute('docmanager:save')")
+    jupyter.end_kernels()
+    reopened = page.context.new_page()  # whose console complains that there is no such widget
+    reopened.goto(jupyter.address_of("book.ipynb", stem="reopened"))
+    snapshot = reopened.locator(".wl-snapshot", has_text="Stopped after")
+    snapshot.get_by_role("img", name="generations:").wait_for(timeout=30_000)
+    reopened.get_by_text("Error displaying widget").wait_for(state="hidden")
+    picture(reopened, "reopened")
 
 
 @IN_NOTEBOOKS

@@ -16,6 +16,7 @@ from PIL import Image
 
 import walkerlab as wl
 from tests.frontends import book, open_notebook, start_all
+from tests.test_markup import assert_harmless
 from walkerlab.choices import Camera
 from walkerlab.commands.worlds import GENOME
 from walkerlab.ground import ARENA_WIDTH
@@ -238,13 +239,10 @@ class TestThePage:
         assert "Does not count: unstable" in wl.replay(GENOME, torn).page
 
     def test_in_a_notebook_it_is_a_picture_first(self):
-        bundle, *_ = wl.replay({"<b>Ada</b>": GENOME}, SHORT)._repr_mimebundle_()
-        assert "application/vnd.jupyter.widget-view+json" in bundle
-        picture = bundle["text/html"]
-        assert picture.startswith('<img src="data:image/png;base64,')
-        assert "<b>" not in picture
-        assert "Ada" in picture
-        assert len(picture) < 100_000
+        [picture] = assert_harmless(wl.replay({"<b>Ada</b>": GENOME}, SHORT).widget.snapshot()).all("img")
+        assert picture["src"].startswith("data:image/png;base64,")
+        assert "<b>Ada</b>" in picture["alt"]
+        assert len(picture["src"]) < 100_000
 
     def test_a_page_that_comes_too_late_is_not_shown_under_another_picture(self):
         class Slow:
