@@ -90,9 +90,7 @@ MAKE = {
 
 def widget_classes():
     """Return every class of walkerlab's that a notebook shows as a widget."""
-    modules = [
-        importlib.import_module(f"walkerlab.widgets.{one.name}") for one in pkgutil.iter_modules(widgets.__path__)
-    ]
+    names = ["viewer.replay", *(f"widgets.{one.name}" for one in pkgutil.iter_modules(widgets.__path__))]
     found = {
         thing
         for module in (importlib.import_module(f"walkerlab.{name}") for name in names)
