@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from walkerlab import store
-from walkerlab.records import Walked, join
+from walkerlab.records import Walked, copy_of, join
 
 
 class Archive:
@@ -68,7 +68,7 @@ class Archive:
             if self._file and n_read < n_generations:
                 self._table = join([self._table, store.read_generations(self._file, self._id, n_read, n_generations)])
             end = int(self._table.generation.searchsorted(n_generations))
-            return self._table.iloc[:end].copy(deep=False)
+            return copy_of(self._table.iloc[:end])
 
     def find(self, genomes: Collection[str]) -> dict[str, Walked]:
         """Return what is known of these genomes, by their texts; of most, nothing."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from threading import Lock
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import pandas as pd
@@ -25,6 +25,7 @@ from walkerlab.genome import Genome
 from walkerlab.interrupts import interrupts_held
 from walkerlab.limits import genes_of, repair
 from walkerlab.quantity import SettingsError, count
+from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.records import Individual, Walked
 from walkerlab.run import Run, load, own_slots, with_functions
 from walkerlab.settings import Settings
@@ -33,18 +34,27 @@ from walkerlab.store import DamagedError, RunFileError
 
 @dataclass(frozen=True, eq=False)
 class Generation:
-    """One generation: its number and its part of the tidy table."""
+    """One generation.
+
+    Attributes:
+        number: 0 for the random one.
+    """
 
     number: int
-    records: pd.DataFrame
+    _table: pd.DataFrame
+
+    @property
+    def records(self) -> pd.DataFrame:
+        """A copy of its part of the tidy table."""
+        return records.copy_of(self._table)
 
     @property
     def champion(self) -> Individual:
         """The fittest of this generation."""
-        return records.champion(self.records)
+        return records.champion(self._table)
 
 
-class Evolution:
+class Evolution(ReadOnlyProperties):
     """An evolution, one generation at a time: iterate over it, stop when you like, and go on later.
 
     Iterate over it:
@@ -52,6 +62,13 @@ class Evolution:
         for generation in wl.Evolution(settings):
             print(generation.number, generation.champion.fitness)
     """
+
+    INSTEAD: ClassVar = {
+        "settings": "All generations of a run are made with the same settings, which its file records. To evolve with "
+        "other settings, start a new evolution: wl.Evolution(evolution.settings.with_(...)). To add generations to a "
+        "run that has a file, resume it: wl.resume(path, generations=...).",
+        "path": "The generations so far are stored there. Copy that file to store the run elsewhere.",
+    }
 
     def __init__(
         self,
@@ -78,11 +95,11 @@ class Evolution:
         check_own_operators(settings.algorithm, genes_of(settings.robot))
         fitness.check_own(settings.algorithm.fitness)
         workers.check(executor)
-        self.settings = settings
-        self.path = None if path is None else Path(path)
-        if self.path:
-            store.claim(self.path)
-        self._archive, self._on_walks = Archive(self.path), on_walks
+        self._settings = settings
+        self._path = None if path is None else Path(path)
+        if self._path:
+            store.claim(self._path)
+        self._archive, self._on_walks = Archive(self._path), on_walks
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._population: Population[Walked] | None = None
         self._guests, self._next_bred, self._breeding = list[Genome](), 0, Lock()
@@ -91,7 +108,7 @@ class Evolution:
     def _of(cls, run: Run, path: Path, settings: Settings, **options: Any) -> Self:
         """Take up a run where its table ends."""
         evolution = cls(settings, **options)
-        evolution.path = path
+        evolution._path = path
         evolution._archive = Archive.of(path, run.records, settings.model_dump())
         if not run.records.empty:
             try:
@@ -100,6 +117,16 @@ class Evolution:
             except ValueError as error:
                 raise DamagedError(path, str(error)) from error
         return evolution
+
+    @property
+    def settings(self) -> Settings:
+        """The settings of the run."""
+        return self._settings
+
+    @property
+    def path(self) -> Path | None:
+        """The run file, or None."""
+        return self._path
 
     @property
     def run(self) -> Run:

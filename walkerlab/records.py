@@ -35,6 +35,7 @@ COLUMNS: dict[str, tuple[type, str, str]] = {
 }
 """Each column: its type, unit and meaning."""
 
+HAS_COPY_ON_WRITE = int(pd.__version__.partition(".")[0]) >= 3
 BY_HAND = "by hand"  # what made a robot that somebody put into a generation
 
 
@@ -123,6 +124,11 @@ def name_fitness(table: pd.DataFrame, name: str, unit: str) -> None:
 def join(tables: list[pd.DataFrame]) -> pd.DataFrame:
     """Lay generations under each other."""
     return tidy(pd.concat(tables, ignore_index=True)) if tables else tidy(pd.DataFrame(columns=list(COLUMNS)))
+
+
+def copy_of(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a copy of a table that can be changed without changing the table; its cells are copied when needed."""
+    return table.copy(deep=not HAS_COPY_ON_WRITE)
 
 
 def last_population(records: pd.DataFrame) -> Population[Walked]:

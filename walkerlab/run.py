@@ -5,7 +5,7 @@ import unicodedata
 from collections.abc import Callable
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import pandas as pd
 
@@ -14,6 +14,7 @@ from walkerlab.algorithm import ROOMS, in_turn
 from walkerlab.choices import Camera, Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
 from walkerlab.quantity import Choice, function_name
+from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.records import Individual
 from walkerlab.settings import Settings
 from walkerlab.store import DamagedError, RunFileError
@@ -25,13 +26,15 @@ _OURS = {"fitness": fitness} | {kind.__name__.lower(): room for kind, room in RO
 """Each slot that can hold a function, and the room of our own functions for it."""
 
 
-class Run:
-    """What an evolution has brought forth so far.
+class Run(ReadOnlyProperties):
+    """What an evolution has brought forth so far; none of it can be changed."""
 
-    Attributes:
-        settings: from which it was made.
-        path: its run file, or None.
-    """
+    INSTEAD: ClassVar = {
+        "settings": "They are those that the run was made with. To evolve with other settings, start a new run: "
+        "wl.evolve(run.settings.with_(...)).",
+        "records": "They are what was measured. Change a copy: table = run.records.",
+        "path": "It is where the run is stored. Copy that file to store the run elsewhere.",
+    }
 
     def __init__(
         self, settings: Settings, records: pd.DataFrame | Callable[[], pd.DataFrame], path: Path | None = None
@@ -43,14 +46,28 @@ class Run:
             records: the tidy table, or what reads it when it is first asked for.
             path: its run file, or None.
         """
-        self.settings, self.path, self._given = settings, path, records
+        self._settings, self._path, self._given = settings, path, records
+
+    @property
+    def settings(self) -> Settings:
+        """The settings that it was made with."""
+        return self._settings
+
+    @property
+    def path(self) -> Path | None:
+        """Its run file, or None."""
+        return self._path
+
+    @property
+    def records(self) -> pd.DataFrame:
+        """A copy of the tidy table; its units, and what its fitness is, are in ``.attrs``."""
+        return records.copy_of(self._table)
 
     @cached_property
-    def records(self) -> pd.DataFrame:
-        """The tidy table; its units, and what its fitness is, are in ``.attrs``."""
-        given = self._given
-        self._given = table = given if isinstance(given, pd.DataFrame) else given()
+    def _table(self) -> pd.DataFrame:
+        table = records.copy_of(self._given) if isinstance(self._given, pd.DataFrame) else self._given()
         records.name_fitness(table, *fitness.label(self.settings.algorithm.fitness))
+        self._given = table
         return table
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -59,7 +76,7 @@ class Run:
 
     def __repr__(self) -> str:
         """Say in a line what has come of it."""
-        if self.records.empty:
+        if self._table.empty:
             return "Run(no generation is done yet)"
         name, unit = fitness.label(self.settings.algorithm.fitness)
         best, kept = self.champion, f", in {self.path}" if self.path else ""
@@ -91,7 +108,7 @@ class Run:
             return replay(self.champion, self.settings, camera=camera)
         generations = tuple(n + self.n_generations if n < 0 else n for n in generations)
         tables: dict[int, pd.DataFrame] = {
-            number: self.records.loc[self.records.generation == number, :] for number in generations
+            number: self._table.loc[self._table.generation == number, :] for number in generations
         }
         if missing := [number for number, table in tables.items() if table.empty]:
             raise ValueError(f"there is no generation {missing[0]!r}: this run has 0 to {self.n_generations - 1}")
@@ -119,7 +136,7 @@ class Run:
     @property
     def champion(self) -> Individual:
         """The fittest robot of all generations."""
-        return records.champion(self.records)
+        return records.champion(self._table)
 
     def confirm(self, n_nudges: int = N_NUDGES) -> Confirmation:
         """Let the champion walk again at a quarter of the timestep and from other starts, and say what it keeps.
@@ -131,12 +148,12 @@ class Run:
 
     def lineage(self, individual: int) -> pd.DataFrame:
         """Return the rows of an individual and its ancestors, youngest first, with the operators behind each."""
-        return records.lineage(self.records, individual)
+        return records.lineage(self._table, individual)
 
     @property
     def n_generations(self) -> int:
         """How many generations have walked."""
-        return int(self.records.generation.nunique())
+        return int(self._table.generation.nunique())
 
 
 def load(path: str | Path) -> Run:
