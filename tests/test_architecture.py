@@ -15,7 +15,8 @@ import walkerlab
 HOUSE = Path(walkerlab.__file__).parent
 
 FLOORS = (
-    ("faults", "readonly"),
+    ("faults", "binding"),
+    ("readonly",),
     ("quantity", "randomness", "genes", "interrupts", "markup", "graphics", "gate", "time_limit"),
     ("choices", "glossary", "workers", "provenance"),
     ("settings", "ga", "waiting"),

@@ -106,7 +106,6 @@ def test_a_table_that_is_handed_out_cannot_change_the_run(run):
     table.loc[0, "genome"] = "mine"
     table.pop("genome")
     table.attrs["units"]["distance"] = "miles"
-    run.records["fitness"] = 0
     same(run.records, before)
     assert run.records.attrs == before.attrs
     assert run.champion == champion
@@ -123,6 +122,7 @@ def test_a_table_that_was_given_cannot_change_the_run(run):
 def test_the_table_of_a_generation_cannot_change_its_champion(run, threads):
     [first, *_] = wl.Evolution(SETTINGS.with_(generations=1), executor=threads)
     champion = first.champion
-    first.records["fitness"] = 0
+    table = first.records
+    table["fitness"] = 0
     assert first.champion == champion
     assert wl.Run(SETTINGS, first.records).champion == champion

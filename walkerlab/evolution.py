@@ -27,7 +27,7 @@ from walkerlab.limits import genes_of, repair
 from walkerlab.quantity import SettingsError, count
 from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.records import Individual, Walked
-from walkerlab.run import Run, load, own_slots, with_functions
+from walkerlab.run import Run, check_storable, load, own_slots, with_functions
 from walkerlab.settings import Settings
 from walkerlab.store import DamagedError, RunFileError
 
@@ -89,11 +89,13 @@ class Evolution(ReadOnlyProperties):
 
         Raises:
             OperatorError: if an operator or fitness of the user's own does not do what its slot needs.
+            SettingsError: if the name of such a function cannot be stored.
             RunFileError: if there is a file at ``path``, or none can be made there.
         """
         _require(settings)
         check_own_operators(settings.algorithm, genes_of(settings.robot))
         fitness.check_own(settings.algorithm.fitness)
+        check_storable(settings)
         workers.check(executor)
         self._settings = settings
         self._path = None if path is None else Path(path)

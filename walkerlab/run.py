@@ -1,6 +1,7 @@
 """A run: its settings and its table, from memory or from a run file."""
 
 import builtins
+import json
 import unicodedata
 from collections.abc import Callable
 from functools import cached_property, partial
@@ -9,13 +10,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import pandas as pd
 
-from walkerlab import fitness, records, store
+from walkerlab import binding, choices, fitness, records, store
 from walkerlab.algorithm import ROOMS, in_turn
 from walkerlab.choices import Camera, Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
-from walkerlab.quantity import Choice, function_name
+from walkerlab.quantity import MAX_JSON, Choice, SettingsError, function_name, pasted
 from walkerlab.readonly import ReadOnlyProperties
-from walkerlab.records import Individual
+from walkerlab.records import Individual, copy_of
 from walkerlab.settings import Settings
 from walkerlab.store import DamagedError, RunFileError
 
@@ -46,7 +47,8 @@ class Run(ReadOnlyProperties):
             records: the tidy table, or what reads it when it is first asked for.
             path: its run file, or None.
         """
-        self._settings, self._path, self._given = settings, path, records
+        self._settings, self._path = settings, path
+        self._given = copy_of(records) if isinstance(records, pd.DataFrame) else records
 
     @property
     def settings(self) -> Settings:
@@ -61,11 +63,11 @@ class Run(ReadOnlyProperties):
     @property
     def records(self) -> pd.DataFrame:
         """A copy of the tidy table; its units, and what its fitness is, are in ``.attrs``."""
-        return records.copy_of(self._table)
+        return copy_of(self._table)
 
     @cached_property
     def _table(self) -> pd.DataFrame:
-        table = records.copy_of(self._given) if isinstance(self._given, pd.DataFrame) else self._given()
+        table = self._given if isinstance(self._given, pd.DataFrame) else self._given()
         records.name_fitness(table, *fitness.label(self.settings.algorithm.fitness))
         self._given = table
         return table
@@ -221,7 +223,7 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
     wrong = [
         f"{slot}={recipe}"
         for slot, recipe in own.items()
-        if _names(in_turn(getattr(settings.algorithm, slot))) != _names(recorded[slot])
+        if _identities(in_turn(getattr(settings.algorithm, slot)), slot) != _identities(recorded[slot], slot)
         or any(map(_is_missing, in_turn(getattr(settings.algorithm, slot))))
     ]
     if wrong:
@@ -245,23 +247,49 @@ def _is_own(operator: Any, slot: str) -> bool:
     return not isinstance(operator, Choice) and function is not getattr(_OURS[slot], function_name(function), None)
 
 
-def _names(fill: tuple[Any, ...]) -> list[str]:
-    return [one.name if isinstance(one, Choice) else function_name(one) for one in fill]
+def _identities(fill: tuple[Any, ...], slot: str) -> list[tuple[bool, bool, str, str]]:
+    """Return for each operator what must be the same for it to be taken for the one that a file names."""
+    bound = [(one.func, binding.identity(one)) if isinstance(one, partial) else (one, "") for one in fill]
+    return [
+        (
+            _is_own(one, slot),
+            isinstance(one, Choice),
+            one.name if isinstance(one, Choice) else function_name(one),
+            with_,
+        )
+        for one, with_ in bound
+    ]
+
+
+def check_storable(settings: Settings) -> None:
+    """Make sure that a run file can hold these settings, so that the run can be loaded and resumed.
+
+    Raises:
+        SettingsError: If the name of a function or of its arguments cannot be stored, or there is too much to store.
+    """
+    algorithm = settings.model_dump()["algorithm"]
+    faults: list[str] = []
+    for slot in _OURS:
+        try:
+            _restored(algorithm[slot], slot)
+        except ValueError as error:
+            faults.append(f"Algorithm.{slot} cannot be stored in a run file: {error}. Rename it.")
+    if not faults and (length := len(json.dumps(algorithm))) > MAX_JSON:
+        faults.append(
+            f"the functions of Algorithm take {length} characters to store, with the arguments bound to them; a run "
+            f"file takes {MAX_JSON}. Use fewer functions, or bind less to them."
+        )
+    if faults:
+        raise SettingsError("\n".join(faults))
 
 
 def _recipe(fill: tuple[Any, ...]) -> str:
     """Write what fills a slot as Python."""
-    words = [
-        repr(one.name)
-        if isinstance(one, Choice)
-        else f"partial({function_name(one).replace('(', ', ', 1)}"
-        if isinstance(one, partial)
-        else function_name(one)
-        for one in fill
-    ]
+    words = [function_name(one) if function_name(one) == "<lambda>" else pasted(one) for one in fill]
     return words[0] if len(words) == 1 else f"[{', '.join(words)}]"
 
 
+_CHOICES = {kind.__name__: kind for kind in Choice.__subclasses__() if kind.__module__ == choices.__name__}
 _POWERS = {*dir(builtins), "exit", "quit", "get_ipython"}
 """What no operator is called, or the code that repeats a stranger's run would hand over to it what the file says."""
 
@@ -279,11 +307,15 @@ def _restored(written: Any, slot: str) -> Any:
         case {"function": str(address), "with": dict(keywords), **rest}:
             home, _, name = address.rpartition(".")
             if name in _POWERS or not all(map(_is_plain, (name.replace("<lambda>", "function"), *keywords))):
-                raise ValueError(f"no function of a run is called {name!r:.60}, with {', '.join(keywords)!r:.60}")
+                raise ValueError(
+                    f"no function of a run is called {name!r:.60}, with {', '.join(keywords)!r:.60}; names must be "
+                    "Python names other than those of Python's own functions"
+                )
             ours = _OURS[slot]
             is_ours = home == ours.__name__ and name in _choices(slot)
             function = getattr(ours, name) if is_ours else _Missing(name, slot)
-            arguments = rest.get("args", [])
+            arguments = [binding.restored(one, _CHOICES) for one in list[Any](rest.get("args", []))]
+            keywords = {name: binding.restored(one, _CHOICES) for name, one in keywords.items()}
             return partial(function, *arguments, **keywords) if arguments or keywords else function
         case _:
             return written
