@@ -38,6 +38,7 @@ FLOORS = (
     ("viewer", "cinema"),
     ("report",),
     ("run",),
+    ("rerating",),
     ("evolution", "outputs"),
     ("live", "forecast"),
     ("widgets",),

@@ -3,7 +3,7 @@
 So a run does not outgrow the memory, whether anybody keeps its file or not, and no genome need walk twice.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from threading import Lock
 from typing import Any, Self
@@ -38,14 +38,14 @@ class Archive:
         archive._remember(table)
         return archive
 
-    def add(self, generation: pd.DataFrame, settings: dict[str, Any]) -> None:
-        """Store a generation; with the first one go the settings, as plain data."""
+    def add(self, generation: pd.DataFrame, settings: dict[str, Any], functions: Mapping[str, str] = {}) -> None:
+        """Store a generation and facts about its functions; with the first one go the settings, as plain data."""
         with self._lock:
             if self._file and self._id:
-                store.append(self._file, generation, self._id)
+                store.append(self._file, generation, self._id, functions)
             else:
                 self._file = self._file or store.passing(self)
-                self._id = store.create(self._file, settings, generation)
+                self._id = store.create(self._file, settings, generation, functions)
             self._remember(generation)
 
     def keep(self) -> Path:

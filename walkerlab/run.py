@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import pandas as pd
 
-from walkerlab import binding, choices, fitness, records, store
+from walkerlab import binding, choices, fitness, provenance, records, store
 from walkerlab.algorithm import ROOMS, in_turn
 from walkerlab.choices import Camera, Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
@@ -38,7 +38,11 @@ class Run(ReadOnlyProperties):
     }
 
     def __init__(
-        self, settings: Settings, records: pd.DataFrame | Callable[[], pd.DataFrame], path: Path | None = None
+        self,
+        settings: Settings,
+        records: pd.DataFrame | Callable[[], pd.DataFrame],
+        path: Path | None = None,
+        rated_since: int = 0,
     ) -> None:
         """Put it together.
 
@@ -46,8 +50,9 @@ class Run(ReadOnlyProperties):
             settings: from which it was made.
             records: the tidy table, or what reads it when it is first asked for.
             path: its run file, or None.
+            rated_since: First generation whose fitness is of the current function; the champion is sought from there.
         """
-        self._settings, self._path = settings, path
+        self._settings, self._path, self._rated_since = settings, path, rated_since
         self._given = copy_of(records) if isinstance(records, pd.DataFrame) else records
 
     @property
@@ -61,6 +66,11 @@ class Run(ReadOnlyProperties):
         return self._path
 
     @property
+    def rated_since(self) -> int:
+        """The first generation whose fitness is of the current function; 0 unless the run was rated anew."""
+        return self._rated_since
+
+    @property
     def records(self) -> pd.DataFrame:
         """A copy of the tidy table; its units, and what its fitness is, are in ``.attrs``."""
         return copy_of(self._table)
@@ -69,12 +79,14 @@ class Run(ReadOnlyProperties):
     def _table(self) -> pd.DataFrame:
         table = self._given if isinstance(self._given, pd.DataFrame) else self._given()
         records.name_fitness(table, *fitness.label(self.settings.algorithm.fitness))
+        if self._rated_since:
+            table.attrs["rated_since"] = self._rated_since
         self._given = table
         return table
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Let it be sent elsewhere, with its table."""
-        return Run, (self.settings, self.records, self.path)
+        return Run, (self.settings, self.records, self.path, self._rated_since)
 
     def __repr__(self) -> str:
         """Say in a line what has come of it."""
@@ -137,7 +149,7 @@ class Run(ReadOnlyProperties):
 
     @property
     def champion(self) -> Individual:
-        """The fittest robot of all generations."""
+        """The fittest robot of all generations; if the run was rated anew, of those since."""
         return records.champion(self._table)
 
     def confirm(self, n_nudges: int = N_NUDGES) -> Confirmation:
@@ -169,18 +181,20 @@ def load(path: str | Path) -> Run:
     """
     path = store.locate(path)
     plain, table = store.read(path)
+    facts = store.read_facts(path)[1]
     try:
         records.check(table)
         algorithm = plain["algorithm"]
         restored = {slot: _restored(algorithm[slot], slot) for slot in _OURS}
         parts: dict[str, Any] = {**plain, "algorithm": {**algorithm, **restored}}
         settings = Settings(**parts)
+        since = provenance.rated_since(facts, int(table.generation.nunique()))
     except (TypeError, KeyError, ValueError, RecursionError) as error:
         raise DamagedError(path, str(error)) from error
     sizes = table.groupby("generation").size()
     if sizes.to_dict() != dict.fromkeys(range(len(sizes)), settings.algorithm.population_size):
         raise DamagedError(path, "robots are missing from its table, or there are too many")
-    return Run(settings, table, path)
+    return Run(settings, table, path, since)
 
 
 def rescue(path: str | Path, to: str | Path) -> Run:
@@ -233,7 +247,7 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
             f"give them back under the same names, mended or not: in Python, wl.resume({str(run.path)!r}, {given}). "
             "To look at it, none is needed."
         )
-    return Run(settings, run.records, run.path)
+    return Run(settings, run.records, run.path, run.rated_since)
 
 
 def own_slots(settings: Settings) -> dict[str, str]:
