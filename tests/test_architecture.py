@@ -15,7 +15,8 @@ import walkerlab
 HOUSE = Path(walkerlab.__file__).parent
 
 FLOORS = (
-    ("faults",),
+    ("faults", "binding"),
+    ("readonly",),
     ("quantity", "randomness", "genes", "interrupts", "markup", "graphics", "gate", "time_limit"),
     ("choices", "glossary", "workers", "provenance", "snapshots"),
     ("settings", "ga", "waiting"),
@@ -37,6 +38,7 @@ FLOORS = (
     ("viewer", "cinema"),
     ("report",),
     ("run",),
+    ("rerating",),
     ("evolution", "outputs"),
     ("live", "forecast"),
     ("widgets",),
@@ -48,7 +50,7 @@ FLOORS = (
 FLOOR = {room: height for height, rooms in enumerate(FLOORS) for room in rooms}
 
 ONLY_FROM = {
-    "ga": {"faults", "genes", "randomness", "time_limit"},
+    "ga": {"faults", "genes", "randomness", "readonly", "time_limit"},
     "entities": {"choices", "settings", "genes", "ground", "layout", "textures"},
 }
 """Rooms that know less than their floor allows: ga meets no robot, entities spend no chance."""

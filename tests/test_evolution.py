@@ -175,7 +175,8 @@ class TestNeverLost:
     def test_a_table_handed_out_is_the_readers_own(self, run, threads):
         evolution = wl.Evolution(SETTINGS, executor=threads)
         for generation in evolution:
-            generation.records["fitness"] = 99.0
+            table = generation.records
+            table["fitness"] = 99.0
         same(evolution.run.records, run.records)
 
     def test_ctrl_c_keeps_the_generations_that_are_done(self, run, threads):

@@ -435,7 +435,7 @@ def test_json_holds_choices_by_name_and_of_functions_the_address_alone():
     assert plain == json.loads(json.dumps(settings.model_dump()))["algorithm"]
     assert plain["crossover"] == "paired"
     assert plain["fitness"] == {"function": f"{__name__}.my_own", "with": {}}
-    with_it = {"size": 7, "table": "array([1., 1.])", "how": "fast"}
+    with_it = {"size": 7, "table": {"array": [1.0, 1.0], "shape": [2], "dtype": "float64"}, "how": "fast"}
     positional = Algorithm(selection=partial(my_own, np.int64(3), "x", size=7)).model_dump()["selection"]
     assert positional == {"function": f"{__name__}.my_own", "with": {"size": 7}, "args": [3, "x"]}
     assert plain["selection"] == ["top_half", {"function": f"{__name__}.my_own", "with": with_it}]

@@ -3,7 +3,7 @@
 So a run does not outgrow the memory, whether anybody keeps its file or not, and no genome need walk twice.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from threading import Lock
 from typing import Any, Self
@@ -13,7 +13,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from walkerlab import store
-from walkerlab.records import Walked, join
+from walkerlab.records import Walked, copy_of, join
 
 
 class Archive:
@@ -38,14 +38,14 @@ class Archive:
         archive._remember(table)
         return archive
 
-    def add(self, generation: pd.DataFrame, settings: dict[str, Any]) -> None:
-        """Store a generation; with the first one go the settings, as plain data."""
+    def add(self, generation: pd.DataFrame, settings: dict[str, Any], functions: Mapping[str, str] = {}) -> None:
+        """Store a generation and facts about its functions; with the first one go the settings, as plain data."""
         with self._lock:
             if self._file and self._id:
-                store.append(self._file, generation, self._id)
+                store.append(self._file, generation, self._id, functions)
             else:
                 self._file = self._file or store.passing(self)
-                self._id = store.create(self._file, settings, generation)
+                self._id = store.create(self._file, settings, generation, functions)
             self._remember(generation)
 
     def keep(self) -> Path:
@@ -68,7 +68,7 @@ class Archive:
             if self._file and n_read < n_generations:
                 self._table = join([self._table, store.read_generations(self._file, self._id, n_read, n_generations)])
             end = int(self._table.generation.searchsorted(n_generations))
-            return self._table.iloc[:end].copy(deep=False)
+            return copy_of(self._table.iloc[:end])
 
     def find(self, genomes: Collection[str]) -> dict[str, Walked]:
         """Return what is known of these genomes, by their texts; of most, nothing."""

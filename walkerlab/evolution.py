@@ -1,13 +1,13 @@
 """The wiring: settings become generation after generation, each tabulated and stored."""
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from threading import Lock
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import pandas as pd
@@ -25,26 +25,37 @@ from walkerlab.genome import Genome
 from walkerlab.interrupts import interrupts_held
 from walkerlab.limits import genes_of, repair
 from walkerlab.quantity import SettingsError, count
+from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.records import Individual, Walked
-from walkerlab.run import Run, load, own_slots, with_functions
+from walkerlab.rerating import Recorded, changed_operators, confirm_ratings, function_facts
+from walkerlab.run import Run, check_storable, load, own_slots, with_functions
 from walkerlab.settings import Settings
 from walkerlab.store import DamagedError, RunFileError
 
 
 @dataclass(frozen=True, eq=False)
 class Generation:
-    """One generation: its number and its part of the tidy table."""
+    """One generation.
+
+    Attributes:
+        number: 0 for the random one.
+    """
 
     number: int
-    records: pd.DataFrame
+    _table: pd.DataFrame
+
+    @property
+    def records(self) -> pd.DataFrame:
+        """A copy of its part of the tidy table."""
+        return records.copy_of(self._table)
 
     @property
     def champion(self) -> Individual:
         """The fittest of this generation."""
-        return records.champion(self.records)
+        return records.champion(self._table)
 
 
-class Evolution:
+class Evolution(ReadOnlyProperties):
     """An evolution, one generation at a time: iterate over it, stop when you like, and go on later.
 
     Iterate over it:
@@ -52,6 +63,13 @@ class Evolution:
         for generation in wl.Evolution(settings):
             print(generation.number, generation.champion.fitness)
     """
+
+    INSTEAD: ClassVar = {
+        "settings": "All generations of a run are made with the same settings, which its file records. To evolve with "
+        "other settings, start a new evolution: wl.Evolution(evolution.settings.with_(...)). To add generations to a "
+        "run that has a file, resume it: wl.resume(path, generations=...).",
+        "path": "The generations so far are stored there. Copy that file to store the run elsewhere.",
+    }
 
     def __init__(
         self,
@@ -72,39 +90,72 @@ class Evolution:
 
         Raises:
             OperatorError: if an operator or fitness of the user's own does not do what its slot needs.
+            SettingsError: if the name of such a function cannot be stored.
             RunFileError: if there is a file at ``path``, or none can be made there.
         """
         _require(settings)
         check_own_operators(settings.algorithm, genes_of(settings.robot))
         fitness.check_own(settings.algorithm.fitness)
+        check_storable(settings)
         workers.check(executor)
-        self.settings = settings
-        self.path = None if path is None else Path(path)
-        if self.path:
-            store.claim(self.path)
-        self._archive, self._on_walks = Archive(self.path), on_walks
+        self._settings = settings
+        self._path = None if path is None else Path(path)
+        if self._path:
+            store.claim(self._path)
+        self._archive, self._on_walks = Archive(self._path), on_walks
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._population: Population[Walked] | None = None
+        self._functions, self._rated_since = function_facts(settings), 0
         self._guests, self._next_bred, self._breeding = list[Genome](), 0, Lock()
 
     @classmethod
-    def _of(cls, run: Run, path: Path, settings: Settings, **options: Any) -> Self:
-        """Take up a run where its table ends."""
+    def _of(
+        cls, run: Run, path: Path, settings: Settings, facts: Mapping[str, str], rerate: bool, **options: Any
+    ) -> Self:
+        """Take up a run where its table ends; ``facts`` are those of its last generation."""
         evolution = cls(settings, **options)
-        evolution.path = path
-        evolution._archive = Archive.of(path, run.records, settings.model_dump())
-        if not run.records.empty:
+        evolution._path, table = path, run.records
+        evolution._rated_since = run.rated_since
+        if not table.empty:
             try:
-                evolution._population = records.last_population(run.records)
+                evolution._population = records.last_population(table)
                 evolution._next_bred = evolution._population.generation + 1
             except ValueError as error:
                 raise DamagedError(path, str(error)) from error
+            if evolution.n_generations < settings.algorithm.generations:
+                evolution._confirm_ratings(table, facts, rerate)
+        if evolution._rated_since:
+            evolution._functions[provenance.RATED_SINCE] = str(evolution._rated_since)
+        current = table.loc[table.generation >= evolution._rated_since, :]  # older numbers are of another fitness
+        evolution._archive = Archive.of(path, current, settings.model_dump())
         return evolution
+
+    def _confirm_ratings(self, table: pd.DataFrame, facts: Mapping[str, str], rerate: bool) -> None:
+        """Make sure that the last generation has the ratings of the fitness given."""
+        assert self._path
+        assert self._population
+        is_elsewhere = bool(provenance.differences(facts, provenance.here()))
+        recorded = Recorded(self._path, facts, is_elsewhere, has_fitness=bool(np.isfinite(table.fitness).any()))
+        walk_again = partial(self._evaluate, on_done=lambda _: None)
+        self._population, is_new = confirm_ratings(self._population, self.settings, recorded, walk_again, rerate=rerate)
+        if is_new:
+            self._rated_since = self.n_generations
+
+    @property
+    def settings(self) -> Settings:
+        """The settings of the run."""
+        return self._settings
+
+    @property
+    def path(self) -> Path | None:
+        """The run file, or None."""
+        return self._path
 
     @property
     def run(self) -> Run:
         """All that is done so far."""
-        return Run(self.settings, partial(self._archive.table, self.n_generations), self.path)
+        since = self._rated_since if self._rated_since < self.n_generations else 0  # none has new ratings yet
+        return Run(self.settings, partial(self._archive.table, self.n_generations), self.path, since)
 
     @property
     def n_generations(self) -> int:
@@ -152,7 +203,7 @@ class Evolution:
                 table = records.tabulate(population, slot_names(algorithm))
                 records.name_fitness(table, *fitness.label(algorithm.fitness))
                 with interrupts_held():  # what is stored and what is in hand must not part
-                    self._archive.add(table, self.settings.model_dump())
+                    self._archive.add(table, self.settings.model_dump(), self._functions)
                     self._population = population
             except Stopped:
                 raise
@@ -257,6 +308,8 @@ def resume(
     generations: int | None = None,
     executor: Executor | None = None,
     progress: bool = True,
+    *,
+    rerate: bool = False,
     **functions: Any,
 ) -> Run:
     """Go on with a run, to the very table that it would have had without the stop.
@@ -266,19 +319,24 @@ def resume(
         generations: how many it shall have in all; as the settings say if None.
         executor: any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: whether to show a bar.
+        rerate: Whether to continue from new ratings of the last generation where its fitness function has changed.
+            Earlier generations keep their numbers, and the champion is taken from later ones.
         **functions: the user's own functions, by slot, if the run was made with any: ``mutation=my_mutation``.
+            With a fitness among them, the last generation walks again, to see if it is rated as before.
 
     Warns:
-        UserWarning: if the run was made with other versions, or on another kind of processor.
+        UserWarning: if the run was made with other versions, or on another kind of processor, or an operator's source
+            has changed.
 
     Raises:
         RunFileError: if there is no such file, it is not a run, or a function of the user's own was not given back,
-            or another was given in its place.
+            or another was given in its place, or the fitness rates the last generation otherwise than the file.
         SettingsError: if ``generations`` is out of range.
     """
     run = with_functions(load(path), functions)
     path, done = store.locate(path), run.n_generations
-    if changed := provenance.differences(store.read_facts(path)[1], provenance.here()):
+    facts = store.read_facts(path)[1]
+    if changed := provenance.differences(facts, provenance.here()):
         warnings.warn(
             f"{path} was made with {changed}. What is done stays as it is; what comes now can differ in its last "
             "digits from what it would have been there, and so can all that follows from it. The file says of each "
@@ -288,8 +346,14 @@ def resume(
     settings = run.settings if generations is None else run.settings.with_(generations=generations)
     if settings.algorithm.generations < done:
         raise SettingsError(f"{path} has {done} generations already; generations must be {done} or more, in all.")
+    if changed := changed_operators(facts, function_facts(settings)):
+        warnings.warn(
+            f"{path} was made with another source of its {changed}. The run continues with the functions given; its "
+            "file records for each generation which source it was made with.",
+            stacklevel=2,
+        )
     with _bar(settings, progress, done=done) as bar:
-        evolution = Evolution._of(run, path, settings, executor=executor, on_walks=bar.update)
+        evolution = Evolution._of(run, path, settings, facts, rerate, executor=executor, on_walks=bar.update)
         del run  # its table is in the file, and need not be kept while it grows
         return _finish(evolution, bar)
 

@@ -66,7 +66,7 @@ def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: f
     """Rate one walk; a walk that does not count gets ``NOT_COUNTED``, whatever the function would say.
 
     Args:
-        rollout: the walk; it is read-only from then on.
+        rollout: the walk.
         fitness: one of ours, or a function of the user's own.
         seconds: that such a function may take.
 
@@ -75,9 +75,6 @@ def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: f
     """
     if not rollout.counts:
         return NOT_COUNTED
-    for record in vars(rollout).values():
-        if isinstance(record, np.ndarray):  # who comes from another process can be written into
-            record.setflags(write=False)
     function = FUNCTIONS[fitness] if isinstance(fitness, Fitness) else fitness
     value = ask(SLOT, function, lambda: function(rollout), seconds)
     is_number = isinstance(value, int | float | np.integer | np.floating)

@@ -7,13 +7,15 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from walkerlab.readonly import ReadOnlyArrays
+
 Floats: TypeAlias = NDArray[np.float64]
 Indices: TypeAlias = NDArray[np.intp]
 Kind = Literal["real", "count", "cyclic"]
 
 
 @dataclass(frozen=True, eq=False)
-class Genes:
+class Genes(ReadOnlyArrays):
     """The columns of a genome: a few genes of the whole body, then the same genes once more for each part.
 
     A genome holds every part that a body *may* have; the gene at ``count`` says how many of them, from the
@@ -52,8 +54,7 @@ class Genes:
         assert np.all(self.low <= self.high)
         if self.n_parts:
             assert (len(self) - self.n_whole) % self.n_parts == 0
-        self.low.setflags(write=False)
-        self.high.setflags(write=False)
+        super().__post_init__()
 
     def __len__(self) -> int:
         """Say how many genes a genome has."""
@@ -62,12 +63,17 @@ class Genes:
     @cached_property
     def is_count(self) -> NDArray[np.bool_]:
         """(n_genes,) whole numbers."""
-        return np.array([kind == "count" for kind in self.kinds])
+        return self._of_kind("count")
 
     @cached_property
     def is_cyclic(self) -> NDArray[np.bool_]:
         """(n_genes,) angles and the like."""
-        return np.array([kind == "cyclic" for kind in self.kinds])
+        return self._of_kind("cyclic")
+
+    def _of_kind(self, wanted: Kind) -> NDArray[np.bool_]:
+        chosen = np.array([kind == wanted for kind in self.kinds])
+        chosen.setflags(write=False)
+        return chosen
 
     def parts(self, genomes: Floats) -> Floats:
         """View (n, n_genes) genomes as (n, n_parts, genes of one part)."""

@@ -23,6 +23,7 @@ from walkerlab.genes import Floats
 from walkerlab.limits import MAX_SEGMENTS, PART, WHOLE, genes_of, repair
 from walkerlab.markup import Html, code, details, join, shown, table, tag
 from walkerlab.quantity import brief, count
+from walkerlab.readonly import ReadOnlyArrays
 from walkerlab.settings import Robot, Settings
 
 
@@ -40,7 +41,7 @@ class HasGenome(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Genome:
+class Genome(ReadOnlyArrays):
     """One individual's gene values.
 
     Attributes:
@@ -69,8 +70,8 @@ class Genome:
         if not np.isfinite(values).all():
             raise ValueError(f"gene {int(np.argmin(np.isfinite(values)))} of the genome is not a finite number")
         values = values + 0.0  # a copy, in which -0.0 is 0.0: equal genomes are alike bit for bit
-        values.setflags(write=False)
         object.__setattr__(self, "values", values)
+        super().__post_init__()
 
     @classmethod
     def random(cls, robot: Robot, *, rng: Generator) -> Self:

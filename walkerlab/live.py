@@ -11,6 +11,7 @@ from weakref import WeakSet
 from walkerlab.evolution import Evolution, n_walks
 from walkerlab.gate import Gate, Stopped
 from walkerlab.genome import Genome
+from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.run import Run
 from walkerlab.settings import Settings
 from walkerlab.workers import WorkerLostWarning, check, default_executor, n_workers
@@ -32,16 +33,17 @@ _RUNS = WeakSet["LiveRun"]()
 """All that there are: they share the workers, who go home with the last."""
 
 
-class LiveRun:
+class LiveRun(ReadOnlyProperties):
     """A run that goes on by itself.
 
     Attributes:
-        settings: from which it is made.
         state: what it is doing.
         error: what made it fail, or None.
         n_done: walks that are done.
         n_walks: walks that there will be.
     """
+
+    INSTEAD = Evolution.INSTEAD
 
     def __init__(
         self,
@@ -64,7 +66,7 @@ class LiveRun:
             RunFileError: if there is a file at ``path``, or none can be made there.
         """
         check(executor)
-        self.settings, self.state, self.n_done = settings, State.paused, 0
+        self._settings, self.state, self.n_done = settings, State.paused, 0
         self.error: BaseException | None = None
         self.n_walks = n_walks(settings)
         self._executor, self._on_news = executor, on_news
@@ -77,6 +79,11 @@ class LiveRun:
         self._pool: Executor | None = None
         self._n_losses = 0
         _RUNS.add(self)
+
+    @property
+    def settings(self) -> Settings:
+        """The settings of the run."""
+        return self._settings
 
     @property
     def run(self) -> Run:

@@ -24,12 +24,13 @@ from typing import Any, Self, cast
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_serializer, field_validator
 
+from walkerlab.binding import BoundFunction, arguments_as_python, written_arguments
 from walkerlab.faults import Fault
 
 _LINE = 80  # characters of a value that a message shows
 _MOST_FAULTS = 100  # that a message tells
 _MOST_IN_TURN = 100  # choices in a list
-_MAX_JSON = 100_000  # characters; settings take some two thousand
+MAX_JSON = 100_000  # characters; settings take some two thousand
 
 
 class SettingsError(Fault, ValueError):
@@ -252,9 +253,9 @@ class SettingsModel(BaseModel, frozen=True):
     def model_validate_json(cls, json_data: str | bytes | bytearray, **how: Any) -> Self:
         """Make settings from a JSON text; raises what ``__init__`` does."""
         is_text = isinstance(json_data, str | bytes | bytearray)  # pyright: ignore[reportUnnecessaryIsInstance]
-        if is_text and len(json_data) > _MAX_JSON:
+        if is_text and len(json_data) > MAX_JSON:
             raise SettingsError(
-                f"settings as JSON have at most {_MAX_JSON} characters; this text has {len(json_data)}, and is not read"
+                f"settings as JSON have at most {MAX_JSON} characters; this text has {len(json_data)}, and is not read"
             )
         with _in_our_words(cls):
             return super().model_validate_json(json_data, **how)
@@ -314,33 +315,16 @@ class Domain(SettingsModel, frozen=True):
             case int() | float():
                 return value
             case partial():
-                bound = {name: _written(bound) for name, bound in value.keywords.items()}
-                args = {"args": list(map(_written, value.args))} if value.args else {}
-                return {"function": _address(value.func), "with": bound} | args
+                return {"function": _address(value.func)} | written_arguments(value)
             case _:
                 return {"function": _address(value), "with": {}}
 
 
-def _written(bound: object) -> str | int | float | None:
-    """Write what is bound to a function as it is, if it is a plain number or text, or else as Python shows it."""
-    return bound if isinstance(bound, str | int | float | None) else repr(bound)
-
-
 def _as_from_a_file(value: object) -> object:
-    """Make a partial what it will be when read from a file: numbers are plain, and what binds nothing is none."""
-    if not isinstance(value, partial):
+    """Make a partial what it will be when read from a file; without arguments, it becomes its function."""
+    if not isinstance(value, partial) or isinstance(value, BoundFunction):
         return value
-    bound = [*value.args, *value.keywords.values()]
-    if not bound:
-        return value.func
-    if all(one is _plain_number(one) for one in bound):
-        return value
-    keywords = {name: _plain_number(one) for name, one in value.keywords.items()}
-    return partial(value.func, *map(_plain_number, value.args), **keywords)
-
-
-def _plain_number(bound: Any) -> object:
-    return bound.item() if getattr(bound, "shape", None) == () else bound
+    return BoundFunction(value.func, *value.args, **value.keywords) if value.args or value.keywords else value.func
 
 
 def _address(function: object) -> str:
@@ -350,12 +334,9 @@ def _address(function: object) -> str:
 def function_name(function: object) -> str:
     """Name a function as people know it; ``partial(tournament, size=7)`` is ``tournament(size=7)``."""
     if isinstance(function, partial):
-        return f"{function_name(function.func)}({', '.join(_bound(function))})"
+        arguments = ", ".join(arguments_as_python(function))
+        return f"{function_name(function.func)}({shortened(arguments)})"
     return getattr(function, "__name__", type(function).__name__)
-
-
-def _bound(function: "partial[Any]") -> list[str]:
-    return [*map(repr, function.args), *(f"{name}={value!r}" for name, value in function.keywords.items())]
 
 
 def pasted(value: object) -> str:
@@ -369,7 +350,7 @@ def pasted(value: object) -> str:
         case tuple():
             return f"({', '.join(map(pasted, cast(tuple[object, ...], value)))})"
         case partial() if all(name.isidentifier() for name in value.keywords):
-            return f"partial({', '.join([pasted(value.func), *_bound(value)])})"
+            return f"partial({', '.join([pasted(value.func), *arguments_as_python(value)])})"
         case _ if callable(value):
             name = function_name(value)
             return name if name.isidentifier() else repr(name)
@@ -404,7 +385,11 @@ def _sentences(model: type[SettingsModel], error: ValidationError) -> list[str]:
 
 def brief(value: object) -> str:
     """Show a value as Python does; of a long one, about as much as fits on a line."""
-    text = _BRIEF.repr(value)
+    return shortened(_BRIEF.repr(value))
+
+
+def shortened(text: str) -> str:
+    """Cut a text to what fits on a line."""
     return text if len(text) <= _LINE else f"{text[: _LINE - 1]}…"
 
 

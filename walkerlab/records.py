@@ -35,6 +35,7 @@ COLUMNS: dict[str, tuple[type, str, str]] = {
 }
 """Each column: its type, unit and meaning."""
 
+HAS_COPY_ON_WRITE = int(pd.__version__.partition(".")[0]) >= 3
 BY_HAND = "by hand"  # what made a robot that somebody put into a generation
 
 
@@ -125,6 +126,11 @@ def join(tables: list[pd.DataFrame]) -> pd.DataFrame:
     return tidy(pd.concat(tables, ignore_index=True)) if tables else tidy(pd.DataFrame(columns=list(COLUMNS)))
 
 
+def copy_of(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a copy of a table that can be changed without changing the table; its cells are copied when needed."""
+    return table.copy(deep=not HAS_COPY_ON_WRITE)
+
+
 def last_population(records: pd.DataFrame) -> Population[Walked]:
     """Read the last generation back out of the table, ready to breed: the inverse of ``tabulate``."""
     last = records[records.generation == records.generation.max()]
@@ -211,6 +217,9 @@ def champion(records: pd.DataFrame) -> Individual:
     """
     if records.empty:
         raise ValueError("no robot has walked yet, so there is no champion")
+    since = records.attrs.get("rated_since", 0)  # what is older has the numbers of another fitness
+    current = records.loc[records.generation >= since, :]
+    records = records if current.empty else current
     fitness = records.fitness.fillna(-np.inf)
     fittest: Any = records[fitness == fitness.max()]
     row = fittest.sort_values("individual", kind="stable").iloc[0]

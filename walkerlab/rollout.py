@@ -18,6 +18,7 @@ from walkerlab.judge import VERDICTS, Trace, judge
 from walkerlab.markup import facts, shown
 from walkerlab.quantity import count
 from walkerlab.randomness import stream
+from walkerlab.readonly import ReadOnlyArrays
 from walkerlab.scene import Scene, compile_scene, ticks
 from walkerlab.settings import Settings
 
@@ -31,7 +32,7 @@ _STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 
 
 @dataclass(frozen=True, eq=False)
-class Rollout(Trace):
+class Rollout(ReadOnlyArrays, Trace):
     """One recorded walk: its trace, and whether it counts.
 
     Attributes:
@@ -143,8 +144,6 @@ def walk(
         warnings=int(sum(data.warning.number)),
     )
     record = seen[:, 1 : 1 + model.nq] if poses else np.empty((0, model.nq))
-    for values in (trace.time, trace.com, trace.on_ground, trace.sink, trace.work, trace.load, trace.rope, record):
-        values.setflags(write=False)
     verdict, reason = judge(trace, scene.settings)
     return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=record)
 

@@ -1,20 +1,22 @@
 """A run: its settings and its table, from memory or from a run file."""
 
 import builtins
+import json
 import unicodedata
 from collections.abc import Callable
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import pandas as pd
 
-from walkerlab import fitness, records, store
+from walkerlab import binding, choices, fitness, provenance, records, store
 from walkerlab.algorithm import ROOMS, in_turn
 from walkerlab.choices import Camera, Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
-from walkerlab.quantity import Choice, function_name
-from walkerlab.records import Individual
+from walkerlab.quantity import MAX_JSON, Choice, SettingsError, function_name, pasted
+from walkerlab.readonly import ReadOnlyProperties
+from walkerlab.records import Individual, copy_of
 from walkerlab.settings import Settings
 from walkerlab.store import DamagedError, RunFileError
 
@@ -25,16 +27,22 @@ _OURS = {"fitness": fitness} | {kind.__name__.lower(): room for kind, room in RO
 """Each slot that can hold a function, and the room of our own functions for it."""
 
 
-class Run:
-    """What an evolution has brought forth so far.
+class Run(ReadOnlyProperties):
+    """What an evolution has brought forth so far; none of it can be changed."""
 
-    Attributes:
-        settings: from which it was made.
-        path: its run file, or None.
-    """
+    INSTEAD: ClassVar = {
+        "settings": "They are those that the run was made with. To evolve with other settings, start a new run: "
+        "wl.evolve(run.settings.with_(...)).",
+        "records": "They are what was measured. Change a copy: table = run.records.",
+        "path": "It is where the run is stored. Copy that file to store the run elsewhere.",
+    }
 
     def __init__(
-        self, settings: Settings, records: pd.DataFrame | Callable[[], pd.DataFrame], path: Path | None = None
+        self,
+        settings: Settings,
+        records: pd.DataFrame | Callable[[], pd.DataFrame],
+        path: Path | None = None,
+        rated_since: int = 0,
     ) -> None:
         """Put it together.
 
@@ -42,24 +50,47 @@ class Run:
             settings: from which it was made.
             records: the tidy table, or what reads it when it is first asked for.
             path: its run file, or None.
+            rated_since: First generation whose fitness is of the current function; the champion is sought from there.
         """
-        self.settings, self.path, self._given = settings, path, records
+        self._settings, self._path, self._rated_since = settings, path, rated_since
+        self._given = copy_of(records) if isinstance(records, pd.DataFrame) else records
+
+    @property
+    def settings(self) -> Settings:
+        """The settings that it was made with."""
+        return self._settings
+
+    @property
+    def path(self) -> Path | None:
+        """Its run file, or None."""
+        return self._path
+
+    @property
+    def rated_since(self) -> int:
+        """The first generation whose fitness is of the current function; 0 unless the run was rated anew."""
+        return self._rated_since
+
+    @property
+    def records(self) -> pd.DataFrame:
+        """A copy of the tidy table; its units, and what its fitness is, are in ``.attrs``."""
+        return copy_of(self._table)
 
     @cached_property
-    def records(self) -> pd.DataFrame:
-        """The tidy table; its units, and what its fitness is, are in ``.attrs``."""
-        given = self._given
-        self._given = table = given if isinstance(given, pd.DataFrame) else given()
+    def _table(self) -> pd.DataFrame:
+        table = self._given if isinstance(self._given, pd.DataFrame) else self._given()
         records.name_fitness(table, *fitness.label(self.settings.algorithm.fitness))
+        if self._rated_since:
+            table.attrs["rated_since"] = self._rated_since
+        self._given = table
         return table
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Let it be sent elsewhere, with its table."""
-        return Run, (self.settings, self.records, self.path)
+        return Run, (self.settings, self.records, self.path, self._rated_since)
 
     def __repr__(self) -> str:
         """Say in a line what has come of it."""
-        if self.records.empty:
+        if self._table.empty:
             return "Run(no generation is done yet)"
         name, unit = fitness.label(self.settings.algorithm.fitness)
         best, kept = self.champion, f", in {self.path}" if self.path else ""
@@ -91,7 +122,7 @@ class Run:
             return replay(self.champion, self.settings, camera=camera)
         generations = tuple(n + self.n_generations if n < 0 else n for n in generations)
         tables: dict[int, pd.DataFrame] = {
-            number: self.records.loc[self.records.generation == number, :] for number in generations
+            number: self._table.loc[self._table.generation == number, :] for number in generations
         }
         if missing := [number for number, table in tables.items() if table.empty]:
             raise ValueError(f"there is no generation {missing[0]!r}: this run has 0 to {self.n_generations - 1}")
@@ -118,8 +149,8 @@ class Run:
 
     @property
     def champion(self) -> Individual:
-        """The fittest robot of all generations."""
-        return records.champion(self.records)
+        """The fittest robot of all generations; if the run was rated anew, of those since."""
+        return records.champion(self._table)
 
     def confirm(self, n_nudges: int = N_NUDGES) -> Confirmation:
         """Let the champion walk again at a quarter of the timestep and from other starts, and say what it keeps.
@@ -131,12 +162,12 @@ class Run:
 
     def lineage(self, individual: int) -> pd.DataFrame:
         """Return the rows of an individual and its ancestors, youngest first, with the operators behind each."""
-        return records.lineage(self.records, individual)
+        return records.lineage(self._table, individual)
 
     @property
     def n_generations(self) -> int:
         """How many generations have walked."""
-        return int(self.records.generation.nunique())
+        return int(self._table.generation.nunique())
 
 
 def load(path: str | Path) -> Run:
@@ -150,18 +181,20 @@ def load(path: str | Path) -> Run:
     """
     path = store.locate(path)
     plain, table = store.read(path)
+    facts = store.read_facts(path)[1]
     try:
         records.check(table)
         algorithm = plain["algorithm"]
         restored = {slot: _restored(algorithm[slot], slot) for slot in _OURS}
         parts: dict[str, Any] = {**plain, "algorithm": {**algorithm, **restored}}
         settings = Settings(**parts)
+        since = provenance.rated_since(facts, int(table.generation.nunique()))
     except (TypeError, KeyError, ValueError, RecursionError) as error:
         raise DamagedError(path, str(error)) from error
     sizes = table.groupby("generation").size()
     if sizes.to_dict() != dict.fromkeys(range(len(sizes)), settings.algorithm.population_size):
         raise DamagedError(path, "robots are missing from its table, or there are too many")
-    return Run(settings, table, path)
+    return Run(settings, table, path, since)
 
 
 def rescue(path: str | Path, to: str | Path) -> Run:
@@ -204,7 +237,7 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
     wrong = [
         f"{slot}={recipe}"
         for slot, recipe in own.items()
-        if _names(in_turn(getattr(settings.algorithm, slot))) != _names(recorded[slot])
+        if _identities(in_turn(getattr(settings.algorithm, slot)), slot) != _identities(recorded[slot], slot)
         or any(map(_is_missing, in_turn(getattr(settings.algorithm, slot))))
     ]
     if wrong:
@@ -214,7 +247,7 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
             f"give them back under the same names, mended or not: in Python, wl.resume({str(run.path)!r}, {given}). "
             "To look at it, none is needed."
         )
-    return Run(settings, run.records, run.path)
+    return Run(settings, run.records, run.path, run.rated_since)
 
 
 def own_slots(settings: Settings) -> dict[str, str]:
@@ -228,23 +261,49 @@ def _is_own(operator: Any, slot: str) -> bool:
     return not isinstance(operator, Choice) and function is not getattr(_OURS[slot], function_name(function), None)
 
 
-def _names(fill: tuple[Any, ...]) -> list[str]:
-    return [one.name if isinstance(one, Choice) else function_name(one) for one in fill]
+def _identities(fill: tuple[Any, ...], slot: str) -> list[tuple[bool, bool, str, str]]:
+    """Return for each operator what must be the same for it to be taken for the one that a file names."""
+    bound = [(one.func, binding.identity(one)) if isinstance(one, partial) else (one, "") for one in fill]
+    return [
+        (
+            _is_own(one, slot),
+            isinstance(one, Choice),
+            one.name if isinstance(one, Choice) else function_name(one),
+            with_,
+        )
+        for one, with_ in bound
+    ]
+
+
+def check_storable(settings: Settings) -> None:
+    """Make sure that a run file can hold these settings, so that the run can be loaded and resumed.
+
+    Raises:
+        SettingsError: If the name of a function or of its arguments cannot be stored, or there is too much to store.
+    """
+    algorithm = settings.model_dump()["algorithm"]
+    faults: list[str] = []
+    for slot in _OURS:
+        try:
+            _restored(algorithm[slot], slot)
+        except ValueError as error:
+            faults.append(f"Algorithm.{slot} cannot be stored in a run file: {error}. Rename it.")
+    if not faults and (length := len(json.dumps(algorithm))) > MAX_JSON:
+        faults.append(
+            f"the functions of Algorithm take {length} characters to store, with the arguments bound to them; a run "
+            f"file takes {MAX_JSON}. Use fewer functions, or bind less to them."
+        )
+    if faults:
+        raise SettingsError("\n".join(faults))
 
 
 def _recipe(fill: tuple[Any, ...]) -> str:
     """Write what fills a slot as Python."""
-    words = [
-        repr(one.name)
-        if isinstance(one, Choice)
-        else f"partial({function_name(one).replace('(', ', ', 1)}"
-        if isinstance(one, partial)
-        else function_name(one)
-        for one in fill
-    ]
+    words = [function_name(one) if function_name(one) == "<lambda>" else pasted(one) for one in fill]
     return words[0] if len(words) == 1 else f"[{', '.join(words)}]"
 
 
+_CHOICES = {kind.__name__: kind for kind in Choice.__subclasses__() if kind.__module__ == choices.__name__}
 _POWERS = {*dir(builtins), "exit", "quit", "get_ipython"}
 """What no operator is called, or the code that repeats a stranger's run would hand over to it what the file says."""
 
@@ -262,11 +321,15 @@ def _restored(written: Any, slot: str) -> Any:
         case {"function": str(address), "with": dict(keywords), **rest}:
             home, _, name = address.rpartition(".")
             if name in _POWERS or not all(map(_is_plain, (name.replace("<lambda>", "function"), *keywords))):
-                raise ValueError(f"no function of a run is called {name!r:.60}, with {', '.join(keywords)!r:.60}")
+                raise ValueError(
+                    f"no function of a run is called {name!r:.60}, with {', '.join(keywords)!r:.60}; names must be "
+                    "Python names other than those of Python's own functions"
+                )
             ours = _OURS[slot]
             is_ours = home == ours.__name__ and name in _choices(slot)
             function = getattr(ours, name) if is_ours else _Missing(name, slot)
-            arguments = rest.get("args", [])
+            arguments = [binding.restored(one, _CHOICES) for one in list[Any](rest.get("args", []))]
+            keywords = {name: binding.restored(one, _CHOICES) for name, one in keywords.items()}
             return partial(function, *arguments, **keywords) if arguments or keywords else function
         case _:
             return written

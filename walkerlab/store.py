@@ -9,7 +9,7 @@ import json
 import math
 import sqlite3
 import weakref
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from itertools import count
 from pathlib import Path
@@ -84,13 +84,14 @@ def keep(db: sqlite3.Connection) -> Path:
     raise RunFileError("this run has no file, and none can be made: neither here nor in the system's temporary folder.")
 
 
-def create(file: File, settings: dict[str, Any], generation: pd.DataFrame) -> str:
+def create(file: File, settings: dict[str, Any], generation: pd.DataFrame, functions: Mapping[str, str] = {}) -> str:
     """Make a run file with its first generation: all of it, or nothing.
 
     Args:
         file: claimed before, or passing.
         settings: as plain data.
         generation: the tidy table of generation 0.
+        functions: facts about the functions that it was made with.
 
     Returns:
         The run's id.
@@ -100,17 +101,18 @@ def create(file: File, settings: dict[str, Any], generation: pd.DataFrame) -> st
     """
     with opened(file, "make") as db:
         run_id = layouts.lay_out(db, json.dumps(settings))
-        _insert(db, generation, _made_with_here())
+        _insert(db, generation, _made_with_here(functions))
     return run_id
 
 
-def append(file: File, generation: pd.DataFrame, run_id: str) -> None:
+def append(file: File, generation: pd.DataFrame, run_id: str, functions: Mapping[str, str] = {}) -> None:
     """Add one generation: all of it, or nothing.
 
     Args:
         file: of the run.
         generation: its tidy table.
         run_id: of the run that it belongs to.
+        functions: facts about the functions that it was made with.
 
     Raises:
         RunFileError: if it cannot be written, or another run is in the file, or another process has gone on with it.
@@ -123,7 +125,7 @@ def append(file: File, generation: pd.DataFrame, run_id: str) -> None:
                 f"somebody else has changed {file} meanwhile, which has {n_done} generations now: another process has "
                 "gone on with it, or an older copy was put in its place. Go on with that when nobody else does."
             )
-        _insert(db, generation, _made_with_here())
+        _insert(db, generation, _made_with_here(functions))
 
 
 def go_on(path: Path, settings: dict[str, Any]) -> str:
@@ -144,8 +146,8 @@ def _insert(db: sqlite3.Connection, generation: pd.DataFrame, made_with: str) ->
         layouts.seal(db, number, made_with)
 
 
-def _made_with_here() -> str:
-    return json.dumps(provenance.here())
+def _made_with_here(functions: Mapping[str, str]) -> str:
+    return json.dumps({**provenance.here(), **functions})
 
 
 def read(path: Path) -> tuple[dict[str, Any], pd.DataFrame]:

@@ -14,6 +14,7 @@ from walkerlab.ga.selection import require_finite
 from walkerlab.ga.slots import Cross, Mutate, Select, run_cross, run_mutate, run_select
 from walkerlab.genes import Floats, Genes, Indices
 from walkerlab.randomness import stream
+from walkerlab.readonly import ReadOnlyArrays
 
 NOT_COUNTED = -np.inf
 """The fitness of an individual that does not count: it is hidden from selection and has no children."""
@@ -53,7 +54,7 @@ class Operators:
 
 
 @dataclass(frozen=True, eq=False)
-class Population(Generic[Evaluation]):
+class Population(ReadOnlyArrays, Generic[Evaluation]):
     """One generation, a row for each individual.
 
     Attributes:
@@ -86,13 +87,14 @@ class Population(Generic[Evaluation]):
                     f"individual {individual} has fitness {fitness}; it must be a finite number, or -inf for an "
                     "individual that does not count. Mend the fitness function."
                 )
-        for column in (self.genomes, self.individuals, self.born, self.fitness):
-            column.setflags(write=False)
+        super().__post_init__()
 
     @cached_property
     def fitness(self) -> Floats:
         """(n,) higher is better; ``NOT_COUNTED`` where an individual does not count."""
-        return np.array([evaluation.fitness for evaluation in self.evaluations], dtype=np.float64)
+        fitness = np.array([evaluation.fitness for evaluation in self.evaluations], dtype=np.float64)
+        fitness.setflags(write=False)
+        return fitness
 
 
 def first_population(genomes: Floats, evaluate: Callable[[Floats], Sequence[Evaluation]]) -> Population[Evaluation]:

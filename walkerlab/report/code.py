@@ -33,6 +33,7 @@ def as_python(settings: Settings, records: pd.DataFrame | None = None) -> str:
     imports |= {"from functools import partial"} if any(isinstance(one, partial) for one in _slots(settings)) else set()
     evolved = ["run = wl.evolve(settings)"] if not by_hand else _evolved_with(by_hand)
     made = [f"settings = {settings.as_python()}", *evolved]
+    imports |= {"import numpy as np"} if "np." in made[0] else set()
     return "\n".join([*sorted(imports), "import walkerlab as wl", "", *made])
 
 
