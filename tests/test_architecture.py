@@ -16,7 +16,7 @@ HOUSE = Path(walkerlab.__file__).parent
 
 FLOORS = (
     ("faults",),
-    ("quantity", "randomness", "genes", "interrupts", "markup", "graphics", "gate", "time_limit"),
+    ("quantity", "number_format", "randomness", "genes", "interrupts", "markup", "graphics", "gate", "time_limit"),
     ("choices", "glossary", "workers", "provenance"),
     ("settings", "ga", "waiting"),
     ("limits", "ground", "textures", "cameras"),

@@ -13,6 +13,7 @@ from walkerlab import fitness, records, store
 from walkerlab.algorithm import ROOMS, in_turn
 from walkerlab.choices import Camera, Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
+from walkerlab.number_format import with_unit
 from walkerlab.quantity import Choice, function_name
 from walkerlab.records import Individual
 from walkerlab.settings import Settings
@@ -63,10 +64,11 @@ class Run:
             return "Run(no generation is done yet)"
         name, unit = fitness.label(self.settings.algorithm.fitness)
         best, kept = self.champion, f", in {self.path}" if self.path else ""
+        reached = f"{name} {with_unit(best.fitness, unit)}" if best.verdict == "ok" else "its walk does not count"
         size = self.settings.algorithm.population_size
         return (
             f"Run({self.n_generations} generations of {size} robots; champion: robot {best.individual} of "
-            f"generation {best.generation}, {name} {best.fitness:.2f}{f' {unit}' if unit else ''}{kept})"
+            f"generation {best.generation}, {reached}{kept})"
         )
 
     def _repr_html_(self) -> str:
