@@ -176,7 +176,7 @@ class _TickLabels(ScalarFormatter):
 
     def __init__(self) -> None:
         super().__init__(useOffset=False)
-        self.set_powerlimits((SMALLEST, LARGEST - 1))
+        self.set_powerlimits((SMALLEST - 1, LARGEST))
 
     def set_axis(self, axis: Any) -> None:
         """Format the ticks of an axis, and place its power of ten."""

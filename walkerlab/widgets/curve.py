@@ -15,7 +15,7 @@ from walkerlab.markup import inline_svg, tag
 from walkerlab.plots.style import COLUMNS, fitness_measure
 
 SIZE = (6.4, 3.5)  # inches
-MARGINS = {"left": 0.1, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
+MARGINS = {"left": 0.14, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
 _NAMES = count()  # of all drawings, for no two on a page may share an id
 LONGEST = 18  # characters of a name in the key; the list of runs has it whole
 LINE = 0.055  # of the height, for each line of the key above the axes
