@@ -17,7 +17,7 @@ HOUSE = Path(walkerlab.__file__).parent
 FLOORS = (
     ("faults", "binding"),
     ("readonly",),
-    ("quantity", "randomness", "genes", "interrupts", "markup", "graphics", "gate", "time_limit"),
+    ("quantity", "number_format", "randomness", "genes", "interrupts", "markup", "graphics", "gate", "time_limit"),
     ("choices", "glossary", "workers", "provenance", "snapshots"),
     ("settings", "ga", "waiting"),
     ("limits", "ground", "textures", "cameras"),

@@ -48,11 +48,20 @@ def test_a_walk_that_does_not_count_keeps_nothing():
     assert str(void).endswith("3 of these walks did not count: airborne, airborne, airborne")
 
 
-@pytest.mark.parametrize("fitness", [0.0, -0.0, -1.5, -math.inf])
-def test_nothing_is_kept_of_what_is_not_above_zero(fitness):
-    for finer in (-math.inf, -1.0, 0.0, 1.0):
-        assert kept(fitness, finer=finer).kept_finer == 0.0
-    assert kept(fitness).kept_nudged == 0.0
+@pytest.mark.parametrize("fitness", [2.0, 1e-9, -1e-9, -1.5, -1e9])
+def test_the_same_fitness_is_all_of_it_and_a_loss_is_a_share_of_its_size_whatever_its_sign(fitness):
+    for loss, share in ((0.0, 1.0), (0.25, 0.75), (-0.5, 1.5), (1.0, 0.0), (7.0, 0.0)):
+        confirmed = kept(fitness, finer=fitness - loss * abs(fitness), nudged=(fitness,))
+        assert confirmed.kept_finer == pytest.approx(share)
+        assert confirmed.kept_nudged == 1.0
+
+
+@pytest.mark.parametrize("again", [-math.inf, -1.0, 0.0, -0.0, 1.0])
+def test_of_zero_any_loss_keeps_nothing_and_of_a_void_walk_nothing_is_kept(again):
+    for zero in (0.0, -0.0):
+        assert kept(zero, finer=again).kept_finer == (1.0 if again >= 0 else 0.0)
+    assert kept(-math.inf, finer=again, nudged=(again,)).kept_nudged == 0.0
+    assert kept(-1.0, finer=-math.inf).kept_finer == 0.0
 
 
 @pytest.mark.parametrize(
@@ -145,6 +154,17 @@ def test_it_reads_as_a_sentence():
         "   95% of it at a quarter of the timestep\n"
         "   90% of it from starts that are a little different (the median of 3; 25% from the poorest)"
     )
+    below = Confirmation(-0.52, -0.6, (-1.5, -0.52, 0.1), ("ok",) * 4, "near(target=2, k=3)")
+    assert str(below) == (
+        "Its near(target=2, k=3) of -0.520, when it walks again:\n"
+        "  -0.600 (0.0800 less) at a quarter of the timestep\n"
+        "        -0.520 (equal) from starts that are a little different (the median of 3; -1.50 (0.980 less) from the "
+        "poorest)"
+    )
+    assert "1.00e-09 (1.00 less)" not in str(kept(1e-9, finer=1.0, nudged=(1.0,)))
+    assert str(kept(1e-9, finer=1.0, nudged=(1.0,))).split("\n")[1] == (
+        "  1.00 m (1.00 more) at a quarter of the timestep"
+    ), "and not 100000000000%"
     own = Confirmation(3.0, -math.inf, (3.0,), ("fell", "ok"), "my_score")
     assert str(own).startswith("Its my_score of 3.00, when it walks again:\n    0% of it")
     assert str(own).endswith("1 of these walks did not count: fell")

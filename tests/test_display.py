@@ -13,6 +13,7 @@ from tests.test_markup import HOSTILE, Seen, assert_harmless
 from walkerlab.fitness import distance, velocity
 from walkerlab.glossary import rows_of
 from walkerlab.judge import VERDICTS
+from walkerlab.number_format import with_unit
 from walkerlab.quantity import Quantity
 from walkerlab.records import Individual, join
 
@@ -123,14 +124,14 @@ def test_a_walk_is_shown_with_its_verdict_and_its_figures():
     text = shown(rollout).text
     assert VERDICTS[rollout.verdict] in text
     assert rollout.reason in text
-    for words in (f"{rollout.distance:.3f} m", f"{rollout.velocity:.3f} m/s", " J", "1 s"):
+    for words in (with_unit(rollout.distance, "m"), with_unit(rollout.velocity, "m/s"), " J", "1 s"):
         assert words in text
 
 
 def test_a_run_says_what_it_reached_shows_it_and_says_what_next(run):
     seen = shown(run)
     assert f"robot {run.champion.individual}" in seen.text
-    assert f"{run.champion.fitness:.3f} m" in seen.text
+    assert with_unit(run.champion.fitness, "m") in seen.text
     assert len(seen.all("svg")) == 2
     for words in ("run.champion", "run.replay()", "run.save_report("):
         assert words in seen.text

@@ -16,6 +16,7 @@ import pytest
 import walkerlab as wl
 from walkerlab import provenance, store
 from walkerlab.ga import crossover, mutation, selection
+from walkerlab.number_format import significant
 from walkerlab.settings import Crossover, Fitness, Mutation, Selection
 
 SETTINGS = wl.Settings().with_(duration=1.0, population_size=6, generations=3, n_elites=1, seed=5)
@@ -68,7 +69,7 @@ class TestTheTable:
 
     def test_a_run_says_in_a_line_what_has_come_of_it(self, run):
         assert repr(run).startswith("Run(3 generations of 6 robots; champion: robot ")
-        assert f"distance {run.champion.fitness:.2f} m)" in repr(run)
+        assert f"distance {significant(run.champion.fitness)} m)" in repr(run)
 
     def test_units_are_told(self, run):
         assert run.records.attrs["units"]["velocity"] == "m/s"

@@ -377,6 +377,75 @@ def test_a_trait_that_is_no_number_of_a_robot_is_refused_with_those_that_are(rec
     assert not pyplot.get_fignums()
 
 
+# ------------------------------------------------------------------------------------------- one measure, and one run
+
+
+def measuring(name, unit):
+    table = bred(2, 4, void=0)
+    name_fitness(table, name, unit)
+    return table
+
+
+DISTANCE, EFFICIENCY = measuring("distance", "m"), measuring("efficiency", "m/J")
+MEASURES = {
+    "distance [m]": lambda ax: wl.plots.fitness_curve(DISTANCE, ax, label="a"),
+    "efficiency [m/J]": lambda ax: wl.plots.fitness_curve(EFFICIENCY, ax, label="b"),
+    "weight [kg]": lambda ax: wl.plots.trait(DISTANCE, "weight", ax),
+    "number of legs": lambda ax: wl.plots.trait(DISTANCE, "n_legs", ax),
+    "genetic diversity": lambda ax: wl.plots.diversity(DISTANCE, ax),
+    "robots": lambda ax: wl.plots.verdicts(DISTANCE, ax),
+    "way forward of the centre of mass [m]": lambda ax: wl.plots.distance_over_time(wl.simulate(GENOME, SETTINGS), ax),
+}
+
+
+@pytest.mark.parametrize("second", MEASURES)
+def test_an_axis_measures_one_thing(second):
+    for first, draw in MEASURES.items():
+        axes = draw(Figure().add_subplot())
+        before = wl.plots.alt_text(axes), len(axes.lines), axes.get_ylabel()
+        if first == second:
+            MEASURES[second](axes)
+            continue
+        how = re.escape(f"show {first!r}, and cannot show {second!r} as well") + ".*Axes of its own.*plt.subplots"
+        with pytest.raises(ValueError, match=how):
+            MEASURES[second](axes)
+        assert before == (wl.plots.alt_text(axes), len(axes.lines), axes.get_ylabel()), "as it was"
+
+
+def test_on_an_axis_of_its_own_another_measure_may_share_the_picture(ax):
+    wl.plots.fitness_curve(DISTANCE, ax)
+    right = wl.plots.fitness_curve(EFFICIENCY, ax.twinx())
+    assert (ax.get_ylabel(), right.get_ylabel()) == ("distance [m]", "efficiency [m/J]")
+    ax.clear()
+    wl.plots.fitness_curve(EFFICIENCY, ax)
+
+
+def test_a_fitness_and_the_trait_that_it_measures_share_an_axis(ax):
+    wl.plots.fitness_curve(DISTANCE, ax)
+    wl.plots.trait(DISTANCE, "distance", ax)
+    assert wl.plots.trait(DISTANCE, "fitness", ax).get_ylabel() == "distance [m]"
+
+
+def test_a_table_from_a_csv_file_has_the_units_that_every_table_has(ax, tmp_path):
+    DISTANCE.to_csv(tmp_path / "records.csv", index=False)
+    table = pd.read_csv(tmp_path / "records.csv")
+    assert wl.plots.trait(table, "weight", Figure().add_subplot()).get_ylabel() == "weight [kg]"
+    assert wl.plots.fitness_curve(table, Figure().add_subplot()).get_ylabel() == "fitness"
+    wl.plots.fitness_curve(DISTANCE, ax)
+    with pytest.raises(ValueError, match=r"after read_csv.*table\.attrs = run\.records\.attrs"):
+        wl.plots.fitness_curve(table, ax)
+    table.attrs = DISTANCE.attrs
+    wl.plots.fitness_curve(table, ax)
+
+
+@of_a_table
+def test_a_table_of_several_runs_is_refused_with_the_way_to_draw_them(draw, ax):
+    runs = [bred(2, 4, void=0) for _ in range(2)]
+    with pytest.raises(ValueError, match=r"holds several runs\. .*for seed, run in .*label="):
+        draw(pd.concat(runs), ax)
+    assert not wl.plots.alt_text(ax)
+
+
 # ----------------------------------------------------------------------------------------------------------- verdicts
 
 
@@ -405,8 +474,8 @@ def test_where_generations_are_missing_there_is_no_bar(ax):
 
 
 def test_no_two_verdicts_look_alike(ax):
-    table = pd.concat([made_up(2)] * len(VERDICTS), ignore_index=True)
-    table["verdict"] = np.repeat(list(VERDICTS), 10)
+    table = made_up(2 * len(VERDICTS))
+    table["verdict"] = np.tile(list(VERDICTS), 10)
     wl.plots.verdicts(table, ax)
     looks = [(bar.get_facecolor(), bar.get_hatch()) for bar in ax.patches]
     assert len(set(looks)) == len(looks) == len(VERDICTS)

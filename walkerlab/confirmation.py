@@ -2,21 +2,25 @@
 
 Evolution looks for whatever scores, so a champion may rest on one lucky bounce, or on an error of the physics. What
 stands at a quarter of the timestep, and from starts that are a little different, it can do.
+
+Outcomes are shares of a fitness above zero. A fitness of zero or below, or close above it, has no telling share, so
+the new fitness is written with its difference.
 """
 
+import math
 from dataclasses import dataclass
 from statistics import median
 
-import numpy as np
-
-from walkerlab.fitness import label, score
+from walkerlab.fitness import UNITS, label, score
 from walkerlab.genome import Genome
 from walkerlab.markup import Html, shown, table
+from walkerlab.number_format import significant, with_unit
 from walkerlab.rollout import from_every_start, nudge, walk
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
 
 FINER = 4  # times more steps
+MAX_SHARE = 10  # times the fitness, from which on differences are written in place of shares
 N_NUDGES = 5  # starts that are a little different
 UNSEEN = 1000  # the number of the first of these starts: evolution walks from the first ones, if from any
 
@@ -41,42 +45,89 @@ class Confirmation:
 
     @property
     def kept_finer(self) -> float:
-        """Part of the fitness that is left at a quarter of the timestep; 0 if that walk did not count."""
-        return self._part(self.finer)
+        """Share of the fitness that is kept at a quarter of the timestep, at least 0; 0 if that walk did not count.
+
+        1 means the same fitness. A loss is a share of the absolute value: of -2, -2.5 keeps 0.75, as 1.5 does of 2.
+        Of a fitness of 0, any loss keeps 0, and anything else 1.
+        """
+        return self._share(self.finer)
 
     @property
     def kept_nudged(self) -> float:
-        """Part of the fitness that is left from other starts: the median of them."""
-        return median(map(self._part, self.nudged))
+        """Share of the fitness that is kept from other starts, by their median; defined as ``kept_finer``."""
+        return self._share(median(self.nudged))
 
-    def _part(self, fitness: float) -> float:
-        return max(0.0, fitness / self.fitness) if self.fitness > 0 and np.isfinite(fitness) else 0.0
+    def _share(self, again: float) -> float:
+        if not (math.isfinite(self.fitness) and math.isfinite(again)):
+            return 0.0
+        if self.fitness > 0:
+            return max(0.0, again / self.fitness)
+        if self.fitness == 0:
+            return float(again >= 0)
+        return max(0.0, 2 - again / self.fitness)
+
+    @property
+    def _in_shares(self) -> bool:
+        """Whether the outcomes are written as shares: of a fitness near zero or below, these say little."""
+        return self.fitness > 0 and max(self.finer, *self.nudged) < MAX_SHARE * self.fitness
+
+    def _outcomes(self) -> list[str]:
+        """Write what is left at the finer timestep, from the median of the other starts, and from the poorest."""
+        return [self._outcome(again) for again in (self.finer, median(self.nudged), min(self.nudged))]
+
+    def _outcome(self, again: float) -> str:
+        if self._in_shares:
+            return f"{self._share(again):.0%}"
+        if not math.isfinite(again):
+            return "does not count"
+        text, change = with_unit(again, self._name_and_unit[1]), again - self.fitness
+        if not math.isfinite(change):
+            return text
+        if change == 0:
+            return f"{text} (equal)"
+        return f"{text} ({significant(abs(change))} {'less' if change < 0 else 'more'})"
+
+    @property
+    def _name_and_unit(self) -> tuple[str, str]:
+        name, _, unit = self.measure.rpartition(" ")
+        return (name, unit) if unit in UNITS.values() else (self.measure, "")
+
+    @property
+    def _first(self) -> str:
+        """The fitness as evolution measured it, in words."""
+        name, unit = self._name_and_unit
+        if not math.isfinite(self.fitness):
+            return "walk that does not count"
+        return f"{name} of {with_unit(self.fitness, unit)}"
 
     def __str__(self) -> str:
-        """Tell it in words."""
-        name, _, unit = self.measure.partition(" ")
-        said = (
-            f"Its {name} of {self.fitness:.2f} {unit}".rstrip() + ", when it walks again:\n"
-            f"  {self.kept_finer:4.0%} of it at a quarter of the timestep\n"
-            f"  {self.kept_nudged:4.0%} of it from starts that are a little different (the median of "
-            f"{len(self.nudged)}; {self._part(self.nudged[0]):.0%} from the poorest)"
-        )
-        void = [verdict for verdict in self.verdicts if verdict != "ok"]
-        return said + (f"\n  {len(void)} of these walks did not count: {', '.join(void)}" if void else "")
+        """Describe it in a few lines."""
+        finer, other, poorest = self._outcomes()
+        of_it = " of it" if self._in_shares else ""
+        width = max(4, len(finer), len(other))
+        lines = [
+            f"Its {self._first}, when it walks again:",
+            f"  {finer:>{width}}{of_it} at a quarter of the timestep",
+            f"  {other:>{width}}{of_it} from starts that are a little different (the median of "
+            f"{len(self.nudged)}; {poorest} from the poorest)",
+        ]
+        if void := [verdict for verdict in self.verdicts if verdict != "ok"]:
+            lines.append(f"  {len(void)} of these walks did not count: {', '.join(void)}")
+        return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         return shown(self.table())
 
     def table(self) -> Html:
-        """Tell it as a table."""
+        """Describe it as a table."""
+        finer, other, poorest = self._outcomes()
         rows = [
-            ["at a quarter of the timestep", f"{self.kept_finer:.0%}", "does it live on an error of the physics?"],
-            ["from other starts (the median)", f"{self.kept_nudged:.0%}", "does it live on one lucky start?"],
-            ["from the poorest of these", f"{self._part(self.nudged[0]):.0%}", ""],
+            ["at a quarter of the timestep", finer, "does it live on an error of the physics?"],
+            ["from other starts (the median)", other, "does it live on one lucky start?"],
+            ["from the poorest of these", poorest, ""],
         ]
-        name, _, unit = self.measure.partition(" ")
-        caption = f"What is made of its {name} of {self.fitness:.2f} {unit}".rstrip() + " when it walks again"
-        return table(caption, ["walk", "of it", "asks"], rows, numbers=(1,))
+        caption = f"What is left of its {self._first} when it walks again"
+        return table(caption, ["walk", "of it" if self._in_shares else "fitness", "asks"], rows, numbers=(1,))
 
 
 def confirm(genome: Genome | str, settings: Settings, n_nudges: int = N_NUDGES) -> Confirmation:

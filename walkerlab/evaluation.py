@@ -13,6 +13,7 @@ from walkerlab.ga.own import OperatorError
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome, read_genomes
 from walkerlab.limits import genes_of, repair
+from walkerlab.number_format import significant, with_unit
 from walkerlab.phenotype import express
 from walkerlab.rollout import Rollout, from_every_start
 from walkerlab.scene import scene_on_stage
@@ -59,7 +60,8 @@ class Evaluation:
     def __repr__(self) -> str:
         """Say in a line what came of it; the genome is a long text."""
         why = f", {self.reason}" if self.reason else ""
-        return f"Evaluation(fitness {self.fitness:.3f}, {self.distance:.2f} m, verdict {self.verdict}{why})"
+        measured = f"fitness {significant(self.fitness)}" if self.verdict == "ok" else "does not count"
+        return f"Evaluation({measured}, {with_unit(self.distance, 'm')} forward, verdict {self.verdict}{why})"
 
 
 def evaluate(

@@ -24,6 +24,7 @@ from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.interrupts import interrupts_held
 from walkerlab.limits import genes_of, repair
+from walkerlab.number_format import significant
 from walkerlab.quantity import SettingsError, count
 from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.records import Individual, Walked
@@ -379,8 +380,9 @@ def _finish(evolution: Evolution, bar: Any) -> Run:
     """Run to the end, or to Ctrl-C, telling how it goes."""
     try:
         for generation in evolution:
-            best = generation.champion.fitness
-            bar.set_postfix_str(f"generation {generation.number}, best {best:.2f}")
+            best = generation.champion
+            reached = f"best {significant(best.fitness)}" if best.verdict == "ok" else "no walk counted"
+            bar.set_postfix_str(f"generation {generation.number}, {reached}")
     except KeyboardInterrupt:
         if not evolution.n_generations:
             raise KeyboardInterrupt("before the first generation was done, so there is nothing to keep") from None

@@ -15,6 +15,7 @@ from walkerlab.ga.loop import NOT_COUNTED, Population
 from walkerlab.genome import Genome, in_words
 from walkerlab.judge import VERDICTS
 from walkerlab.markup import facts, shown
+from walkerlab.number_format import significant
 
 COLUMNS: dict[str, tuple[type, str, str]] = {
     "generation": (int, "", "0 is the random one"),
@@ -201,7 +202,7 @@ class Individual:
     def _repr_html_(self) -> str:
         meaning = VERDICTS.get(self.verdict, "")
         known = (
-            ("fitness", f"{self.fitness:.3f}" if self.verdict == "ok" else "none, for its walk does not count"),
+            ("fitness", significant(self.fitness) if self.verdict == "ok" else "none, for its walk does not count"),
             ("verdict", f"{self.verdict}: {meaning}{f' That is, {self.reason}.' if self.reason else ''}"),
             ("generation", f"{self.generation}, in which it was born"),
             ("parents", ", ".join(map(str, self.parents)) or "none: it was drawn by chance"),

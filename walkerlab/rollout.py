@@ -16,6 +16,7 @@ from walkerlab.genes import Floats, Indices
 from walkerlab.genome import Genome
 from walkerlab.judge import VERDICTS, Trace, judge
 from walkerlab.markup import facts, shown
+from walkerlab.number_format import significant, with_unit
 from walkerlab.quantity import count
 from walkerlab.randomness import stream
 from walkerlab.readonly import ReadOnlyArrays
@@ -64,23 +65,24 @@ class Rollout(ReadOnlyArrays, Trace):
     def __repr__(self) -> str:
         """Say in a line what came of it: the arrays would fill pages."""
         why = f", {self.reason}" if self.reason else ""
-        went = f"{self.distance:.2f} m in {self.time[-1]:g} s"
+        went = f"{with_unit(self.distance, 'm')} in {self.time[-1]:g} s"
         return f"Rollout({went}, verdict {self.verdict}{why}; {len(self.poses)} poses)"
 
     def _repr_html_(self) -> str:
         robot, speed = self.phenotype, self.velocity
         grown = f"{count(len(robot.segments), 'segment')}, {count(robot.n_legs, 'leg')}"
-        body = f"{grown}, {robot.weight:.1f} kg, {robot.body_length:.2f} m long"
+        body = f"{grown}, {with_unit(robot.weight, 'kg')}, {with_unit(robot.body_length, 'm')} long"
         known = (
             ("verdict", f"{self.verdict}: {VERDICTS.get(self.verdict, '')}"),
             *([("reason", self.reason)] if self.reason else []),
-            ("distance", f"{self.distance:.3f} m forward"),
+            ("distance", f"{with_unit(self.distance, 'm')} forward"),
             (
                 "velocity",
-                f"{speed:.3f} m/s over the last two thirds, {speed / robot.body_length:.1f} body lengths a second",
+                f"{with_unit(speed, 'm/s')} over the last two thirds, "
+                f"{significant(speed / robot.body_length)} body lengths a second",
             ),
             ("duration", f"{self.time[-1]:g} s, after {self.settled:g} s to come to rest"),
-            ("work", f"{self.work[-1]:.1f} J, done by the legs"),
+            ("work", f"{with_unit(self.work[-1], 'J')}, done by the legs"),
             ("body", body),
             ("poses", f"{len(self.poses)} recorded" if len(self.poses) else "not recorded"),
         )

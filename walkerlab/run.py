@@ -14,6 +14,7 @@ from walkerlab import binding, choices, fitness, provenance, records, store
 from walkerlab.algorithm import ROOMS, in_turn
 from walkerlab.choices import Camera, Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
+from walkerlab.number_format import with_unit
 from walkerlab.quantity import MAX_JSON, Choice, SettingsError, function_name, pasted
 from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.records import Individual, copy_of
@@ -94,10 +95,11 @@ class Run(ReadOnlyProperties):
             return "Run(no generation is done yet)"
         name, unit = fitness.label(self.settings.algorithm.fitness)
         best, kept = self.champion, f", in {self.path}" if self.path else ""
+        reached = f"{name} {with_unit(best.fitness, unit)}" if best.verdict == "ok" else "its walk does not count"
         size = self.settings.algorithm.population_size
         return (
             f"Run({self.n_generations} generations of {size} robots; champion: robot {best.individual} of "
-            f"generation {best.generation}, {name} {best.fitness:.2f}{f' {unit}' if unit else ''}{kept})"
+            f"generation {best.generation}, {reached}{kept})"
         )
 
     def _repr_html_(self) -> str:

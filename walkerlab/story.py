@@ -1,12 +1,14 @@
 """A run in words: what it reached, how it got there, and whom its champion descends from."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Collection, Mapping
 from typing import Any, cast
 
 import pandas as pd
 
 from walkerlab.fitness import UNITS
 from walkerlab.judge import VERDICTS
+from walkerlab.number_format import significant, significant_column, with_unit
 from walkerlab.phenotype import express
 from walkerlab.quantity import count
 from walkerlab.records import Individual, births, champion, fitter_line
@@ -40,9 +42,10 @@ def summary(records: pd.DataFrame, settings: Plain) -> str:
     first = records.fitness[(records.generation == start) & (records.verdict == "ok")]
     at_first = f"generation {start}" if start else "the random generation"
     began = f", from {_with_unit(first.max(), settings)} in {at_first}" if generations > 1 and len(first) else ""
+    article = "an" if _fitness_name(settings).startswith(tuple("aeiou")) else "a"
     return (
-        f"{ran}. The champion, robot {best.individual} of generation {best.generation}, reached a "
-        f"{_fitness_name(settings)} of {_with_unit(best.fitness, settings)}{began}."
+        f"{ran}. The champion, robot {best.individual} of generation {best.generation}, reached "
+        f"{article} {_fitness_name(settings)} of {_with_unit(best.fitness, settings)}{began}."
     )
 
 
@@ -57,11 +60,12 @@ def champion_story(records: pd.DataFrame, settings: Plain) -> str:
         )
     return (
         f"The champion is robot {best.individual}, born in generation {best.generation}.\n"
-        f"It went {row.distance:.2f} m forward in {settings['simulation']['duration']:g} s. Over the last two thirds "
-        f"of the walk it made {row.velocity:.2f} m/s: {row.velocity / row.body_length:.1f} body lengths a second.\n"
+        f"It went {with_unit(row.distance, 'm')} forward in {settings['simulation']['duration']:g} s. Over the last "
+        f"two thirds of the walk it made {with_unit(row.velocity, 'm/s')}: "
+        f"{significant(row.velocity / row.body_length)} body lengths a second.\n"
         f"Its fitness ({_fitness_name(settings)}) is {_with_unit(best.fitness, settings)}.\n"
-        f"Its body has {count(row.n_segments, 'segment')} and {row.n_legs} legs, weighs {row.weight:.1f} kg "
-        f"and is {row.body_length:.2f} m long."
+        f"Its body has {count(row.n_segments, 'segment')} and {row.n_legs} legs, weighs "
+        f"{with_unit(row.weight, 'kg')} and is {with_unit(row.body_length, 'm')} long."
     )
 
 
@@ -94,12 +98,19 @@ def by_generation(records: pd.DataFrame, settings: Plain) -> str:
         f"Fitness ({name}) of the robots whose walks count, and how many these are:",
         f"generation {best:>10} {median:>12}    counted",
     ]
-    table: Any = generations(records)
     rows = (
-        f"{row.generation:10} {row.best:10.3f} {row.median:12.3f}  {row.counted:4} of {row.robots}"
-        for row in table[table.generation.isin(shown)].itertuples()
+        f"{row.generation:10} {best:>10} {median:>12}  {row.counted:4} of {row.robots}"
+        for row, best, median in best_and_median(records, shown)
     )
     return "\n".join([*lines, *rows])
+
+
+def best_and_median(records: pd.DataFrame, shown: Collection[int]) -> list[tuple[Any, str, str]]:
+    """Return the rows of ``generations`` with these numbers, each with its best and its median as text that aligns."""
+    table = generations(records)
+    table = table.loc[table.generation.isin(shown), :]
+    texts = significant_column([*table["best"], *table["median"]])
+    return list(zip(table.itertuples(), texts[: len(table)], texts[len(table) :], strict=True))
 
 
 def generations(records: pd.DataFrame) -> pd.DataFrame:
@@ -146,8 +157,8 @@ def descent(records: pd.DataFrame, individual: int) -> str:
     rows = [
         f"       … and {skipped} more before them …"
         if skipped
-        else f"{one.individual:7} {one.born:10} {one.fitness:9.3f}  {one.operators}"
-        for one, skipped in ancestors(records, individual)
+        else f"{one.individual:7} {one.born:10} {fitness:>9}  {one.operators}"
+        for one, fitness, skipped in line_of_descent(records, individual)
     ]
     title = "Its line of descent, through the fitter parent of each:"
     return "\n".join([title, "  robot generation   fitness  made by selection > crossover > mutation", *rows])
@@ -166,12 +177,22 @@ def ancestors(records: pd.DataFrame, individual: int) -> list[tuple[Any, int]]:
     return [*((one, 0) for one in line[: ANCESTORS - 2]), (None, len(line) - ANCESTORS + 1), (line[-1], 0)]
 
 
+def line_of_descent(records: pd.DataFrame, individual: int) -> list[tuple[Any, str, int]]:
+    """Return what ``ancestors`` does, each with its fitness as text that aligns; the verdict if its walk is void."""
+    line = ancestors(records, individual)
+    texts = significant_column(math.nan if skipped else one.fitness for one, skipped in line)
+    return [
+        (one, fitness if skipped or one.verdict == "ok" else str(one.verdict), skipped)
+        for (one, skipped), fitness in zip(line, texts, strict=True)
+    ]
+
+
 def _fitness_name(settings: Plain) -> str:
     return _words(settings["algorithm"]["fitness"])
 
 
 def _with_unit(fitness: float, settings: Plain) -> str:
-    return f"{fitness:.3f} {_unit(settings)}".rstrip()
+    return with_unit(fitness, _unit(settings))
 
 
 def _unit(settings: Plain) -> str:

@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from walkerlab.records import name_fitness
 from walkerlab.widgets.curve import Curve
 
 
@@ -38,3 +39,18 @@ def test_one_that_outgrows_its_room_gets_more(done, room):
 def test_one_with_room_to_grow_keeps_it(done):
     runs = {"run": done.records}
     assert lines(Curve(runs, 10).value) != lines(Curve(runs, done.n_generations).value)
+
+
+def test_runs_that_measure_different_things_get_axes_of_their_own(done):
+    other = done.records.copy()
+    name_fitness(other, "efficiency", "m/J")
+    runs = {"far": done.records, "thrifty": other, "farther": done.records}
+    picture = Curve(runs).value
+    assert len(re.findall(r' id="[^"]*-axes_\d+"', picture)) == 2
+    words = re.search(r'aria-label="([^"]*)"', picture)[1]
+    assert re.findall(r"(\w+): (\w+) over", words) == [
+        ("Far", "distance"),
+        ("Farther", "distance"),
+        ("Thrifty", "efficiency"),
+    ]
+    assert len(re.findall(r' id="[^"]*-axes_\d+"', Curve({"far": done.records, "farther": done.records}).value)) == 1

@@ -11,6 +11,7 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.live import LiveRun, State
+from walkerlab.number_format import with_unit
 from walkerlab.report.code import as_python
 from walkerlab.widgets.card import card
 
@@ -71,7 +72,7 @@ def test_a_run_goes_from_start_to_end_and_is_kept(lab, pool):
     pd.testing.assert_frame_equal(wl.load(lab.run.path).records, alone.records)
     [entry] = lab.runs.shelf.runs
     assert (entry["key"], entry["state"]) == ("run 1", "finished")
-    assert f"{alone.champion.fitness:.2f} m" == entry["best"]
+    assert with_unit(alone.champion.fitness, "m") == entry["best"]
     assert f"Robot {alone.champion.individual}" in lab.robot.card.value
     assert "<svg" in lab.runs.curve.value
     assert lab.transport.share == 1

@@ -20,6 +20,7 @@ from walkerlab.cinema.job import Act, FilmError, Job, is_whole
 from walkerlab.cinema.result import Film
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome, HasGenome
+from walkerlab.number_format import with_unit
 from walkerlab.settings import Settings
 
 if TYPE_CHECKING:
@@ -170,5 +171,5 @@ def _thinned(reigns: list[Reign], at_most: int) -> list[Reign]:
 
 def _caption(best: "Individual", first: int, last: int, unit: str) -> str:
     when = f"generation {first}" if first == last else f"generations {first}–{last}"
-    good = f"{best.fitness:.2f} {unit}".strip() if best.verdict == "ok" else f"does not count: {best.verdict}"
+    good = with_unit(best.fitness, unit) if best.verdict == "ok" else f"does not count: {best.verdict}"
     return f"{when} · robot {best.individual} · {good}"

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from walkerlab import plots
+from walkerlab.number_format import with_unit
 from walkerlab.rollout import simulate
 from walkerlab.run import Run, load
 from walkerlab.scene import compile_scene
@@ -53,7 +54,9 @@ def portrait(run: Run, path: str) -> None:
     walk.imshow(image)
     walk.set_axis_off()
     metres = simulate(run.champion.genome, run.settings, poses=False).distance
-    walk.set_title(f"{metres:.1f} m in {run.settings.simulation.duration:g} s: four moments on the way", fontsize=9)
+    walk.set_title(
+        f"{with_unit(metres, 'm')} in {run.settings.simulation.duration:g} s: four moments on the way", fontsize=9
+    )
     plots.fitness_curve(run.records, curve)
     figure.savefig(path, dpi=120)
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from walkerlab.judge import VERDICTS
 from walkerlab.plots.look import new_axes, picture
-from walkerlab.plots.style import describe, literal, nothing, over_generations, round_steps, table_of
+from walkerlab.plots.style import describe, literal, nothing, over_generations, require_measure, round_steps, table_of
 from walkerlab.quantity import count
 
 COUNTED = ("#BFE3D6", "")
@@ -29,6 +29,7 @@ LOOKS = (
 """Colour and hatching of the verdicts after ``ok``, in the order of ``VERDICTS``: each looks the same everywhere."""
 
 MOST_BARS = 60
+ROBOTS = "robots"
 
 
 @picture
@@ -46,10 +47,11 @@ def verdicts(records: pd.DataFrame, ax: Axes | None = None) -> Axes:
     """
     records = table_of(records)
     axes = ax or new_axes()
+    require_measure(axes, ROBOTS)
     table: Any = pd.crosstab(records.generation, records.verdict)
     known = [verdict for verdict in VERDICTS if verdict in table]
     table = table[[*known, *(verdict for verdict in table if verdict not in VERDICTS)]]
-    describe(axes, "Verdicts of each generation", _in_words(table))
+    describe(axes, "Verdicts of each generation", _in_words(table), ROBOTS)
     together = 1
     if table.empty:
         nothing(axes, "no robot has walked yet")
@@ -57,7 +59,7 @@ def verdicts(records: pd.DataFrame, ax: Axes | None = None) -> Axes:
         table = table.reindex(range(table.index[0], table.index[-1] + 1))  # what is not there leaves a gap
         together = math.ceil(len(table) / MOST_BARS)
         _stack(axes, table, together)
-    axes.set_ylabel("robots")
+    axes.set_ylabel(ROBOTS)
     axes.yaxis.set_major_locator(round_steps())
     over_generations(axes, len(table))
     if together > 1:

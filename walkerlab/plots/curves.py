@@ -8,19 +8,24 @@ from matplotlib.axes import Axes
 
 from walkerlab.plots.look import ink, new_axes, picture
 from walkerlab.plots.style import (
+    UNKNOWN_FITNESS,
     columns_of,
     course,
     describe,
+    fitness_measure,
     key,
+    label_values,
     literal,
     n_drawn,
     next_look,
     nothing,
     over_generations,
+    require_measure,
     round_steps,
     some,
     table_of,
     unit_of,
+    with_brackets,
 )
 from walkerlab.quantity import count, did_you_mean
 
@@ -44,13 +49,17 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
 
     Returns:
         The Axes drawn on.
+
+    Raises:
+        ValueError: if the table is that of several runs, or the Axes show another measure.
     """
     records = table_of(records)
     axes = ax or new_axes()
-    title = "Fitness of each generation"
+    title, measure = "Fitness of each generation", fitness_measure(records)
+    require_measure(axes, measure)
     counted: Any = records[records.verdict == "ok"]
     best = counted.groupby("generation").fitness.max()
-    name = str(records.attrs.get("fitness", "fitness"))
+    name = str(records.attrs.get("fitness", UNKNOWN_FITNESS))
     (colour, mark), n_generations = next_look(axes, title, look), records.generation.nunique()
     before = f"{label}: " if label else ""
     line: dict[str, Any] = {"lw": 2, "color": colour, "marker": mark, "ms": 4, "markevery": some(len(best))}
@@ -65,8 +74,9 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
             f"{before}{name} over {count(n_generations, 'generation')}: the best {course(best, unit)}, "
             f"the median {course(middle, unit)}."
         )
-    describe(axes, title, text[0].upper() + text[1:])
-    axes.set_ylabel(_with_brackets(name, unit_of(records, "fitness")))
+    describe(axes, title, text[0].upper() + text[1:], measure)
+    axes.set_ylabel(literal(measure))
+    label_values(axes)
     over_generations(axes, n_generations)
     key(axes, columns_of(n_drawn(axes, title)) if label else 3)
     return axes
@@ -89,7 +99,8 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
         The Axes drawn on.
 
     Raises:
-        ValueError: if there is no such column of numbers; the message lists those that there are.
+        ValueError: if there is no such column of numbers; the message lists those that there are. If the table is that
+            of several runs, or the Axes show another measure.
     """
     records = table_of(records)
     numeric = [column for column in records.select_dtypes("number").columns if column not in NUMBERS]
@@ -99,6 +110,8 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
     axes = ax or new_axes()
     said = {"n_legs": "number of legs", "n_segments": "number of segments"}.get(name, name.replace("_", " "))
     title, unit = f"{said[0].upper()}{said[1:]} of each generation", unit_of(records, name)
+    measure = fitness_measure(records) if name == "fitness" else with_brackets(said, unit)
+    require_measure(axes, measure)
     counted: Any = records[records.verdict == "ok"]
     known: Any = counted if name in WALKED else records
     known = known[np.isfinite(known[name])]
@@ -121,8 +134,9 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
     else:
         of_best = f", that of the best robot {course(best, unit)}" if len(best) else ""
         text = f"{before}{said} over {count(n_generations, 'generation')}: the median {course(middle, unit)}{of_best}."
-    describe(axes, title, text[0].upper() + text[1:])
-    axes.set_ylabel(_with_brackets(said, unit))
+    describe(axes, title, text[0].upper() + text[1:], measure)
+    axes.set_ylabel(literal(measure))
+    label_values(axes)
     if pd.api.types.is_integer_dtype(records[name]):
         axes.yaxis.set_major_locator(round_steps())
     over_generations(axes, n_generations)
@@ -142,7 +156,3 @@ def _middle(axes: Axes, records: pd.DataFrame, name: str, look: tuple[str, str],
     line: dict[str, Any] = {"lw": 1.4, "ls": (0, (4, 2)), "color": colour, "label": literal(f"{before}median")}
     axes.plot(median.index, median, **line, marker=mark, ms=2.5, markevery=some(len(median)))
     return median
-
-
-def _with_brackets(name: str, unit: str) -> str:
-    return literal(f"{name} [{unit}]" if unit else name)

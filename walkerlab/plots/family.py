@@ -144,9 +144,9 @@ def _in_words(births: pd.DataFrame, line: list[int], n_drawn: int, unit: str, be
     n_parents = len(parent_numbers(last.parents))
     return (
         f"Family tree of robot {last.individual}, born in generation {last.born} with "
-        f"{count(n_parents, 'parent') if n_parents else 'no parents'}: fitness {_fitness(last, unit)}. Its line of "
+        f"{count(n_parents, 'parent') if n_parents else 'no parents'}: {_judged(last, unit)}. Its line of "
         f"descent through the fitter parent has {count(len(line), 'robot')} and begins with robot {first.individual} "
-        f"of generation {first.born}: fitness {_fitness(first, unit)}{begins}. It has "
+        f"of generation {first.born}: {_judged(first, unit)}{begins}. It has "
         f"{count(len(births) - 1, 'ancestor')} in all; {n_drawn - 1} of them are drawn."
     )
 
@@ -254,6 +254,12 @@ def _skip(axes: Axes, older: _Node, younger: _Node, n: int, size: float) -> None
     x, y = younger.centre, (younger.top + older.bottom) / 2
     axes.plot([x, x], [older.bottom, younger.top], ls=(0, (2, 1.5)), lw=2.2, color=RUNS[0], zorder=0.5)
     axes.text(x, y, f"   {n} left out", va="center", fontsize=0.87 * size, color=ink(axes, QUIET))
+
+
+def _judged(birth: Any, unit: str) -> str:
+    """Say how fit a robot is, in a sentence."""
+    is_void = birth.verdict != "ok"
+    return f"its walk does not count ({birth.verdict})" if is_void else f"fitness {_fitness(birth, unit)}"
 
 
 def _fitness(birth: Any, unit: str) -> str:

@@ -23,6 +23,7 @@ from walkerlab.plots.style import (
     next_look,
     nothing,
     over_generations,
+    require_measure,
     round_steps,
     some,
     table_of,
@@ -31,6 +32,7 @@ from walkerlab.quantity import count
 from walkerlab.settings import Robot
 
 READ = 200  # robots of a generation, evenly spread over it, whose genes stand for those of a larger one
+DIVERSITY = "genetic diversity"
 OF_ANY_BODY = (Feature.length, Feature.mass, Feature.legs)  # a grown segment's genes that it needs no legs for
 
 
@@ -57,18 +59,19 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
     records = table_of(records)
     axes = ax or new_axes()
     title = "Genetic diversity of each generation"
+    require_measure(axes, DIVERSITY)
     found = pd.Series(_diversity(records), dtype=np.float64)
     colour, mark = next_look(axes, title)
     line: dict[str, Any] = {"lw": 2, "color": colour, "marker": mark, "ms": 4, "markevery": some(len(found))}
     axes.plot(found.index, found, **line, label=literal(label))
     if found.empty:
         nothing(axes, "no robot has walked yet")
-        describe(axes, title, "No robot has walked yet.")
+        describe(axes, title, "No robot has walked yet.", DIVERSITY)
     else:
         said = "the typical distance of two robots in a gene, as a share of its range in the run,"
         how = f"{label}: genetic" if label else "Genetic"
         over = f"over {count(len(found), 'generation')}"
-        describe(axes, title, f"{how} diversity {over}: {said} {course(found.round(3), '')}.")
+        describe(axes, title, f"{how} diversity {over}: {said} {course(found.round(3), '')}.", DIVERSITY)
     axes.set_ylabel("genetic diversity: distance of two robots\n[share of a gene's range in the run]")
     axes.set_ylim(0, max(axes.get_ylim()[1], 0.1))
     over_generations(axes, len(found))

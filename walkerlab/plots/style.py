@@ -14,11 +14,13 @@ import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from matplotlib.transforms import Bbox
 
 from walkerlab.markup import printable
+from walkerlab.number_format import LARGEST, SMALLEST, significant
 from walkerlab.plots.look import REAL_TEXT, OwnFigure, ink, own_look
+from walkerlab.records import COLUMNS as TABLE_COLUMNS
 
 RUNS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Colours of runs, in turn: those of Okabe and Ito that are dark enough for a line on white."""
@@ -28,6 +30,7 @@ MARKS = ("o", "s", "^", "D", "v", "P")
 
 MOST_MARKS = 25  # on a line, however long
 COLUMNS = 3  # of a key, at most, in which each of several runs has two lines
+UNKNOWN_FITNESS = "fitness"  # the measure of a table that does not say what its fitness is
 QUIET = 0.65  # strength of the ink of text that is not the first to be read
 
 
@@ -40,9 +43,9 @@ def literal(text: object) -> str:
 class _Description(Artist):
     """What a picture shows, in words; it lives and dies with what is drawn on its Axes."""
 
-    def __init__(self, title: str, text: str) -> None:
+    def __init__(self, title: str, text: str, measure: str = "") -> None:
         super().__init__()
-        self.title, self.text = printable(title), printable(text)
+        self.title, self.text, self.measure = printable(title), printable(text), measure
         self.set_in_layout(False)
 
     def draw(self, renderer: object) -> None:
@@ -53,9 +56,37 @@ class _Description(Artist):
         return Bbox.null()
 
 
-def describe(axes: Axes, title: str, text: str) -> None:
-    """Say in a sentence or two, with its figures, what has just been drawn on an Axes."""
-    axes.add_artist(_Description(title, text))
+def describe(axes: Axes, title: str, text: str, measure: str = "") -> None:
+    """Say in a sentence or two, with its figures, what has just been drawn on an Axes.
+
+    Args:
+        axes: on which it was drawn.
+        title: what kind of picture it is.
+        text: the sentences.
+        measure: what the vertical axis measures, with its unit; "" if other measures may share the Axes.
+    """
+    axes.add_artist(_Description(title, text, measure))
+
+
+def require_measure(axes: Axes, measure: str) -> None:
+    """Check that nothing else is measured along the vertical axis of an Axes yet.
+
+    Raises:
+        ValueError: if something else is.
+    """
+    drawn = next((one.measure for one in _descriptions(axes) if one.measure and one.measure != measure), "")
+    if not drawn:
+        return
+    unknown = ""
+    if {drawn, measure} & {UNKNOWN_FITNESS}:
+        unknown = (
+            " A table does not say what its fitness is after read_csv or concat; if it is that of another run, give it "
+            "the same attributes: table.attrs = run.records.attrs."
+        )
+    raise ValueError(
+        f"these Axes show {drawn!r}, and cannot show {measure!r} as well: one axis cannot measure both. Draw it on "
+        f"Axes of its own, as in: figure, (left, right) = plt.subplots(1, 2).{unknown}"
+    )
 
 
 def alt_text(axes: Axes) -> str:
@@ -140,6 +171,27 @@ def _heard(svg: str, text: str) -> str:
     return svg.replace("<svg ", '<svg role="img" ', 1).replace("</title>", f"</title>\n <desc>{escape(text)}</desc>", 1)
 
 
+class _TickLabels(ScalarFormatter):
+    """Plain numbers; of very large and very small ones, a common power of ten, beside the axis and off the legend."""
+
+    def __init__(self) -> None:
+        super().__init__(useOffset=False)
+        self.set_powerlimits((SMALLEST - 1, LARGEST))
+
+    def set_axis(self, axis: Any) -> None:
+        """Format the ticks of an axis, and place its power of ten."""
+        super().set_axis(axis)
+        text = axis.get_offset_text()
+        is_right = text.get_position()[0] > 0.5  # as of twinx
+        text.set(x=1.01 if is_right else -0.01, ha="left" if is_right else "right")
+
+
+def label_values(axes: Axes) -> None:
+    """Label the vertical axis with numbers of any size."""
+    if not isinstance(axes.yaxis.get_major_formatter(), _TickLabels):
+        axes.yaxis.set_major_formatter(_TickLabels())
+
+
 def over_generations(axes: Axes, n_generations: int) -> None:
     """Give an Axes the generations along its foot, and a quiet look."""
     axes.set_xlabel("generation")
@@ -186,26 +238,46 @@ def table_of(records: Any) -> pd.DataFrame:
 
     Raises:
         TypeError: if it is neither.
+        ValueError: if it is the table of several runs.
     """
     table = getattr(records, "records", records)
     if not isinstance(table, pd.DataFrame):
         raise TypeError(
             f"this picture is drawn from the table of a run: give run.records; got a {type(records).__name__}"
         )
+    repeated = table.duplicated(["generation", "individual"])
+    if repeated.any():
+        row = table.loc[repeated, :].iloc[0]
+        raise ValueError(
+            f"this table has robot {row.individual} of generation {row.generation} more than once, so it holds several "
+            "runs. Draw one run at a time; curves can share Axes, as in: for seed, run in enumerate(runs): "
+            'wl.plots.fitness_curve(run.records, ax, label=f"seed {seed}")'
+        )
     return table
 
 
 def unit_of(records: pd.DataFrame, column: str) -> str:
-    """Return the unit of a column, "" if it has none."""
-    return str(records.attrs.get("units", {}).get(column, ""))
+    """Return the unit of a column, "" if it has none; a table read from a CSV file has lost that of its fitness."""
+    usual = TABLE_COLUMNS[column][1] if column in TABLE_COLUMNS else ""
+    return str(records.attrs.get("units", {}).get(column, usual))
+
+
+def fitness_measure(records: pd.DataFrame) -> str:
+    """Return what the fitness of a table measures, with its unit in brackets."""
+    return with_brackets(str(records.attrs.get("fitness", UNKNOWN_FITNESS)), unit_of(records, "fitness"))
+
+
+def with_brackets(name: str, unit: str) -> str:
+    """Return the label of an axis: ``distance [m]``."""
+    return f"{name} [{unit}]" if unit else name
 
 
 def with_unit(value: float, unit: str) -> str:
-    """Write a measured number for people: two decimals, or two figures of what is small, and no needless zeros."""
-    if value and abs(value) < 0.1:
-        number = f"{value:.2g}"
-    else:
-        number = f"{value:.0f}" if abs(value) >= 100 else f"{value:.2f}".rstrip("0").rstrip(".")
+    """Write a measured number of a picture: three significant figures without needless zeros, and a true minus sign."""
+    digits, _, power = significant(value).partition("e")
+    if "." in digits:
+        digits = digits.rstrip("0").rstrip(".")
+    number = f"{digits}e{power}" if power else digits
     return f"{number.replace('-', '−')}{f' {unit}' if unit else ''}"
 
 

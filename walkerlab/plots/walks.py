@@ -8,12 +8,25 @@ from walkerlab.footfalls import feet, footfalls
 from walkerlab.genome import Genome
 from walkerlab.judge import VERDICTS
 from walkerlab.plots.look import ink, new_axes, picture
-from walkerlab.plots.style import QUIET, RUNS, describe, key, literal, n_drawn, nothing, plain, with_unit
+from walkerlab.plots.style import (
+    QUIET,
+    RUNS,
+    describe,
+    key,
+    label_values,
+    literal,
+    n_drawn,
+    nothing,
+    plain,
+    require_measure,
+    with_unit,
+)
 from walkerlab.quantity import count
 from walkerlab.rollout import Rollout
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
 
+WAY = "way forward of the centre of mass [m]"
 WINDOW = 10.0  # s of a walk that a gait diagram shows, so that single steps can be seen
 DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (1, 1)), (0, (8, 2, 2, 2, 2, 2)))
 """Lines of walks, in turn, which tell them apart in black and white."""
@@ -39,6 +52,7 @@ def distance_over_time(rollout: Rollout, ax: Axes | None = None, *, label: str =
         raise TypeError(f"this picture is drawn from a walk: give wl.simulate(genome, settings); got a {given}")
     axes = ax or new_axes()
     title = "Way forward over time"
+    require_measure(axes, WAY)
     run = n_drawn(axes, title)
     way = rollout.com[:, 0] - rollout.com[0, 0]
     finite = np.isfinite(way)
@@ -56,9 +70,10 @@ def distance_over_time(rollout: Rollout, ax: Axes | None = None, *, label: str =
         nothing(axes, "no number of this walk is finite")
         reached = "no number of it is finite"
     judged = "" if rollout.counts else f" It does not count: {rollout.verdict} ({rollout.reason})."
-    describe(axes, title, f"{f'{label}: the' if label else 'The'} way of one walk: {reached}.{judged}")
+    describe(axes, title, f"{f'{label}: the' if label else 'The'} way of one walk: {reached}.{judged}", WAY)
     axes.set_xlabel("time [s]")
-    axes.set_ylabel("way forward of the centre of mass [m]")
+    axes.set_ylabel(WAY)
+    label_values(axes)
     axes.margins(x=0.01)
     plain(axes)
     key(axes, 3)

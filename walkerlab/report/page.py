@@ -1,6 +1,5 @@
 """The report of a run: a page that stands alone, and the pictures and tables beside it."""
 
-import math
 import re
 from collections.abc import Mapping
 from contextlib import suppress
@@ -14,6 +13,7 @@ from walkerlab.choices import Structure
 from walkerlab.confirmation import confirm
 from walkerlab.glossary import glossary, rows_of
 from walkerlab.markup import Html, cell, code, details, facts, join, page, table, tag
+from walkerlab.number_format import significant, with_unit
 from walkerlab.records import COLUMNS, births
 from walkerlab.report.code import STEPS, as_python, own_functions
 from walkerlab.report.pictures import FOLDER, KINDS, Picture, Subject, draw_all
@@ -135,8 +135,8 @@ def _in_short(run: Subject, drawn: Mapping[str, Html]) -> Html:
     row: Any = born.loc[run.champion.individual]
     seconds, pace = run.settings.simulation.duration, row.velocity / row.body_length
     reached = [
-        (f"{row.distance:.2f} m", f"forward in {seconds:g} s"),
-        (f"{row.velocity:.2f} m/s", f"over the last two thirds: {pace:.1f} body lengths a second"),
+        (with_unit(row.distance, "m"), f"forward in {seconds:g} s"),
+        (with_unit(row.velocity, "m/s"), f"over the last two thirds: {significant(pace)} body lengths a second"),
     ]
     figures = [
         *(reached if run.champion.verdict == "ok" else []),
@@ -161,8 +161,7 @@ def _evolved(settings: Settings) -> Html:
 
 
 def _came(run: Subject, drawn: Mapping[str, Html], files: bool) -> Html:
-    walks: Any = story.generations(run.records)
-    shown = walks[walks.generation.isin(story.round_steps(int(walks.generation.max())))]
+    shown = story.round_steps(int(run.records.generation.max()))
     unit = run.records.attrs.get("units", {}).get("fitness", "")
     columns = [
         "generation",
@@ -171,7 +170,8 @@ def _came(run: Subject, drawn: Mapping[str, Html], files: bool) -> Html:
         "robots",
     ]
     rows = [
-        [row.generation, _number(row.best), _number(row.median), row.counted, row.robots] for row in shown.itertuples()
+        [row.generation, best, median, row.counted, row.robots]
+        for row, best, median in story.best_and_median(run.records, shown)
     ]
     verdicts = [[verdict, n, meaning] for verdict, n, meaning in story.verdicts(run.records)]
     link = tag("a", f"{TABLES}/generations.csv", href=f"{TABLES}/generations.csv")
@@ -197,10 +197,6 @@ def _came(run: Subject, drawn: Mapping[str, Html], files: bool) -> Html:
     )
 
 
-def _number(value: float) -> str:
-    return f"{value:.3f}" if math.isfinite(value) else "–"
-
-
 def _champion(run: Subject, drawn: Mapping[str, Html]) -> Html:
     return join(
         drawn["body"],
@@ -222,8 +218,8 @@ def _confirmed(run: Subject) -> Html:
 
 def _descent(run: Subject, drawn: Mapping[str, Html]) -> Html:
     rows = [
-        ["…", f"{skipped} more", "", ""] if skipped else [one.individual, one.born, _number(one.fitness), one.operators]
-        for one, skipped in story.ancestors(run.records, run.champion.individual)
+        ["…", f"{skipped} more", "", ""] if skipped else [one.individual, one.born, fitness, one.operators]
+        for one, fitness, skipped in story.line_of_descent(run.records, run.champion.individual)
     ]
     columns = ["robot", "generation", "fitness", "made by selection > crossover > mutation"]
     caption = "Its line of descent, through the fitter parent of each"

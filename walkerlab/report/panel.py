@@ -34,10 +34,9 @@ def panel(settings: Settings, records: pd.DataFrame, path: Path | None) -> str:
     best = champion(records)
     curve = inline(lambda ax: plots.fitness_curve(records, ax), (6.0, 3.4))
     body = inline(lambda ax: plots.body(best.genome, ax, settings), (6.0, 3.4))
+    caption = "The champion" if best.verdict == "ok" else f"Robot {best.individual}, whose walk does not count"
     kept = tag("p", "It is kept in ", tag("code", path), ".") if path else Html("")
-    return shown(
-        said, kept, tag("div", _figure(curve, "Fitness"), _figure(body, "The champion"), class_="pictures"), _next()
-    )
+    return shown(said, kept, tag("div", _figure(curve, "Fitness"), _figure(body, caption), class_="pictures"), _next())
 
 
 def _figure(picture: Html, caption: str) -> Html:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
+from walkerlab.number_format import with_unit
 from walkerlab.plots.bodies import add_body, stride
 from walkerlab.plots.look import own_look, paper
 from walkerlab.plots.style import literal
@@ -46,7 +47,7 @@ def _finish(axes: Axes, walks: Sequence[Walk]) -> None:
         axes.plot([0, max(right, 0.0)], [floor, floor], lw=1, color=walk.colour, zorder=0)
         judged = "" if walk.rollout.counts else f"\ndoes not count: {walk.rollout.verdict}"
         levels.append(floor + (high - low) / 2)
-        words.append(f"{literal(walk.label)}\n{walk.rollout.distance:.2f} m{judged}")
+        words.append(f"{literal(walk.label)}\n{with_unit(walk.rollout.distance, 'm')}{judged}")
     axes.axvline(0, lw=1, ls=":", color="0.4")
     axes.autoscale_view()
     axes.set_aspect("equal")

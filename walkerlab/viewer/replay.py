@@ -28,6 +28,7 @@ from walkerlab.choices import Camera
 from walkerlab.fitness import label, score
 from walkerlab.judge import UNSTABLE, VERDICTS
 from walkerlab.markup import Html, join, tag
+from walkerlab.number_format import with_unit
 from walkerlab.quantity import count
 from walkerlab.settings import Settings
 from walkerlab.snapshots import LIVE_STYLE, WHITE, HasSnapshot
@@ -124,17 +125,18 @@ class Replay:
         rollout, body = walk.rollout, walk.rollout.phenotype
         whole = rollout.verdict != UNSTABLE  # or its last numbers are nonsense
         facts = [
-            ("way forward", f"{rollout.distance + 0.0:.2f} m" if whole else "–"),
-            ("speed", f"{rollout.velocity:.2f} m/s" if whole else "–"),
+            ("way forward", with_unit(rollout.distance, "m") if whole else "–"),
+            ("speed", with_unit(rollout.velocity, "m/s") if whole else "–"),
         ]
         name, unit = label(self.settings.algorithm.fitness)
         if name not in ("distance", "velocity"):
             with suppress(RunFileError):  # of a fitness of the user's own, a run file knows the name only
-                facts.append((name, f"{score(rollout, self.settings.algorithm.fitness):.3g} {unit}".strip()))
+                fitness = score(rollout, self.settings.algorithm.fitness)
+                facts.append((name, with_unit(fitness, unit) if rollout.counts else "does not count"))
         facts += [
             ("body", f"{count(len(body.segments), 'segment')}, {count(body.n_legs, 'leg')}"),
-            ("length", f"{body.body_length:.2f} m"),
-            ("weight", f"{body.weight:.1f} kg"),
+            ("length", with_unit(body.body_length, "m")),
+            ("weight", with_unit(body.weight, "kg")),
         ]
         void = f"Does not count: {rollout.verdict}, {rollout.reason}."
         return {
@@ -195,7 +197,7 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         self.on_msg(self._hear)
         if shown:
             picture = base64.b64encode(poster(shown.walks, shown.settings)).decode("ascii")
-            walks = "; ".join(f"{walk.label}, {walk.rollout.distance:.2f} m forward" for walk in shown.walks)
+            walks = "; ".join(f"{walk.label}, {with_unit(walk.rollout.distance, 'm')} forward" for walk in shown.walks)
             self.alt, self.page = f"Replay of {walks}.{PRESS}", shown.page.encode("utf-8")
             self.poster = f"data:image/png;base64,{picture}"
 

@@ -51,14 +51,12 @@ def _made(row: Any) -> str:
 
 
 def _line(records: pd.DataFrame, individual: int) -> Html:
-    line = story.ancestors(records, individual)
+    line = story.line_of_descent(records, individual)
     if len(line) < 2:
         return Html("")
     rows = [
-        [f"… {skipped} more …", "", "", ""]
-        if skipped
-        else [one.individual, one.born, f"{one.fitness:.2f}", one.operators]
-        for one, skipped in line
+        [f"… {skipped} more …", "", "", ""] if skipped else [one.individual, one.born, fitness, one.operators]
+        for one, fitness, skipped in line
     ]
     lineage = table("Line of descent, through the fitter parent", ["robot", "born", "fitness", "made by"], rows)
     return details("Its ancestors", lineage)

@@ -8,6 +8,7 @@ from pathlib import Path
 from walkerlab.fitness import label
 from walkerlab.glossary import rows_of
 from walkerlab.live import LiveRun
+from walkerlab.number_format import with_unit
 from walkerlab.run import Run
 from walkerlab.settings import Settings
 from walkerlab.store import RUN_FILE
@@ -68,7 +69,7 @@ def best_of(run: Run) -> str:
     if not run.n_generations:
         return ""
     best, unit = run.champion, label(run.settings.algorithm.fitness)[1]
-    return f"{best.fitness:.2f} {unit}".strip() if best.verdict == "ok" else "no walk counted"
+    return with_unit(best.fitness, unit) if best.verdict == "ok" else "no walk counted"
 
 
 def told_apart(all_settings: Sequence[Settings]) -> list[str]:

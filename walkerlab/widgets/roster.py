@@ -1,15 +1,14 @@
 """A generation as a list for people: each robot in words and figures, sorted, and what is to be said of them all."""
 
-import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from walkerlab.judge import VERDICTS
-from walkerlab.plots.style import unit_of, with_unit
+from walkerlab.number_format import fixed_column, significant_column, with_unit
+from walkerlab.plots.style import unit_of
 from walkerlab.quantity import count
 from walkerlab.records import BY_HAND
 
@@ -29,7 +28,7 @@ class Column:
     Attributes:
         title: what stands over it.
         first: who comes first when it is sorted by this column, in words.
-        digits: behind the point.
+        digits: behind the point, or more where the largest number is small; those of a fitness follow its size.
         rising: whether the least comes first.
     """
 
@@ -80,8 +79,9 @@ def roster(records: pd.DataFrame) -> dict[str, Any]:
     n_own = int((records.operators == BY_HAND).sum())
     made = f", {SIGNS[OWN]} {n_own} made by hand" if n_own else ""
     kinds = ", ".join(f"{n} {verdict}" for verdict, n in void.verdict.value_counts().items())
-    digits = {name: column.digits for name, column in COLUMNS.items()} | {"fitness": _digits(records.fitness)}
-    n = len(records)
+    n, listed = len(records), records.head(LISTED)
+    columns = [_cells(name, listed[name].tolist()) for name in COLUMNS]
+    rows = zip(listed.to_dict("records"), zip(*columns, strict=True), strict=True)
     return {
         "title": f"Generation {records.generation.iloc[0]}: {count(n, 'robot')}{elites}{made}",
         "warning": f"{SIGNS[VOID]} {len(void):,} not counted: {kinds}" if len(void) else "",
@@ -97,35 +97,38 @@ def roster(records: pd.DataFrame) -> dict[str, Any]:
             }
             for name, column in COLUMNS.items()
         ],
-        "rows": [_row(row, named or "fitness", unit, digits) for row in records.head(LISTED).to_dict("records")],
+        "rows": [_row(row, cells, named or "fitness", unit) for row, cells in rows],
     }
 
 
-def _digits(fitness: pd.Series) -> int:
-    """How many digits behind the point give the largest of them three figures: the unit may be anything."""
-    largest = fitness.abs()[np.isfinite(fitness)].max()
-    return int(np.clip(2 - math.floor(math.log10(largest)), 0, 9)) if largest > 0 else 2
+def _cells(name: str, column: list[Any]) -> list[str]:
+    """Write the cells of a column."""
+    if name == "verdict":
+        return column
+    digits = COLUMNS[name].digits
+    if name == "fitness":
+        texts = significant_column(column)
+    elif digits:
+        texts = fixed_column(column, digits)
+    else:
+        texts = map(str, column)
+    return [text.replace("-", MINUS) for text in texts]
 
 
-def _row(row: Mapping[Any, Any], named: str, unit: str, digits: Mapping[str, int]) -> dict[str, Any]:
+def _row(row: Mapping[Any, Any], cells: Sequence[str], named: str, unit: str) -> dict[str, Any]:
     """Tell of one robot."""
     counts = row["verdict"] == "ok"
     own = OWN if row["operators"] == BY_HAND else ""
     kind = VOID if not counts else ELITE if row["born"] < row["generation"] else own
-    cells = {name: row[name] if name == "verdict" else _figure(row[name], digits[name]) for name in COLUMNS}
-    worth = f"{cells['fitness']} {unit}".rstrip() if counts else row["verdict"]
+    worth = with_unit(row["fitness"], unit).replace("-", MINUS) if counts else row["verdict"]
     return {
         "individual": row["individual"],
         "kind": kind,
         "sign": SIGNS[kind],
         "worth": worth,
         "says": _said(row, kind, f"{named} is {worth}"),
-        "cells": list(cells.values()),
+        "cells": list(cells),
     }
-
-
-def _figure(number: float, digits: int) -> str:
-    return f"{number:z.{digits}f}".replace("-", MINUS) if np.isfinite(number) else "–"
 
 
 def _said(row: Mapping[Any, Any], kind: str, worth: str) -> str:
