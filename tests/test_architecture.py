@@ -15,7 +15,7 @@ import walkerlab
 HOUSE = Path(walkerlab.__file__).parent
 
 FLOORS = (
-    ("faults",),
+    ("faults", "strict_json"),
     ("quantity", "randomness", "genes", "interrupts", "markup", "graphics", "gate", "time_limit"),
     ("choices", "glossary", "workers", "provenance"),
     ("settings", "ga", "waiting"),

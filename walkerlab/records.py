@@ -15,6 +15,7 @@ from walkerlab.ga.loop import NOT_COUNTED, Population
 from walkerlab.genome import Genome, in_words
 from walkerlab.judge import VERDICTS
 from walkerlab.markup import facts, shown
+from walkerlab.quantity import brief
 
 COLUMNS: dict[str, tuple[type, str, str]] = {
     "generation": (int, "", "0 is the random one"),
@@ -101,12 +102,16 @@ def check(table: pd.DataFrame) -> pd.DataFrame:
         "individual": (numbers < 0).any(axis=1) | (table.individual > _MOST) | (table.born > table.generation),
         "fitness": ~(table.fitness.abs() < LARGEST) & (table.fitness != NOT_COUNTED),
         "parents": ~table.parents.str.fullmatch(r"(\d{1,10}( \d{1,10})*)?", flags=re.ASCII),
-        "verdict": ~table.verdict.str.fullmatch("[a-z_]{1,40}"),
         **{name: table[name].str.contains(_CONTROLS) for name in ("operators", "reason", "genome")},
     }
     for name, rows in wrong.items():
         if rows.any():
             raise ValueError(f"the column {name} has something in it that no run writes there")
+    if unknown := sorted(set(table.verdict) - VERDICTS.keys()):
+        raise ValueError(
+            f"the column verdict has {brief(unknown[0])}, and the verdicts known here are {', '.join(VERDICTS)}. If a "
+            "newer walkerlab wrote the file, update this one: pip install --upgrade walkerlab"
+        )
     return table
 
 

@@ -1,6 +1,7 @@
 """A run: its settings and its table, from memory or from a run file."""
 
 import builtins
+import json
 import unicodedata
 from collections.abc import Callable
 from functools import cached_property, partial
@@ -13,7 +14,8 @@ from walkerlab import fitness, records, store
 from walkerlab.algorithm import ROOMS, in_turn
 from walkerlab.choices import Camera, Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
-from walkerlab.quantity import Choice, function_name
+from walkerlab.opening import LONGEST
+from walkerlab.quantity import Choice, SettingsError, function_name
 from walkerlab.records import Individual
 from walkerlab.settings import Settings
 from walkerlab.store import DamagedError, RunFileError
@@ -60,7 +62,7 @@ class Run:
     def __repr__(self) -> str:
         """Say in a line what has come of it."""
         if self.records.empty:
-            return "Run(no generation is done yet)"
+            return f"Run(no generation is done yet{f', in {self.path}' if self.path else ''})"
         name, unit = fitness.label(self.settings.algorithm.fitness)
         best, kept = self.champion, f", in {self.path}" if self.path else ""
         size = self.settings.algorithm.population_size
@@ -152,16 +154,40 @@ def load(path: str | Path) -> Run:
     plain, table = store.read(path)
     try:
         records.check(table)
-        algorithm = plain["algorithm"]
-        restored = {slot: _restored(algorithm[slot], slot) for slot in _OURS}
-        parts: dict[str, Any] = {**plain, "algorithm": {**algorithm, **restored}}
-        settings = Settings(**parts)
+        settings = _settings_of(plain)
     except (TypeError, KeyError, ValueError, RecursionError) as error:
         raise DamagedError(path, str(error)) from error
     sizes = table.groupby("generation").size()
     if sizes.to_dict() != dict.fromkeys(range(len(sizes)), settings.algorithm.population_size):
         raise DamagedError(path, "robots are missing from its table, or there are too many")
     return Run(settings, table, path)
+
+
+def _settings_of(plain: dict[str, Any]) -> Settings:
+    """Restore settings from plain data."""
+    algorithm = plain["algorithm"]
+    restored = {slot: _restored(algorithm[slot], slot) for slot in _OURS}
+    parts: dict[str, Any] = {**plain, "algorithm": {**algorithm, **restored}}
+    return Settings(**parts)
+
+
+def check_storable(settings: Settings) -> None:
+    """Check that a run file with these settings can be written and loaded again.
+
+    Raises:
+        SettingsError: if not; it says why.
+    """
+    try:
+        text = json.dumps(settings.model_dump())
+        if len(text) > LONGEST:
+            raise ValueError(f"as text they have {len(text)} characters, and {LONGEST} is the limit")
+        _settings_of(json.loads(text))
+    except (ValueError, RecursionError) as error:
+        raise SettingsError(
+            f"no run file can hold these settings: {error}. A file holds functions by name, and numbers and short "
+            "texts that are bound to them. Name the function as Python allows, not as one of its built-in functions "
+            "(max, sum, eval), and keep large data in the function or in a global variable."
+        ) from error
 
 
 def rescue(path: str | Path, to: str | Path) -> Run:
@@ -172,7 +198,7 @@ def rescue(path: str | Path, to: str | Path) -> Run:
         to: the run file to be made.
 
     Returns:
-        The new run; ``resume(to)`` goes on with it.
+        The new run, which ``resume(to)`` continues; with no generation if only the settings could be saved.
 
     Raises:
         RunFileError: if nothing can be saved, or there is a file at ``to``, or none can be made there.
@@ -262,7 +288,8 @@ def _restored(written: Any, slot: str) -> Any:
         case {"function": str(address), "with": dict(keywords), **rest}:
             home, _, name = address.rpartition(".")
             if name in _POWERS or not all(map(_is_plain, (name.replace("<lambda>", "function"), *keywords))):
-                raise ValueError(f"no function of a run is called {name!r:.60}, with {', '.join(keywords)!r:.60}")
+                bound = f" with {', '.join(keywords)!r:.60} bound to it" if keywords else ""
+                raise ValueError(f"no function of a run is called {name!r:.60}{bound}")
             ours = _OURS[slot]
             is_ours = home == ours.__name__ and name in _choices(slot)
             function = getattr(ours, name) if is_ours else _Missing(name, slot)

@@ -80,6 +80,22 @@ def check(executor: object) -> None:
         )
 
 
+def check_open(executor: object) -> None:
+    """Check that an executor still accepts work, as far as it can be known.
+
+    Raises:
+        RuntimeError: if it is closed.
+    """
+    client = getattr(executor, "_client", None)
+    flags = getattr(executor, "_flags", executor)  # loky keeps it there
+    is_closed = any(getattr(flags, name, False) is True for name in ("_shutdown", "_shutdown_thread", "shutdown"))
+    if is_closed or getattr(client, "status", "") == "closed":
+        raise RuntimeError(
+            "this executor is closed. Create another, such as ThreadPoolExecutor(4), and use it before it is shut "
+            "down; or give none, for all cores of this computer."
+        )
+
+
 def innermost(executor: Executor) -> Executor:
     """Return who does the work behind a gate; an executor that is none, itself."""
     inside = getattr(executor, "inside", None)
