@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from walkerlab import layouts, provenance, store
+from walkerlab import layouts, opening, provenance, store
 from walkerlab.algorithm import generate_robot_population
 from walkerlab.genome import Genome
 from walkerlab.records import COLUMNS, tidy
@@ -292,6 +292,21 @@ def test_nothing_behind_a_hole_is_rescued_nor_what_no_run_has(path, tmp_path):
         layouts.seal(db, 0, "{}")
     assert store.rescue(path, tmp_path / "none.walk") == 0
     assert store.read(tmp_path / "none.walk")[0] == Settings().model_dump()
+
+
+def test_a_large_run_is_rescued_and_renewed_within_bounds_that_grow_with_it(path, tmp_path, monkeypatch):
+    monkeypatch.setattr(opening, "STEPS", 2_000)
+    for number in range(2):
+        made = generation(number, 300).assign(
+            fitness=1.0, parents="", verdict="ok", born=0, reason="", genome="x" * 600
+        )
+        add(path, made)
+    whole = table_of(path)
+    assert store.rescue(path, tmp_path / "rescued.walk") == 2
+    assert same(table_of(tmp_path / "rescued.walk"), whole)
+    with closing(sqlite3.connect(path)) as db:
+        db.executescript("DROP TABLE provenance; DROP TABLE generations; PRAGMA user_version = 2; VACUUM")
+    assert same(table_of(path), whole)
 
 
 def test_a_file_of_several_is_one_again_when_it_is_changed(path):

@@ -125,6 +125,7 @@ def opened(
         db = connect(file) if isinstance(file, Path) else file
         if how == "make":
             db.execute("PRAGMA journal_mode = MEMORY")  # nobody knows a draft, so nobody needs to repair one
+            db.set_progress_handler(None, 0)  # all that is in it comes from here
         db.execute(f"PRAGMA page_size = {PAGE}")  # of a new file; any other has its own
         db.execute(f"PRAGMA writable_schema = {how == 'rescue'}")  # or SQLite refuses a file that is cut off
         layout = LAYOUT if how == "make" else layouts.recognise(db)
@@ -135,7 +136,7 @@ def opened(
         if layout < LAYOUT and how != "change":
             if db.execute("PRAGMA freelist_count").fetchone()[0] > 9:  # pages that no run leaves empty
                 raise DamagedError(file, "most of it is empty")
-            old, db = db, connect(":memory:")
+            old, db = db, connect(":memory:", n_bytes=file.stat().st_size if isinstance(file, Path) else 0)
             with closing(old):
                 old.backup(db)
         db.execute("BEGIN")
@@ -152,9 +153,9 @@ def opened(
     except sqlite3.Error as error:
         code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF  # none where a text is no text
         if code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_TOOBIG):
-            raise DamagedError(file, f"as SQLite says, {error}") from error
+            raise DamagedError(name or file, f"as SQLite says, {error}") from error
         if code == sqlite3.SQLITE_INTERRUPT:
-            raise DamagedError(file, "there is no end to what is in it, as far as one can see") from error
+            raise DamagedError(name or file, "there is no end to what is in it, as far as one can see") from error
         whole = " What was in it is whole." if how == "change" else ""
         raise RunFileError(f"{name or file} cannot be used: {_WORDS.get(code, error)}.{whole}") from error
     finally:
@@ -162,11 +163,16 @@ def opened(
             db.close()
 
 
-def connect(file: Path | str) -> sqlite3.Connection:
-    """Open a file with the bounds that hold for a stranger's."""
+def connect(file: Path | str, n_bytes: int = 0) -> sqlite3.Connection:
+    """Open a file with the bounds that hold for a stranger's.
+
+    Args:
+        file: Path of the file, or ``:memory:``.
+        n_bytes: Size of what will be copied into it.
+    """
     db = sqlite3.connect(file, timeout=PATIENCE)
     db.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST)
-    left = count(STEPS + (Path(file).stat().st_size if Path(file).is_file() else 0), -STRIDE)
+    left = count(STEPS + (Path(file).stat().st_size if Path(file).is_file() else n_bytes), -STRIDE)
     db.set_progress_handler(lambda: next(left) < 0, STRIDE)
     db.execute("PRAGMA trusted_schema = OFF")
     return db

@@ -214,7 +214,7 @@ def test_ctrl_c_while_a_function_hangs_keeps_what_is_done(pool, tmp_path):
         signal.raise_signal(signal.SIGINT)
         hangs(answer, given)
 
-    faulty = spoilt("fitness", presses_and_hangs, lambda walk: path.exists())
+    faulty = spoilt("fitness", presses_and_hangs, lambda walk: path.exists() and wl.load(path).n_generations)
     kept = wl.evolve(SETTINGS.with_(fitness=faulty), path, executor=pool, progress=False)
     assert kept.n_generations == 1
     assert none_goes_on()
