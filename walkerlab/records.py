@@ -94,6 +94,8 @@ def tidy(table: pd.DataFrame) -> pd.DataFrame:
 def check(table: pd.DataFrame) -> pd.DataFrame:
     """Return a table that comes from elsewhere, as it is, if it is one that a run can have.
 
+    A verdict that is not in ``VERDICTS`` is an error: its meaning is unknown, also if a newer walkerlab wrote it.
+
     Raises:
         ValueError: if not; it names the column.
     """

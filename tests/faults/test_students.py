@@ -199,7 +199,11 @@ def test_the_individual_is_told_also_where_those_before_it_need_not_walk(pool, t
         return changed
 
     settings = SETTINGS.with_(crossover="none", mutation=later_half, generations=2)
-    faulty = spoilt("fitness", raises, lambda walk: path.exists() and not walked.append(walk.distance))
+    faulty = spoilt(
+        "fitness",
+        raises,
+        lambda walk: path.exists() and wl.load(path).n_generations and not walked.append(walk.distance),
+    )
     with pytest.raises(wl.OperatorError) as caught:
         wl.evolve(settings.with_(fitness=faulty), path, executor=pool, progress=False)
     truth = wl.evolve(settings, executor=pool, progress=False).records
