@@ -61,8 +61,7 @@ def n_workers(executor: Executor) -> int:
     if count := getattr(executor, "n_workers", None):
         return count()
     if client := getattr(executor, "_client", None):
-        if client.status == "closed":
-            raise RuntimeError("this executor's Dask client is closed; make another: Client(cluster).get_executor()")
+        check_open(executor)
         return sum(client.nthreads().values()) or n_cores()  # nobody is there yet
     return getattr(executor, "_max_workers", n_cores())
 
@@ -86,10 +85,10 @@ def check_open(executor: object) -> None:
     Raises:
         RuntimeError: if it is closed.
     """
-    client = getattr(executor, "_client", None)
+    if getattr(getattr(executor, "_client", None), "status", "") == "closed":
+        raise RuntimeError("this executor's Dask client is closed; make another: Client(cluster).get_executor()")
     flags = getattr(executor, "_flags", executor)  # loky keeps it there
-    is_closed = any(getattr(flags, name, False) is True for name in ("_shutdown", "_shutdown_thread", "shutdown"))
-    if is_closed or getattr(client, "status", "") == "closed":
+    if any(getattr(flags, name, False) is True for name in ("_shutdown", "_shutdown_thread", "shutdown")):
         raise RuntimeError(
             "this executor is closed. Create another, such as ThreadPoolExecutor(4), and use it before it is shut "
             "down; or give none, for all cores of this computer."
