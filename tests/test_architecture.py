@@ -15,7 +15,7 @@ import walkerlab
 HOUSE = Path(walkerlab.__file__).parent
 
 FLOORS = (
-    ("faults", "binding"),
+    ("faults", "binding", "strict_json"),
     ("readonly",),
     ("quantity", "number_format", "randomness", "genes", "interrupts", "markup", "graphics", "gate", "time_limit"),
     ("choices", "glossary", "workers", "provenance", "snapshots"),

@@ -43,9 +43,9 @@ def generation(number, n=4, genome="wl1 {individual}"):
 
 
 def filled(path=None, n=3, n_rows=4, **options):
-    archive = Archive(path)
+    archive = Archive.create(PLAIN, path)
     for number in range(n):
-        archive.add(generation(number, n_rows, **options), PLAIN)
+        archive.add(generation(number, n_rows, **options))
     return archive
 
 
@@ -80,7 +80,7 @@ def test_what_was_read_is_not_read_again(path, monkeypatch):
     archive = filled(path)
     for n in (2, 2, 1, 3, 3):
         archive.table(n)
-    archive.add(generation(3), PLAIN)
+    archive.add(generation(3))
     same(archive.table(4), join([generation(number) for number in range(4)]))
     assert read == [(0, 2), (2, 3), (3, 4)]
 
@@ -114,7 +114,7 @@ def test_a_passing_file_is_read_on_one_thread_while_another_adds():
         readers = [pool.submit(lambda: [len(archive.table(archive.table(n).generation.max() + 1)) for _ in range(n)])]
         readers += [pool.submit(lambda: [archive.find(["wl1 0"])["wl1 0"].genome for _ in range(n)])]
         for number in range(1, n):
-            archive.add(generation(number), PLAIN)
+            archive.add(generation(number))
         assert all(reader.result() for reader in readers)
     same(archive.table(n), join([generation(number) for number in range(n)]))
 
@@ -135,7 +135,7 @@ def test_it_finds_who_has_walked_and_nobody_else(path):
     for text, one in found.items():
         assert one._replace(distance=None) == wanted[text]._replace(distance=None)
         assert one.distance is None, "not a number, as the file has it"
-    assert Archive().find(some) == archive.find([]) == {}
+    assert Archive.create(PLAIN).find(some) == archive.find([]) == {}
 
 
 def test_of_two_genomes_with_one_hash_each_gets_its_own_or_nothing(path, monkeypatch):
@@ -148,7 +148,7 @@ def test_of_two_genomes_with_one_hash_each_gets_its_own_or_nothing(path, monkeyp
 @hypothesis_settings(max_examples=50)
 @given(sizes=st.lists(st.integers(2, 5), max_size=40))
 def test_however_generations_come_all_are_known_and_the_parts_are_few(sizes):
-    archive, texts = Archive(), []
+    archive, texts = Archive.create(PLAIN), []
     for number, n in enumerate(sizes):
         archive._remember(generation(number, n, genome=f"{number}-{{individual}}"))
         texts += [f"{number}-{i + number * (n - 1)}" for i in range(1 if number else 0, n)]

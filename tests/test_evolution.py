@@ -129,12 +129,13 @@ class TestNeverLost:
 
     @pytest.mark.parametrize("moment", ["before", "after"])
     def test_ctrl_c_while_storing_leaves_run_and_file_the_same(self, moment, threads, tmp_path, monkeypatch):
-        def interrupted(*what, append=store.append):
+        def interrupted(file, generation, run_id, append=store.append):
             if moment == "after":
-                append(*what)
-            signal.raise_signal(signal.SIGINT)
+                append(file, generation, run_id)
+            if generation.generation.iloc[0] == 1:
+                signal.raise_signal(signal.SIGINT)
             if moment == "before":
-                append(*what)
+                append(file, generation, run_id)
 
         path = tmp_path / "run.walk"
         monkeypatch.setattr(store, "append", interrupted)
@@ -142,14 +143,22 @@ class TestNeverLost:
         assert kept.n_generations == 2
         same(wl.load(path).records, kept.records)
 
-    def test_a_run_that_fails_before_its_first_generation_leaves_no_file(self, threads, tmp_path):
+    def test_a_run_that_fails_before_its_first_generation_is_resumed_from_its_settings(self, threads, tmp_path):
         def stumbles(rollout, calls=itertools.count()):  # noqa: B008
             return float(rollout.com[-1, 0]) if next(calls) < 4 else 1 / 0
 
         path = tmp_path / "run.walk"
         with pytest.raises(wl.OperatorError, match="'stumbles' raised ZeroDivisionError"):
             wl.evolve(SETTINGS.with_(fitness=stumbles, n_elites=0), path, executor=threads, progress=False)
-        assert not path.exists()
+        assert wl.load(path).n_generations == 0
+
+        def fixed(rollout):
+            return float(rollout.com[-1, 0])
+
+        fixed.__name__ = "stumbles"
+        settings = SETTINGS.with_(fitness=fixed, n_elites=0)
+        whole = wl.evolve(settings, executor=threads, progress=False)
+        same(wl.resume(path, executor=threads, progress=False, fitness=fixed).records, whole.records)
 
     def test_fewer_generations_than_are_done_are_refused(self, run, threads, tmp_path):
         path = tmp_path / "run.walk"
@@ -185,7 +194,7 @@ class TestNeverLost:
 
         def interrupted(rollout):
             if next(calls) == 9:
-                raise KeyboardInterrupt
+                signal.raise_signal(signal.SIGINT)
             return float(rollout.com[-1, 0] - rollout.com[0, 0])
 
         kept = evolve(threads, fitness=interrupted)

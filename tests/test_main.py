@@ -241,16 +241,46 @@ def test_ctrl_c_keeps_what_is_done_and_a_resume_adds_to_it(tmp_path, capsys):
     assert pd.read_csv(folder / "records.csv").generation.nunique() == kept + 1
 
 
-def test_ctrl_c_before_the_first_generation_leaves_no_run_behind(here, undrawn, monkeypatch, capsys):
+def test_ctrl_c_before_the_first_generation_keeps_the_settings_and_every_command_says_so(
+    here, undrawn, monkeypatch, capsys
+):
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patched:
-        patched.setattr("walkerlab.evolution._finish", interrupted)
+        patched.setattr("walkerlab.evolution.evaluate", interrupted)
         assert main(["evolve", *TINY]) == 130
-    assert "nothing to keep" in capsys.readouterr().err
+        kept = (
+            "Stopped before the first generation was done; the settings are kept.\nResume with: walkerlab resume walk\n"
+        )
+        assert capsys.readouterr().err.endswith(kept)
+        assert main(["resume", "walk", "--quiet"]) == 130
+        assert capsys.readouterr().err.endswith(kept)
+    assert at_the_top(here / "walk") == {"run.walk"}
+    assert main(["show", "walk"]) == 0
+    shown = capsys.readouterr().out
+    assert "0 of 2 generations" in shown
+    assert "population_size = 6" in shown
+    assert "No generation is done yet. Start with the first one: walkerlab resume walk" in shown
+    assert main(["evolve", *TINY]) == 2
+    assert "Go on with it:    walkerlab resume walk\n" in capsys.readouterr().err
+    assert main(["rescue", "walk", "--out", "saved"]) == 0
+    assert "No generation is whole; the settings are saved in saved" in capsys.readouterr().out
+    for folder in ("walk", "saved"):
+        assert main(["resume", folder, "--quiet"]) == 0
+    assert main(["evolve", *TINY, "--out", "uninterrupted"]) == 0
+    tables = [contents(here / name)["records.csv"] for name in ("walk", "saved", "uninterrupted")]
+    assert tables[0] == tables[1] == tables[2]
+
+
+def test_ctrl_c_before_the_run_begins_leaves_no_run_behind(here, monkeypatch, capsys):
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("walkerlab.evolution.evolve", interrupted)
+    assert main(["evolve", *TINY]) == 130
+    assert "there is no run file" in capsys.readouterr().err
     assert not (here / "walk" / "run.walk").exists()
-    assert main(["evolve", *TINY]) == 0
 
 
 # --------------------------------------------------------------------------------------------- resume and show

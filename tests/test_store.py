@@ -1,7 +1,10 @@
 import json
+import os
 import sqlite3
 import subprocess
 import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 
 import numpy as np
@@ -11,7 +14,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from walkerlab import layouts, provenance, store
+from walkerlab import layouts, opening, provenance, store
 from walkerlab.algorithm import generate_robot_population
 from walkerlab.genome import Genome
 from walkerlab.records import COLUMNS, tidy
@@ -26,7 +29,7 @@ CELLS = {int: WHOLE, float: st.floats(), str: st.text(st.characters(codec="utf-8
 @pytest.fixture
 def path(tmp_path):
     path = tmp_path / "run.wl"
-    store.create(path, Settings().model_dump(), EMPTY)
+    store.create(path, Settings().model_dump())
     return path
 
 
@@ -79,8 +82,7 @@ def test_a_run_comes_back_as_it_was_written(path):
 @given(rows=st.lists(st.fixed_dictionaries({name: CELLS[kind] for name, (kind, *_) in COLUMNS.items()}), min_size=1))
 def test_any_table_comes_back_bit_for_bit(tmp_path_factory, rows):
     path = tmp_path_factory.mktemp("any") / "run.wl"
-    store.claim(path)
-    store.create(path, {}, EMPTY)
+    store.create(path, {})
     table = tidy(pd.DataFrame(rows).assign(generation=0, individual=range(len(rows))))
     add(path, table)
     assert same(table_of(path), table)
@@ -167,12 +169,58 @@ def test_of_a_generation_that_was_killed_half_way_nothing_is_there(path, request
     assert len(table_of(path)) == 10
 
 
-def test_a_claim_leaves_nothing_and_tells_where_nothing_can_be_made(tmp_path):
-    store.claim(tmp_path / "new" / "run.wl")
-    assert not list((tmp_path / "new").iterdir())
+def test_where_no_file_can_be_created_nothing_is_left(tmp_path):
     (tmp_path / "a file").touch()
+    for path in (tmp_path / "a file" / "run.wl", tmp_path / "a file" / "b" / "run.wl", tmp_path / ("x" * 300)):
+        with pytest.raises(RunFileError, match="no run file can be made"):
+            store.create(path, {})
     with pytest.raises(RunFileError, match="no run file can be made"):
-        store.claim(tmp_path / "a file" / "run.wl")
+        store.create(tmp_path / "a\0b", {})
+    assert [one.name for one in tmp_path.iterdir()] == ["a file"]
+
+
+def without_links(*_):
+    raise OSError(95, "Operation not supported")
+
+
+@pytest.mark.parametrize("links", [True, False])
+def test_of_several_that_create_a_file_at_once_one_does_and_no_reader_sees_a_part(tmp_path, links, monkeypatch):
+    if not links:
+        monkeypatch.setattr(os, "link", without_links)
+    n, seen, refusals = 6, [], []
+
+    def create(path, barrier):
+        barrier.wait()
+        try:
+            return store.create(path, Settings().model_dump())
+        except RunFileError as error:
+            refusals.append(str(error))
+
+    def watch(path, stop):
+        while not stop.is_set():
+            if links and path.exists():
+                seen.append(store.read(path)[0] == Settings().model_dump())
+
+    for number in range(5):
+        path, barrier, stop = tmp_path / f"{number}.wl", threading.Barrier(n), threading.Event()
+        with ThreadPoolExecutor(n + 1) as pool:
+            watching = pool.submit(watch, path, stop)
+            made = [one.result() for one in [pool.submit(create, path, barrier) for _ in range(n)]]
+            stop.set()
+            watching.result()
+        assert made.count(None) == n - 1
+        assert store.read_facts(path)[0]["id"] in made
+    assert all(seen)
+    assert all("exists already" in refusal for refusal in refusals)
+    assert len(list(tmp_path.iterdir())) == 5, "no drafts are left"
+
+
+def test_a_copy_that_fails_where_there_are_no_links_leaves_nothing(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "link", without_links)
+    monkeypatch.setattr(os, "fsync", without_links)
+    with pytest.raises(RunFileError, match="not supported"):
+        store.create(tmp_path / "run.wl", {})
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_folder_means_the_run_in_it(tmp_path):
@@ -187,17 +235,15 @@ def test_a_folder_means_the_run_in_it(tmp_path):
 def test_a_file_is_made_whole_or_not_at_all(tmp_path, monkeypatch):
     monkeypatch.setitem(layouts._TABLES, layouts.LAYOUT, (layouts._RUN, "CREATE TABLE nonsense"))
     with pytest.raises(RunFileError):
-        store.create(tmp_path / "run.wl", {}, EMPTY)
-    with closing(sqlite3.connect(tmp_path / "run.wl")) as db:
-        assert db.execute("SELECT * FROM sqlite_schema").fetchall() == []
-        assert db.execute("PRAGMA application_id").fetchone() == (0,)
+        store.create(tmp_path / "run.wl", {})
+    assert not list(tmp_path.iterdir())
 
 
 def test_another_run_in_its_place_is_left_as_it_is(path):
     add(path, generation(0))
     mine = store.read_facts(path)[0]["id"]
     path.unlink()
-    store.create(path, Settings().model_dump(), generation(0))
+    store.create(path, Settings().model_dump())
     before = path.read_bytes()
     with pytest.raises(RunFileError, match="replaced by another run"):
         store.append(path, generation(1), mine)
@@ -244,9 +290,23 @@ def test_nothing_behind_a_hole_is_rescued_nor_what_no_run_has(path, tmp_path):
         db.execute("UPDATE records SET parents = 'nobody' WHERE generation = 0")
         db.execute("DELETE FROM generations WHERE generation = 0")
         layouts.seal(db, 0, "{}")
-    with pytest.raises(RunFileError, match="nothing can be saved"):
-        store.rescue(path, tmp_path / "none.walk")
-    assert not (tmp_path / "none.walk").exists()
+    assert store.rescue(path, tmp_path / "none.walk") == 0
+    assert store.read(tmp_path / "none.walk")[0] == Settings().model_dump()
+
+
+def test_a_large_run_is_rescued_and_renewed_within_bounds_that_grow_with_it(path, tmp_path, monkeypatch):
+    monkeypatch.setattr(opening, "STEPS", 2_000)
+    for number in range(2):
+        made = generation(number, 300).assign(
+            fitness=1.0, parents="", verdict="ok", born=0, reason="", genome="x" * 600
+        )
+        add(path, made)
+    whole = table_of(path)
+    assert store.rescue(path, tmp_path / "rescued.walk") == 2
+    assert same(table_of(tmp_path / "rescued.walk"), whole)
+    with closing(sqlite3.connect(path)) as db:
+        db.executescript("DROP TABLE provenance; DROP TABLE generations; PRAGMA user_version = 2; VACUUM")
+    assert same(table_of(path), whole)
 
 
 def test_a_file_of_several_is_one_again_when_it_is_changed(path):
@@ -261,7 +321,7 @@ def test_a_file_of_several_is_one_again_when_it_is_changed(path):
 def test_a_run_that_was_made_meanwhile_is_told_and_left(path):
     before = path.read_bytes()
     with pytest.raises(RunFileError, match="already"):
-        store.create(path, {}, generation(0))
+        store.create(path, {})
     assert path.read_bytes() == before
 
 
@@ -324,8 +384,8 @@ def test_a_run_is_never_written_over(path, tmp_path):
     text.write_text("three years of work")
     for taken in (path, text, tmp_path):
         before = taken.read_bytes() if taken.is_file() else None
-        with pytest.raises(RunFileError, match="never written over"):
-            store.claim(taken)
+        with pytest.raises(RunFileError, match="never overwritten"):
+            store.create(taken, {})
         assert before == (taken.read_bytes() if taken.is_file() else None)
 
 
@@ -403,8 +463,7 @@ def test_a_file_holds_text_and_numbers_only(path):
 
 def test_a_run_is_one_file_in_a_folder_that_is_made_if_need_be(tmp_path):
     path = tmp_path / "new" / "folder" / "my run?#%20.wl"
-    store.claim(path)
-    store.create(path, {}, EMPTY)
+    store.create(path, {})
     add(path, generation(0))
     store.read(path)
     assert list(path.parent.iterdir()) == [path]

@@ -3,6 +3,7 @@
 So a run does not outgrow the memory, whether anybody keeps its file or not, and no genome need walk twice.
 """
 
+import weakref
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from threading import Lock
@@ -19,33 +20,40 @@ from walkerlab.records import Walked, copy_of, join
 class Archive:
     """The generations of a run that goes on."""
 
-    def __init__(self, path: Path | None = None) -> None:
-        """Make it, empty; the file is made with the first generation.
-
-        Args:
-            path: the run file; None for one that goes with the archive.
-        """
-        self._file: store.File | None = path
-        self._id = ""  # of the run, once its file is made
+    def __init__(self, file: store.File, run_id: str) -> None:
+        """Use a run file, of whose generations none is known yet."""
+        self._file, self._id = file, run_id
         self._known = list[NDArray[np.int64]]()  # (3, n) each: hash, ascending; generation of birth; number
         self._table, self._lock = join([]), Lock()
 
     @classmethod
+    def create(cls, settings: dict[str, Any], path: Path | None = None) -> Self:
+        """Create the run file, with the settings and no generation.
+
+        Args:
+            settings: Settings as plain data.
+            path: Run file; if None, one without a name that is gone with the archive.
+
+        Raises:
+            RunFileError: if something exists at ``path``, or nothing can be written there.
+        """
+        file = path or store.passing()
+        archive = cls(file, store.create(file, settings))
+        if not isinstance(file, Path):
+            weakref.finalize(archive, file.close)
+        return archive
+
+    @classmethod
     def of(cls, path: Path, table: pd.DataFrame, settings: dict[str, Any]) -> Self:
         """Take up a run file, to go on with it under these settings, plain data; its table is not kept."""
-        archive = cls(path)
-        archive._id = store.go_on(path, settings)
+        archive = cls(path, store.go_on(path, settings))
         archive._remember(table)
         return archive
 
-    def add(self, generation: pd.DataFrame, settings: dict[str, Any], functions: Mapping[str, str] = {}) -> None:
-        """Store a generation and facts about its functions; with the first one go the settings, as plain data."""
+    def add(self, generation: pd.DataFrame, functions: Mapping[str, str] = {}) -> None:
+        """Store a generation, with facts about the functions that it was made with."""
         with self._lock:
-            if self._file and self._id:
-                store.append(self._file, generation, self._id, functions)
-            else:
-                self._file = self._file or store.passing(self)
-                self._id = store.create(self._file, settings, generation, functions)
+            store.append(self._file, generation, self._id, functions)
             self._remember(generation)
 
     def keep(self) -> Path:
@@ -56,7 +64,6 @@ class Archive:
         """
         with self._lock:
             if not isinstance(self._file, Path):
-                assert self._file, "a generation was stored"
                 self._file = store.keep(self._file)
             store.require(self._file, self._id)
             return self._file
@@ -65,7 +72,7 @@ class Archive:
         """Return the table of the first so many generations, the caller's own; what was read once is not read again."""
         with self._lock:
             n_read = 0 if self._table.empty else int(self._table.generation.iloc[-1]) + 1
-            if self._file and n_read < n_generations:
+            if n_read < n_generations:
                 self._table = join([self._table, store.read_generations(self._file, self._id, n_read, n_generations)])
             end = int(self._table.generation.searchsorted(n_generations))
             return copy_of(self._table.iloc[:end])
@@ -78,7 +85,7 @@ class Archive:
             found = known.take(known[0].searchsorted(hashes), axis=1, mode="clip")
             births += found[1:, found[0] == hashes].T.tolist()
         with self._lock:
-            rows = store.read_births(self._file, self._id, Walked._fields, births) if self._file and births else []
+            rows = store.read_births(self._file, self._id, Walked._fields, births) if births else []
         return {one.genome: one for one in map(Walked._make, rows)}  # of two with the same hash, the one it is
 
     def _remember(self, table: pd.DataFrame) -> None:

@@ -32,6 +32,7 @@ from walkerlab.rerating import Recorded, changed_operators, confirm_ratings, fun
 from walkerlab.run import Run, check_storable, load, own_slots, with_functions
 from walkerlab.settings import Settings
 from walkerlab.store import DamagedError, RunFileError
+from walkerlab.time_limit import patience
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,26 +85,27 @@ class Evolution(ReadOnlyProperties):
 
         Args:
             settings: of all four domains.
-            path: the run file, made with the first generation; without one, nothing is left of the run when it is
-                no longer looked at.
+            path: Run file, created here with the settings; if None, nothing is left of the run once it is unused.
             executor: any ``concurrent.futures.Executor``; loky on all cores if None.
             on_walks: told how many more walks are done.
 
         Raises:
             OperatorError: if an operator or fitness of the user's own does not do what its slot needs.
-            SettingsError: if the name of such a function cannot be stored.
+            SettingsError: if no run file can hold the settings.
+            RuntimeError: if the executor is closed.
             RunFileError: if there is a file at ``path``, or none can be made there.
         """
         _require(settings)
         check_own_operators(settings.algorithm, genes_of(settings.robot))
         fitness.check_own(settings.algorithm.fitness)
-        check_storable(settings)
         workers.check(executor)
+        workers.check_open(executor)
+        patience(1.0)  # a wrong environment variable raises before the file is created
+        check_storable(settings)
         self._settings = settings
         self._path = None if path is None else Path(path)
-        if self._path:
-            store.claim(self._path)
-        self._archive, self._on_walks = Archive(self._path), on_walks
+        self._on_walks = on_walks
+        self._archive = Archive.create(settings.model_dump(), self._path)  # all else is valid
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._population: Population[Walked] | None = None
         self._functions, self._rated_since = function_facts(settings), 0
@@ -204,7 +206,7 @@ class Evolution(ReadOnlyProperties):
                 table = records.tabulate(population, slot_names(algorithm))
                 records.name_fitness(table, *fitness.label(algorithm.fitness))
                 with interrupts_held():  # what is stored and what is in hand must not part
-                    self._archive.add(table, self.settings.model_dump(), self._functions)
+                    self._archive.add(table, self._functions)
                     self._population = population
             except Stopped:
                 raise
@@ -215,18 +217,31 @@ class Evolution(ReadOnlyProperties):
 
     def _keep(self, error: Exception) -> None:
         """Keep what is done in a file, and note on the error that ends the run where that is and how to go on."""
-        if not self.n_generations:
-            return
+        if not self.n_generations and not self.path:
+            return  # the caller has the settings, and there is nothing else
         try:
             path = self._archive.keep()
         except RunFileError as fault:
             error.add_note(str(fault))
             return
-        own = "".join(f", {slot}={how}" for slot, how in own_slots(self.settings).items())
+        done = f"What is done is kept in {path}: {count(self.n_generations, 'generation')}."
+        if not self.n_generations:
+            done = f"No generation was done; the settings are kept in {path}."
         error.kept = path  # type: ignore[attr-defined]
-        error.add_note(
-            f"What is done is kept in {path}: {count(self.n_generations, 'generation')}. When the fault is mended, go "
-            f"on with:\n    run = wl.resume({str(path)!r}{own})"
+        error.add_note(f"{done} When the fault is fixed, resume with:\n    run = {self._resume_call(path)}")
+
+    def _resume_call(self, path: Path) -> str:
+        """Return the Python call that resumes the run."""
+        own = "".join(f", {slot}={how}" for slot, how in own_slots(self.settings).items())
+        return f"wl.resume({str(path)!r}{own})"
+
+    @property
+    def unfinished(self) -> str:
+        """What is kept of a run that was interrupted before its first generation was done, and how to resume it."""
+        if not self.path:
+            return "before the first generation was done; the run has no file, so nothing of it is kept"
+        return (
+            f"before the first generation was done; the settings are kept, resume with: {self._resume_call(self.path)}"
         )
 
     def _next(self) -> Population[Walked]:
@@ -281,9 +296,11 @@ def evolve(
 ) -> Run:
     """Evolve walkers from a random first generation; Ctrl-C stops and keeps the generations that are done.
 
+    If Ctrl-C comes before the first generation is done, it is raised; a run file keeps the settings all the same.
+
     Args:
         settings: of all four domains; the defaults if None.
-        path: the run file to be made; without one, nothing is left of the run when it is no longer looked at.
+        path: Run file, created before the first walk; if None, nothing is left of the run once it is unused.
         executor: any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: whether to show a bar.
 
@@ -295,8 +312,8 @@ def evolve(
         RunFileError: if there is a file at ``path``, or it cannot be written.
         WorkersLostError: if those who walk give no answer, or have no memory left.
 
-    What is raised once a generation is done has a note that says in which file the run so far is kept, ``error.kept``:
-    its own, or if it has none, ``kept.walk``.
+    What is raised has a note that says in which file the run so far is kept, ``error.kept``: its own, or if it has none
+    and a generation is done, ``kept.walk``.
     """
     settings = Settings() if settings is None else settings
     _require(settings)
@@ -373,7 +390,8 @@ def n_walks(settings: Settings, done: int = 0) -> int:
 
 
 def _bar(settings: Settings, progress: bool, done: int = 0) -> Any:
-    return tqdm(total=n_walks(settings, done), unit=" walks", disable=not progress, leave=True)
+    total = n_walks(settings, done)
+    return tqdm(total=total, unit=" walks", disable=not progress or not total, leave=True)
 
 
 def _finish(evolution: Evolution, bar: Any) -> Run:
@@ -385,5 +403,5 @@ def _finish(evolution: Evolution, bar: Any) -> Run:
             bar.set_postfix_str(f"generation {generation.number}, {reached}")
     except KeyboardInterrupt:
         if not evolution.n_generations:
-            raise KeyboardInterrupt("before the first generation was done, so there is nothing to keep") from None
+            raise KeyboardInterrupt(evolution.unfinished) from None
     return evolution.run

@@ -12,6 +12,7 @@ from hashlib import sha256
 from typing import Any
 from uuid import uuid4
 
+from walkerlab import strict_json
 from walkerlab.records import COLUMNS
 
 APPLICATION = 0x77616C6B  # "walk", in the file's header
@@ -64,8 +65,8 @@ def recognise(db: sqlite3.Connection) -> int:
     found = db.execute("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL LIMIT 9").fetchall()
     if not found:
         raise NotARun(
-            "is empty: what was making it ended before a generation was stored, or all is lost. Delete it, and evolve "
-            "anew"
+            "is empty: it is being created just now, nothing was ever written to it, or its contents are lost. If it "
+            "stays empty, delete it and evolve again"
         )
     if db.execute("PRAGMA application_id").fetchone() != (APPLICATION,):
         raise NotARun("is a SQLite file, but not a run of walkerlab's")
@@ -124,7 +125,7 @@ def made_with(db: sqlite3.Connection) -> dict[str, str]:
     """Return what the last generation was made with."""
     last = "SELECT max(generation), made_with FROM generations JOIN provenance ON number = provenance"
     _, facts = db.execute(last).fetchone()
-    return {name: str(value) for name, value in json.loads(facts or "{}").items()}
+    return {name: str(value) for name, value in strict_json.loads(facts or "{}").items()}
 
 
 def fact(db: sqlite3.Connection, name: str) -> str:

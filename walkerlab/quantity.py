@@ -24,6 +24,7 @@ from typing import Any, Self, cast
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_serializer, field_validator
 
+from walkerlab import strict_json
 from walkerlab.binding import BoundFunction, arguments_as_python, written_arguments
 from walkerlab.faults import Fault
 
@@ -257,6 +258,12 @@ class SettingsModel(BaseModel, frozen=True):
             raise SettingsError(
                 f"settings as JSON have at most {MAX_JSON} characters; this text has {len(json_data)}, and is not read"
             )
+        try:
+            strict_json.loads(json_data)
+        except strict_json.DuplicateKeyError as error:
+            raise SettingsError(f"in these settings as JSON, {error}; each setting must be given once.") from None
+        except (ValueError, TypeError, RecursionError):
+            pass  # pydantic reports what is wrong
         with _in_our_words(cls):
             return super().model_validate_json(json_data, **how)
 

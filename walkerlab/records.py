@@ -16,6 +16,7 @@ from walkerlab.genome import Genome, in_words
 from walkerlab.judge import VERDICTS
 from walkerlab.markup import facts, shown
 from walkerlab.number_format import significant
+from walkerlab.quantity import brief
 
 COLUMNS: dict[str, tuple[type, str, str]] = {
     "generation": (int, "", "0 is the random one"),
@@ -95,6 +96,8 @@ def tidy(table: pd.DataFrame) -> pd.DataFrame:
 def check(table: pd.DataFrame) -> pd.DataFrame:
     """Return a table that comes from elsewhere, as it is, if it is one that a run can have.
 
+    A verdict that is not in ``VERDICTS`` is an error: its meaning is unknown, also if a newer walkerlab wrote it.
+
     Raises:
         ValueError: if not; it names the column.
     """
@@ -103,12 +106,16 @@ def check(table: pd.DataFrame) -> pd.DataFrame:
         "individual": (numbers < 0).any(axis=1) | (table.individual > _MOST) | (table.born > table.generation),
         "fitness": ~(table.fitness.abs() < LARGEST) & (table.fitness != NOT_COUNTED),
         "parents": ~table.parents.str.fullmatch(r"(\d{1,10}( \d{1,10})*)?", flags=re.ASCII),
-        "verdict": ~table.verdict.str.fullmatch("[a-z_]{1,40}"),
         **{name: table[name].str.contains(_CONTROLS) for name in ("operators", "reason", "genome")},
     }
     for name, rows in wrong.items():
         if rows.any():
             raise ValueError(f"the column {name} has something in it that no run writes there")
+    if unknown := sorted(set(table.verdict) - VERDICTS.keys()):
+        raise ValueError(
+            f"the column verdict has {brief(unknown[0])}, and the verdicts known here are {', '.join(VERDICTS)}. If a "
+            "newer walkerlab wrote the file, update this one: pip install --upgrade walkerlab"
+        )
     return table
 
 

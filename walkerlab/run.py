@@ -92,7 +92,7 @@ class Run(ReadOnlyProperties):
     def __repr__(self) -> str:
         """Say in a line what has come of it."""
         if self._table.empty:
-            return "Run(no generation is done yet)"
+            return f"Run(no generation is done yet{f', in {self.path}' if self.path else ''})"
         name, unit = fitness.label(self.settings.algorithm.fitness)
         best, kept = self.champion, f", in {self.path}" if self.path else ""
         reached = f"{name} {with_unit(best.fitness, unit)}" if best.verdict == "ok" else "its walk does not count"
@@ -186,10 +186,7 @@ def load(path: str | Path) -> Run:
     facts = store.read_facts(path)[1]
     try:
         records.check(table)
-        algorithm = plain["algorithm"]
-        restored = {slot: _restored(algorithm[slot], slot) for slot in _OURS}
-        parts: dict[str, Any] = {**plain, "algorithm": {**algorithm, **restored}}
-        settings = Settings(**parts)
+        settings = _settings_of(plain)
         since = provenance.rated_since(facts, int(table.generation.nunique()))
     except (TypeError, KeyError, ValueError, RecursionError) as error:
         raise DamagedError(path, str(error)) from error
@@ -197,6 +194,36 @@ def load(path: str | Path) -> Run:
     if sizes.to_dict() != dict.fromkeys(range(len(sizes)), settings.algorithm.population_size):
         raise DamagedError(path, "robots are missing from its table, or there are too many")
     return Run(settings, table, path, since)
+
+
+def _settings_of(plain: dict[str, Any]) -> Settings:
+    """Restore settings from plain data."""
+    algorithm = plain["algorithm"]
+    restored = {slot: _restored(algorithm[slot], slot) for slot in _OURS}
+    parts: dict[str, Any] = {**plain, "algorithm": {**algorithm, **restored}}
+    return Settings(**parts)
+
+
+def check_storable(settings: Settings) -> None:
+    """Check that a run file with these settings can be written and loaded again.
+
+    Raises:
+        SettingsError: If the name of a function or of its arguments cannot be stored, or there is too much to store.
+    """
+    plain = json.loads(json.dumps(settings.model_dump()))
+    faults: list[str] = []
+    for slot in _OURS:
+        try:
+            _restored(plain["algorithm"][slot], slot)
+        except (ValueError, RecursionError) as error:
+            faults.append(f"Algorithm.{slot} cannot be stored in a run file: {error}. Rename it.")
+    if not faults and (length := len(json.dumps(plain))) > MAX_JSON:
+        faults.append(
+            f"these settings take {length} characters to store, with the arguments bound to functions; a run file "
+            f"takes {MAX_JSON}. Use fewer functions, or keep large data in the function or in a global variable."
+        )
+    if faults:
+        raise SettingsError("\n".join(faults))
 
 
 def rescue(path: str | Path, to: str | Path) -> Run:
@@ -207,7 +234,7 @@ def rescue(path: str | Path, to: str | Path) -> Run:
         to: the run file to be made.
 
     Returns:
-        The new run; ``resume(to)`` goes on with it.
+        The new run, which ``resume(to)`` continues; with no generation if only the settings could be saved.
 
     Raises:
         RunFileError: if nothing can be saved, or there is a file at ``to``, or none can be made there.
@@ -275,28 +302,6 @@ def _identities(fill: tuple[Any, ...], slot: str) -> list[tuple[bool, bool, str,
         )
         for one, with_ in bound
     ]
-
-
-def check_storable(settings: Settings) -> None:
-    """Make sure that a run file can hold these settings, so that the run can be loaded and resumed.
-
-    Raises:
-        SettingsError: If the name of a function or of its arguments cannot be stored, or there is too much to store.
-    """
-    algorithm = settings.model_dump()["algorithm"]
-    faults: list[str] = []
-    for slot in _OURS:
-        try:
-            _restored(algorithm[slot], slot)
-        except ValueError as error:
-            faults.append(f"Algorithm.{slot} cannot be stored in a run file: {error}. Rename it.")
-    if not faults and (length := len(json.dumps(algorithm))) > MAX_JSON:
-        faults.append(
-            f"the functions of Algorithm take {length} characters to store, with the arguments bound to them; a run "
-            f"file takes {MAX_JSON}. Use fewer functions, or bind less to them."
-        )
-    if faults:
-        raise SettingsError("\n".join(faults))
 
 
 def _recipe(fill: tuple[Any, ...]) -> str:

@@ -8,7 +8,6 @@ when it is opened, and a file with anything else in it is not used.
 import json
 import math
 import sqlite3
-import weakref
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing, suppress
 from itertools import count
@@ -18,8 +17,8 @@ from typing import Any
 
 import pandas as pd
 
-from walkerlab import layouts, provenance
-from walkerlab.opening import DamagedError, File, RunFileError, connect, opened
+from walkerlab import layouts, provenance, strict_json
+from walkerlab.opening import DamagedError, File, RunFileError, connect, drafted, opened
 from walkerlab.records import COLUMNS, check, tidy
 
 RUN_FILE = "run.walk"  # its name in a folder of its own
@@ -35,37 +34,12 @@ def locate(path: str | Path) -> Path:
     return others[0] if len(others) == 1 else path / RUN_FILE
 
 
-def claim(path: Path) -> None:
-    """Make sure that a new run file can be made here; its folder is made if need be.
-
-    Raises:
-        RunFileError: if something is there already (a run is never written over), or nothing can be written there.
-    """
-    try:
-        if path.exists():
-            raise RunFileError(
-                f"{path} exists already, and a run is never written over. "
-                "Resume it, or give the new run another name or folder."
-            )
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.touch(exist_ok=False)
-        path.unlink()
-    except OSError as error:
-        raise RunFileError(f"no run file can be made at {path}: {error.strerror}. Give it another folder.") from error
-    except ValueError as error:
-        if isinstance(error, RunFileError):
-            raise
-        raise RunFileError(f"no run file can be made at {str(path)!r}: {error}. Give it another name.") from error
-
-
-def passing(keeper: object) -> sqlite3.Connection:
-    """Make a file for a run that nobody keeps: it has no name, and goes with its keeper, whatever ends that.
+def passing() -> sqlite3.Connection:
+    """Make a file for a run that nobody keeps: it has no name, and is gone when it is closed or its process ends.
 
     It is in memory while it is small. It is for one thread at a time, whichever that is.
     """
-    db = sqlite3.connect("", check_same_thread=False)
-    weakref.finalize(keeper, db.close)
-    return db
+    return sqlite3.connect("", check_same_thread=False)
 
 
 def keep(db: sqlite3.Connection) -> Path:
@@ -77,32 +51,31 @@ def keep(db: sqlite3.Connection) -> Path:
         names = (folder / f"kept{f'-{n}' if n > 1 else ''}.walk" for n in count(1))
         path = next(path for path in names if not path.exists())
         with suppress(RunFileError):
-            claim(path)
-            with closing(connect(path)) as named:
+            with drafted(path) as draft, closing(connect(draft)) as named:
                 db.backup(named)
             return path
     raise RunFileError("this run has no file, and none can be made: neither here nor in the system's temporary folder.")
 
 
-def create(file: File, settings: dict[str, Any], generation: pd.DataFrame, functions: Mapping[str, str] = {}) -> str:
-    """Make a run file with its first generation: all of it, or nothing.
+def create(file: File, settings: dict[str, Any]) -> str:
+    """Create a run file that has no generation yet: complete, or not at all.
 
     Args:
-        file: claimed before, or passing.
-        settings: as plain data.
-        generation: the tidy table of generation 0.
-        functions: facts about the functions that it was made with.
+        file: Path of the new file, or a passing file.
+        settings: Settings as plain data.
 
     Returns:
         The run's id.
 
     Raises:
-        RunFileError: if the file cannot be written.
+        RunFileError: if something exists at this path (a run is never overwritten), or nothing can be written there.
     """
-    with opened(file, "make") as db:
-        run_id = layouts.lay_out(db, json.dumps(settings))
-        _insert(db, generation, _made_with_here(functions))
-    return run_id
+    text = json.dumps(settings)
+    if not isinstance(file, Path):
+        with opened(file, "make") as db:
+            return layouts.lay_out(db, text)
+    with drafted(file) as draft, opened(draft, "make", file) as db:
+        return layouts.lay_out(db, text)
 
 
 def append(file: File, generation: pd.DataFrame, run_id: str, functions: Mapping[str, str] = {}) -> None:
@@ -203,14 +176,18 @@ def rescue(path: Path, to: Path) -> int:
         to: of the new one.
 
     Returns:
-        How many generations were saved.
+        How many generations were saved; if none, the settings are, from which the run can begin again.
 
     Raises:
         RunFileError: if nothing can be saved, or the new file cannot be made; there is none then.
     """
     if not path.is_file():
         raise RunFileError(f"there is no run file at {path}")
-    claim(to)
+    with drafted(to) as draft:
+        return _rescue(path, draft, to)
+
+
+def _rescue(path: Path, draft: Path, to: Path) -> int:
     whole = list[tuple[str, pd.DataFrame]]()
     try:
         with opened(path, "rescue") as db:
@@ -222,9 +199,7 @@ def rescue(path: Path, to: Path) -> int:
                     whole.append((made_with, check(_tidied(rows, path))))
     except DamagedError as error:
         raise RunFileError(f"nothing can be saved of {path}: {error.what}.") from error
-    if not whole:
-        raise RunFileError(f"nothing can be saved of {path}: its first generation is damaged already.")
-    with opened(to, "make") as db:
+    with opened(draft, "make", to) as db:
         layouts.lay_out(db, json.dumps(settings))
         for made_with, table in whole:
             _insert(db, table, made_with)
@@ -251,7 +226,7 @@ def _settings(db: sqlite3.Connection, file: File) -> dict[str, Any]:
     if layouts.digest(text) != layouts.fact(db, "settings digest"):
         raise DamagedError(file, "its settings are not as they were written")
     try:
-        return json.loads(text)
+        return strict_json.loads(text)
     except (ValueError, RecursionError) as error:
         raise DamagedError(file, str(error)) from error
 

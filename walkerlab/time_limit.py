@@ -87,6 +87,11 @@ def in_time(call: Callable[[], Answer], seconds: float) -> Answer:
     return guest.answers.pop()
 
 
+def raised_in_call(error: BaseException) -> bool:
+    """Say whether an error was raised by a function called by ``in_time``, on its thread, where no Ctrl-C arrives."""
+    return any(frame.f_code is _Guest.run.__code__ for frame, _ in traceback.walk_tb(error.__traceback__))
+
+
 class _Guest(threading.Thread):
     """Makes one call, and keeps what comes of it.
 

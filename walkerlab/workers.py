@@ -61,8 +61,7 @@ def n_workers(executor: Executor) -> int:
     if count := getattr(executor, "n_workers", None):
         return count()
     if client := getattr(executor, "_client", None):
-        if client.status == "closed":
-            raise RuntimeError("this executor's Dask client is closed; make another: Client(cluster).get_executor()")
+        check_open(executor)
         return sum(client.nthreads().values()) or n_cores()  # nobody is there yet
     return getattr(executor, "_max_workers", n_cores())
 
@@ -77,6 +76,22 @@ def check(executor: object) -> None:
         raise TypeError(
             "executor must be a concurrent.futures.Executor, as ThreadPoolExecutor(4) or, of a Dask cluster, "
             f"Client(cluster).get_executor(); or None, for all cores of this computer; got {executor!r:.80}"
+        )
+
+
+def check_open(executor: object) -> None:
+    """Check that an executor still accepts work, as far as it can be known.
+
+    Raises:
+        RuntimeError: if it is closed.
+    """
+    if getattr(getattr(executor, "_client", None), "status", "") == "closed":
+        raise RuntimeError("this executor's Dask client is closed; make another: Client(cluster).get_executor()")
+    flags = getattr(executor, "_flags", executor)  # loky keeps it there
+    if any(getattr(flags, name, False) is True for name in ("_shutdown", "_shutdown_thread", "shutdown")):
+        raise RuntimeError(
+            "this executor is closed. Create another, such as ThreadPoolExecutor(4), and use it before it is shut "
+            "down; or give none, for all cores of this computer."
         )
 
 

@@ -124,7 +124,7 @@ def test_pressed_at_any_moment_it_ends_in_good_order_and_the_run_goes_on(n, tmp_
     if code and (command.folder / "run.walk").exists():
         assert f"walkerlab resume {command.folder}" in text
     elif code:
-        assert "nothing to keep" in text or text.endswith("Stopped.\n"), "before anything was begun"
+        assert "there is no run file" in text or text.endswith("Stopped.\n"), "before anything was begun"
     goes_on(command.folder, whole)
 
 

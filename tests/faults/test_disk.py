@@ -147,7 +147,7 @@ def test_a_full_disk_keeps_what_is_done_and_with_room_the_run_goes_on(whole, tmp
         assert main(["resume", str(path), "--quiet"]) == 1
         told = capsys.readouterr().err
         assert "the disk is full" in told
-        assert f"Go on with it: walkerlab resume {tmp_path}" in told
+        assert f"Resume with: walkerlab resume {tmp_path}" in told
         with pytest.raises(wl.RunFileError, match="the disk is full"):
             wl.evolve(SETTINGS, tmp_path / "another.walk", progress=False)
         assert not (tmp_path / "another.walk").exists()

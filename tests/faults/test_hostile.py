@@ -12,6 +12,7 @@ import pytest
 
 import walkerlab as wl
 from tests.faults import bombs, number
+from tests.faults.standins import attempt
 from tests.frontends import book, run_all
 from tests.test_layouts import KEPT
 from tests.test_panel import button, curve_says, picture, says
@@ -166,7 +167,7 @@ def test_a_text_that_says_it_is_a_gigabyte_takes_no_memory(forge):
         file.write((size // 8192).to_bytes(4, "big"))
     told = subprocess.run([sys.executable, "-c", GREEDY, path], capture_output=True, text=True, check=True).stdout
     *refusals, grown = told.splitlines()
-    assert len(refusals) >= 2
+    assert refusals
     assert int(grown) < 50_000, "kB"
 
 
@@ -228,9 +229,10 @@ def test_a_file_without_an_end_is_refused_before_long(forge, bomb, tmp_path):
     path = forge()
     bomb(path)
     before = time.process_time()
-    for use in (wl.load, lambda path: wl.rescue(path, tmp_path / "rescued.walk")):
-        with pytest.raises(wl.RunFileError):
-            use(path)
+    with pytest.raises(wl.RunFileError):
+        wl.load(path)
+    rescued, refusal = attempt(wl.rescue, path, tmp_path / "rescued.walk")
+    assert refusal or not rescued.n_generations, "the settings at most"
     assert time.process_time() - before < 10
 
 

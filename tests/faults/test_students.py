@@ -199,7 +199,11 @@ def test_the_individual_is_told_also_where_those_before_it_need_not_walk(pool, t
         return changed
 
     settings = SETTINGS.with_(crossover="none", mutation=later_half, generations=2)
-    faulty = spoilt("fitness", raises, lambda walk: path.exists() and not walked.append(walk.distance))
+    faulty = spoilt(
+        "fitness",
+        raises,
+        lambda walk: path.exists() and wl.load(path).n_generations and not walked.append(walk.distance),
+    )
     with pytest.raises(wl.OperatorError) as caught:
         wl.evolve(settings.with_(fitness=faulty), path, executor=pool, progress=False)
     truth = wl.evolve(settings, executor=pool, progress=False).records
@@ -214,7 +218,7 @@ def test_ctrl_c_while_a_function_hangs_keeps_what_is_done(pool, tmp_path):
         signal.raise_signal(signal.SIGINT)
         hangs(answer, given)
 
-    faulty = spoilt("fitness", presses_and_hangs, lambda walk: path.exists())
+    faulty = spoilt("fitness", presses_and_hangs, lambda walk: path.exists() and wl.load(path).n_generations)
     kept = wl.evolve(SETTINGS.with_(fitness=faulty), path, executor=pool, progress=False)
     assert kept.n_generations == 1
     assert none_goes_on()

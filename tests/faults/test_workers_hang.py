@@ -66,7 +66,7 @@ def ticks(monkeypatch):
 
 def test_a_thread_that_never_comes_back_ends_the_run_in_words_and_what_is_done_is_kept(monkeypatch, tmp_path):
     def walk(*given, walk=evaluation._walk_all):
-        if path.exists():
+        if path.exists() and wl.load(path).n_generations:
             assert let_go.wait(60)
         return walk(*given)
 

@@ -1,7 +1,9 @@
 """Each kind of bad operator gets a message that names it, what is expected, what it did, and the mend."""
 
+import asyncio
 import random
 import re
+import signal
 import threading
 from functools import partial
 
@@ -9,6 +11,7 @@ import numpy as np
 import pytest
 
 from walkerlab.ga import OperatorError, check_cross, check_mutate, check_select, mutation, own, selection
+from walkerlab.ga.slots import run_select
 
 from .tables import body, rng
 
@@ -331,3 +334,28 @@ def test_checking_spends_no_chance_of_the_run():
     check_select(pick)
     assert np.array_equal(before, np.random.get_state()[1])  # noqa: NPY002
     assert rng().random() == rng().random()
+
+
+@pytest.mark.parametrize(
+    "raised", [KeyboardInterrupt, SystemExit, GeneratorExit, asyncio.CancelledError, BaseException]
+)
+def test_an_operator_that_raises_what_ends_programs_is_named_and_ends_none(raised):
+    def mine(fitness, n_parents, *, rng):
+        raise raised("stop")
+
+    with pytest.raises(OperatorError, match=rf"selection 'mine' raised {raised.__name__}: stop \(line \d+\)"):
+        selection_of(mine)
+
+
+def test_ctrl_c_in_an_operator_stops_the_run():
+    def mine(fitness, n_parents, *, rng):
+        signal.raise_signal(signal.SIGINT)
+        while True:
+            pass
+
+    with pytest.raises(KeyboardInterrupt):
+        selection_of(mine)
+
+
+def selection_of(select):
+    return run_select(select, np.arange(9.0), 4, rng=rng())

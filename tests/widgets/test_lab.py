@@ -450,3 +450,17 @@ def test_a_loaded_file_never_takes_the_place_of_a_run(lab, pool, tmp_path, monke
     load(lab, "run 1")
     assert len(lab.runs.kept) == len(lab.runs.shelf.runs) == 2
     assert lab.runs.kept["run 1"].live is lab._active
+
+
+def test_a_loaded_run_without_generations_says_how_to_resume_it(lab, tmp_path):
+    path = tmp_path / "begun.walk"
+    wl.Evolution(SMALL.with_(seed=9), path)
+    load(lab, path)
+    drawn(lab)
+    assert lab.runs.drawer.words == (
+        f"Loaded {path}. No generation is done yet; resume it with wl.resume({str(path)!r})."
+    )
+    assert lab.run.settings == SMALL.with_(seed=9)
+    [entry] = lab.runs.shelf.runs
+    assert (entry["state"], entry["best"]) == ("loaded", "")
+    assert not lab.runs.drawer.can_export

@@ -27,7 +27,7 @@ def evolve(given: argparse.Namespace) -> int:
     path = given.out / RUN_FILE
     if path.exists():
         raise RunFileError(
-            f"{given.out} holds a run already, and a run is never written over.\n"
+            f"{given.out} holds a run already, and a run is never overwritten.\n"
             f"Go on with it:    walkerlab {_to_go_on(load(path))}\n"
             f"Begin a new one:  walkerlab evolve --out ANOTHER-FOLDER"
         )
@@ -38,9 +38,8 @@ def evolve(given: argparse.Namespace) -> int:
     try:
         run = evolution.evolve(settings, path, progress=not given.quiet)
     except KeyboardInterrupt:
-        if not path.exists():
+        if not path.exists() or not (run := load(path)).n_generations:
             raise
-        run = load(path)
     return _finish(run, quiet=given.quiet)
 
 
@@ -131,6 +130,9 @@ def show(given: argparse.Namespace) -> int:
     for about, facts in (("it has", whose), ("made with", made_with)):
         tell(f"{about} {', '.join(printable(f'{name} {fact}') for name, fact in facts.items())}")
     tell(f"\n{story.changed_settings(settings)}")
+    if not run.n_generations:
+        tell(f"\nNo generation is done yet. Start with the first one: walkerlab {_to_go_on(run)}")
+        return 0
     best = run.champion
     for part in (
         story.by_generation(records, settings),
@@ -152,8 +154,9 @@ def rescue(given: argparse.Namespace) -> int:
         raise RunFileError(f"{given.out} holds a run already. Give the saved one another folder: --out ANOTHER-FOLDER")
     run = runs.rescue(given.path, given.out / RUN_FILE)
     done, wanted = run.n_generations, run.settings.algorithm.generations
-    print(f"{done} of {wanted} generations are whole, and saved in {given.out}; {given.path} is left as it was.")
-    print(f"Go on with them: walkerlab {_to_go_on(run)}")
+    saved = f"{done} of {wanted} generations are whole, and" if done else "No generation is whole; the settings are"
+    print(f"{saved} saved in {given.out}; {given.path} is left as it was.")
+    print(f"Resume the run: walkerlab {_to_go_on(run)}")
     return 0
 
 
@@ -167,13 +170,13 @@ def stopped(given: argparse.Namespace) -> str:
     try:
         return kept(load(given.path if given.run is resume else given.out))
     except RunFileError:
-        return "Stopped before the first generation was done, so there is nothing to keep."
+        return "Stopped before any robot walked; there is no run file."
 
 
 def kept(run: Run) -> str:
     """Say what is kept of a run that was stopped, and how to go on with it."""
     done, wanted = run.n_generations, run.settings.algorithm.generations
-    return (
-        f"Stopped after {done} of {wanted} generations; all of these are kept.\n"
-        f"Go on with it: walkerlab resume {_named(run)}"
-    )
+    kept = f"after {done} of {wanted} generations; all of these are kept"
+    if not done:
+        kept = "before the first generation was done; the settings are kept"
+    return f"Stopped {kept}.\nResume with: walkerlab resume {_named(run)}"

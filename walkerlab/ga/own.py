@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 
 from walkerlab.faults import Fault
-from walkerlab.time_limit import VARIABLE, Overdue, in_time, patience
+from walkerlab.time_limit import VARIABLE, Overdue, in_time, patience, raised_in_call
 
 IN_A_RUN, IN_A_CHECK = 60.0, 10.0  # s that one call may take
 
@@ -121,14 +121,16 @@ def _in_words(slot: Slot, function: Callable[..., object], call: Callable[[], An
         ) from error
     except Fault:  # which has its words
         raise
-    except (Exception, SystemExit) as error:
+    except BaseException as error:
+        if isinstance(error, KeyboardInterrupt) and not raised_in_call(error):
+            raise  # Ctrl-C
         line = _line_of(error, function)
         if isinstance(error, FrozenInstanceError) or "read-only" in str(error):
             raise OperatorError(
                 f"{who} must leave what it is given as it was; it wrote into what is read-only{line}",
                 f"Let it work on a copy, as in {slot.copy}; +=, sort and shuffle write in place.",
             ) from error
-        says_all = isinstance(error, NameError | MemoryError | RecursionError | SystemExit)
+        says_all = isinstance(error, NameError | MemoryError | RecursionError) or not isinstance(error, Exception)
         advice = "" if says_all else slot.advice
         raise OperatorError(f"{who} raised {type(error).__name__}: {error}{line}", advice) from error
 

@@ -122,7 +122,8 @@ class RunsRoom(HasSnapshot, ipywidgets.Box):
             return
         file = Path(path) if run.path is None else run.path
         self.keep(Kept(str(file.resolve()), run.settings, run), name_of(file))
-        self.drawer.words = f"Loaded {file}."
+        none = "" if run.n_generations else f" No generation is done yet; resume it with wl.resume({str(file)!r})."
+        self.drawer.words = f"Loaded {file}.{none}"
 
     def _export(self) -> None:
         """Write all that there is to see of the chosen run into its folder, on a thread, for it takes seconds."""
