@@ -129,13 +129,14 @@ class TestNeverLost:
 
     @pytest.mark.parametrize("moment", ["before", "after"])
     def test_ctrl_c_while_storing_leaves_run_and_file_the_same(self, moment, threads, tmp_path, monkeypatch):
-        def interrupted(file, generation, run_id, append=store.append):
+        def interrupted(*stored, append=store.append):
+            _, generation, *_ = stored
             if moment == "after":
-                append(file, generation, run_id)
+                append(*stored)
             if generation.generation.iloc[0] == 1:
                 signal.raise_signal(signal.SIGINT)
             if moment == "before":
-                append(file, generation, run_id)
+                append(*stored)
 
         path = tmp_path / "run.walk"
         monkeypatch.setattr(store, "append", interrupted)
