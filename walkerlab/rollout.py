@@ -149,6 +149,14 @@ def walk(
     return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=record)
 
 
+def settling_time(scene: Scene) -> float:
+    """Return the seconds for which ``walk`` holds the pose of rest before the gait starts."""
+    data = mujoco.MjData(scene.model)
+    with _warnings_counted_not_printed():
+        scene.place(data)
+        return _settle(scene, data)[1]
+
+
 def from_every_start(scene: Scene, data: mujoco.MjData | None = None, *, poses: bool) -> list[Rollout]:
     """Let a robot walk as evolution does: from each of its starts, the poorest of which counts."""
     starts = range(scene.settings.simulation.n_starts)
