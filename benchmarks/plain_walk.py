@@ -20,7 +20,7 @@ def walk(path, duration):
     read = {number.name: number.data for number in numbers}
     rate, timestep = read["control_rate"].item(), model.opt.timestep
     mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
-    for _ in range(round(read["settle_time"].item() / timestep)):
+    for _ in range(int(read["settle_steps"].item())):
         mujoco.mj_step(model, data)
     forward = []
     for k in range(round(duration / timestep) + 1):

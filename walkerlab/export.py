@@ -13,7 +13,7 @@ import mujoco
 
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
-from walkerlab.rollout import settling_time
+from walkerlab.rollout import count_settling_steps
 from walkerlab.scene import CONTROL_RATE, RAMP, Scene, describe_scene
 from walkerlab.settings import Settings
 
@@ -34,12 +34,12 @@ def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, na
     the walk of ``simulate``, read the arrays under ``<custom>`` (``model.numeric("gait_phase").data``) and:
 
     1. reset to the keyframe ``start``, which holds the pose at the start and the servo targets at rest;
-    2. call ``mj_step`` for ``settle_time`` seconds;
-    3. before each further step ``k``, set ``ctrl = gait_offset + min(t / gait_ramp, 1) * gait_amplitude
-       * sin(2 * pi * gait_frequency * t + gait_phase)``, where ``t`` is ``k * timestep`` rounded down to a multiple of
-       ``1 / control_rate``.
+    2. call ``mj_step`` as often as ``settle_steps`` says;
+    3. before each further step ``k`` = 0, 1, 2, ... set
+       ``ctrl = gait_offset + min(t / gait_ramp, 1) * gait_amplitude * sin(2 * pi * gait_frequency * t + gait_phase)``,
+       where ``t = floor(k * timestep * control_rate + 1e-9) / control_rate``.
 
-    The sensor ``com`` reads the centre of mass. The custom text ``genome`` holds the gene.
+    The sensor ``com`` reads the centre of mass before each step. The custom text ``genome`` holds the gene.
 
     Args:
         genome: a genome or its text; brought within the robot limits first.
@@ -76,7 +76,7 @@ def _add_walk(spec: mujoco.MjSpec, scene: Scene) -> None:
     spec.add_key(name="start", qpos=start.qpos, ctrl=scene.rest)
     spec.add_text(name="genome", data=str(scene.genome))
     for name, values in {
-        "settle_time": [settling_time(scene)],
+        "settle_steps": [count_settling_steps(scene)],
         "control_rate": [CONTROL_RATE],
         "gait_ramp": [RAMP],
         "gait_frequency": [scene.phenotype.frequency],

@@ -149,12 +149,13 @@ def walk(
     return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=record)
 
 
-def settling_time(scene: Scene) -> float:
-    """Return the seconds for which ``walk`` holds the pose of rest before the gait starts."""
+def count_settling_steps(scene: Scene) -> int:
+    """Return the number of steps for which ``walk`` holds the pose of rest before the gait starts."""
     data = mujoco.MjData(scene.model)
     with _warnings_counted_not_printed():
         scene.place(data)
-        return _settle(scene, data)[1]
+        _, settled, _ = _settle(scene, data)
+    return round(settled / SETTLE_CHUNK) * round(SETTLE_CHUNK / scene.settings.simulation.timestep)
 
 
 def from_every_start(scene: Scene, data: mujoco.MjData | None = None, *, poses: bool) -> list[Rollout]:
