@@ -13,7 +13,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 
 import walkerlab as wl
@@ -73,8 +72,10 @@ def main():
         for _, row in walked[walked.error.notna()].iterrows():
             print(f"{version}: {row.file}: {row.error}", flush=True)
     table = pd.concat(tables)
-    difference = table.groupby(["version", "ground"], sort=False).difference
-    print(difference.agg(["count", "median", "max", lambda d: np.mean(d < 0.01)]).to_string())
+    figures = table.groupby(["version", "ground"], sort=False).difference.agg(
+        **{"files": "size", "loaded": "count", "median [m]": "median", "largest [m]": "max"}
+    )
+    print(figures.to_string(float_format="{:.1e}".format))
     if given.csv:
         table.to_csv(given.csv, index=False)
 
