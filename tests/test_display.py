@@ -16,6 +16,7 @@ from walkerlab.judge import VERDICTS
 from walkerlab.number_format import with_unit
 from walkerlab.quantity import Quantity
 from walkerlab.records import Individual, join
+from walkerlab.story import changed_settings
 
 DOMAINS = (wl.Terrain, wl.Robot, wl.Algorithm, wl.Simulation)
 GENOME = wl.Genome.random(wl.Robot(segments=(2, 4)), rng=np.random.default_rng(2))
@@ -74,6 +75,13 @@ def test_of_several_operators_and_of_presets_people_read_the_names():
     text = shown(settings).text
     for words in ("(0, 0, -1.62) m/s², moon", "top_half, tournament(size=7)", "2 to 5 kg"):
         assert words in text
+
+
+def test_a_setting_is_shown_with_all_its_digits():
+    settings = wl.Settings().with_(step_height=1 / 3, weight=(1 / 3, 2 / 3), wind=(1 / 3, 0, 0))
+    for words in (f"{1 / 3!r} m", f"{1 / 3!r} to {2 / 3!r} kg", f"({1 / 3!r}, 0, 0) m/s"):
+        assert words in shown(settings).text
+    assert f"Terrain.step_height = {1 / 3!r}  (default 0.08)" in changed_settings(settings.model_dump())
 
 
 def test_names_that_cannot_be_typed_do_nothing_when_pasted():

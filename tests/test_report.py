@@ -99,6 +99,9 @@ def test_it_tells_settings_versions_champion_and_every_generation(run, seen):
 def test_its_tables_are_the_numbers_of_the_run(run, path):
     records = pd.read_csv(path.parent / "records.csv", keep_default_na=False)
     pd.testing.assert_frame_equal(records, run.records)
+    written = pd.read_csv(path.parent / "records.csv", dtype=str)
+    for name in ("fitness", "distance", "velocity", "weight", "body_length"):
+        assert written[name].map(float).tolist() == run.records[name].tolist()
     generations = pd.read_csv(path.parent / "tables" / "generations.csv")
     counted = run.records[run.records.verdict == "ok"]
     assert generations.best.tolist() == pytest.approx(counted.groupby("generation").fitness.max().tolist())

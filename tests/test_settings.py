@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from walkerlab.quantity import PAIR, Choice, OneOf, Quantity, SettingsError, function_name
+from walkerlab.quantity import PAIR, Choice, OneOf, Quantity, SettingsError, function_name, number_text, shown_numbers
 from walkerlab.settings import (
+    LIGHTEST,
     MAX_PIECES,
     Algorithm,
     Camera,
@@ -25,7 +26,7 @@ from walkerlab.settings import (
     Terrain,
 )
 
-from .strategies import all_settings, robots
+from .strategies import all_settings, finite, robots
 
 DOMAINS = {"terrain": Terrain, "robot": Robot, "algorithm": Algorithm, "simulation": Simulation}
 FIELDS = [(domain, name) for domain in DOMAINS.values() for name in domain.declared()]
@@ -510,6 +511,20 @@ def test_equal_settings_are_equal_whatever_way_they_were_given():
 def test_what_is_shown_can_be_pasted_back(settings):
     assert eval(repr(settings)) == settings
     assert str(settings) == repr(settings)
+
+
+@given(finite)
+def test_a_number_is_read_as_it_was_written(number):
+    assert float(number_text(number)) == number
+    assert eval(shown_numbers((number, 1.0, 0.0))) == (number, 1.0, 0.0)
+
+
+def test_a_value_is_not_rounded_to_one_that_is_allowed():
+    light, narrow = nextafter(LIGHTEST, 0.0), nextafter(1.0, 0.0)
+    assert f"carry_weight is {light!r} kg" in refusal(Robot, carry_weight=light)
+    assert f"is (1, {narrow!r}) m" in refusal(Robot, segment_length=(1.0, narrow))
+    pieces = {"structure": "gaps", "gap_distance": 0.2, "texture_density": 0.1}
+    assert "texture_size is 0.1600000000000001 m" in refusal(Terrain, texture_size=0.1600000000000001, **pieces)
 
 
 def test_only_what_differs_is_shown_and_choices_and_functions_by_name():

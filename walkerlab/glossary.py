@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from walkerlab.markup import Html, details, join, shown, table, tag
-from walkerlab.quantity import PAIR, Choice, Declared, Domain, OneOf, function_name, shown_numbers
+from walkerlab.quantity import PAIR, Choice, Declared, Domain, OneOf, function_name, number_text, shown_numbers
 
 DRAWN = "_-‾/\\┌─ "  # what grounds are drawn with before their words, which are enough here
 
@@ -90,9 +90,9 @@ def _in_words(declared: Declared, value: Any) -> str:
         several = cast(tuple[Any, ...], value if isinstance(value, tuple) else (value,))
         return ", ".join(one.name if isinstance(one, Choice) else function_name(one) for one in several)
     if not declared.parts:
-        return f"{value:.10g}{declared.its_unit}"
+        return f"{number_text(value)}{declared.its_unit}"
     if declared.parts == PAIR:
-        return f"{value[0]:.10g} to {value[1]:.10g}{declared.its_unit}"
+        return f"{number_text(value[0])} to {number_text(value[1])}{declared.its_unit}"
     preset = next((f", {name}" for name, known in declared.presets.items() if known == value), "")
     return f"{shown_numbers(value)}{declared.its_unit}{preset}"
 

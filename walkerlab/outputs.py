@@ -18,7 +18,7 @@ FILES = {
     "fitness.png": "the same as a picture",
     "champion.png": "the champion, caught in its stride",
     "champion.txt": "the champion's gene, as text that can be edited",
-    "champion.xml": "its body and world as MJCF, for any MuJoCo (its gait is computed by walkerlab from the gene)",
+    "champion.xml": "its body, world and gait as MJCF, for MuJoCo 3.9 to 3.17 without walkerlab",
 }
 """Each file and what it is."""
 

@@ -124,7 +124,7 @@ class Quantity:
     @property
     def range(self) -> str:
         """The range in words, for messages and help texts."""
-        return f"{self.low:.10g} to {self.high:.10g}{self.its_unit}"
+        return f"{number_text(self.low)} to {number_text(self.high)}{self.its_unit}"
 
     def _number(self, value: object, part: str) -> float:
         if isinstance(value, np.generic):
@@ -430,4 +430,9 @@ def count(number: int, thing: str) -> str:
 
 def shown_numbers(numbers: tuple[float, ...]) -> str:
     """Show a vector, without needless zeros."""
-    return f"({', '.join(f'{number:.10g}' for number in numbers)})"
+    return f"({', '.join(map(number_text, numbers))})"
+
+
+def number_text(number: float) -> str:
+    """Write a number with the fewest digits that read back as the same number, and without a needless ``.0``."""
+    return repr(number).removesuffix(".0")

@@ -150,6 +150,15 @@ def walk(
     return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=record)
 
 
+def count_settling_steps(scene: Scene) -> int:
+    """Return the number of steps for which ``walk`` holds the pose of rest before the gait starts."""
+    data = mujoco.MjData(scene.model)
+    with _warnings_counted_not_printed():
+        scene.place(data)
+        _, settled, _ = _settle(scene, data)
+    return round(settled / SETTLE_CHUNK) * round(SETTLE_CHUNK / scene.settings.simulation.timestep)
+
+
 def from_every_start(scene: Scene, data: mujoco.MjData | None = None, *, poses: bool) -> list[Rollout]:
     """Let a robot walk as evolution does: from each of its starts, the poorest of which counts."""
     starts = range(scene.settings.simulation.n_starts)

@@ -61,7 +61,7 @@ class Scene:
         Returns:
             (n_steps, nu) in rad, a new value ``CONTROL_RATE`` times a second.
         """
-        amplitude, phase, offset = _motion(self.phenotype)
+        amplitude, phase, offset = self.gait
         first, tick = ticks(n_steps, self.settings.simulation.timestep)
         time = np.arange(len(first))[:, np.newaxis] / CONTROL_RATE
         swell = np.minimum(time / RAMP, 1.0)
@@ -119,7 +119,20 @@ class Scene:
     @property
     def rest(self) -> Floats:
         """(nu,) servo targets of the body at rest."""
-        return _motion(self.phenotype)[2]
+        return self.gait[2]
+
+    @property
+    def gait(self) -> tuple[Floats, Floats, Floats]:
+        """Amplitude, phase and offset of each servo's sine, (nu,) each [rad]; ``controls`` adds the start."""
+        rows = [
+            (swing.amplitude, swing.phase - lag, swing.offset)
+            for segment in self.phenotype.segments
+            if (legs := segment.legs)
+            for lag in (0.0, legs.stride)
+            for swing in (legs.hip, legs.knee)
+        ]
+        amplitude, phase, offset = np.array(rows, dtype=np.float64).reshape(-1, 3).T
+        return amplitude, phase, offset
 
 
 @lru_cache(maxsize=16)
@@ -172,19 +185,3 @@ def scene_on_stage(genome: Genome, settings: Settings) -> tuple[Scene, mujoco.Mj
     phenotype = express(genome)
     model, data = stage(phenotype, settings)
     return Scene(model, genome, phenotype, settings), data
-
-
-# --------------------------------------------------------------------------------------------------- the gait
-
-
-def _motion(phenotype: Phenotype) -> tuple[Floats, Floats, Floats]:
-    """Amplitude, phase and offset of each actuator, (nu,) each [rad], in the order in which legs were grown."""
-    rows = [
-        (swing.amplitude, swing.phase - lag, swing.offset)
-        for segment in phenotype.segments
-        if (legs := segment.legs)
-        for lag in (0.0, legs.stride)
-        for swing in (legs.hip, legs.knee)
-    ]
-    amplitude, phase, offset = np.array(rows, dtype=np.float64).reshape(-1, 3).T
-    return amplitude, phase, offset

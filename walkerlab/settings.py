@@ -27,6 +27,7 @@ from walkerlab.quantity import (
     brief,
     did_you_mean,
     limits,
+    number_text,
     one_of,
     pasted,
     quantity,
@@ -123,27 +124,30 @@ class Terrain(ShownDomain, frozen=True):
             larger = math.ceil(100 * self.texture_size * math.sqrt(self.n_pieces / MAX_PIECES)) / 100
             mend = f"Terrain.texture_size {larger:g} m would do" if larger <= 0.3 else "lower the density"
             faults.append(
-                f"Terrain.texture_size {self.texture_size:g} m and Terrain.texture_density {self.texture_density:g} "
+                f"Terrain.texture_size {number_text(self.texture_size)} m and "
+                f"Terrain.texture_density {number_text(self.texture_density)} "
                 f"ask for some {self.n_pieces} pieces; {MAX_PIECES} at most are laid, or walks would take "
                 f"too long to compute. At this density, {mend}."
             )
         level = {Structure.stairs: "step_depth", Structure.gaps: "gap_distance"}.get(self.structure)
         if level and self.texture_density and WHOLE_PIECE * self.texture_size > getattr(self, level):
             faults.append(
-                f"Terrain.texture_size is {self.texture_size:g} m; its pieces do not fit on ground of Terrain.{level} "
-                f"{getattr(self, level):g} m, of which they may take up {1 / WHOLE_PIECE:.0%}."
+                f"Terrain.texture_size is {number_text(self.texture_size)} m; its pieces do not fit on ground of "
+                f"Terrain.{level} {number_text(getattr(self, level))} m, "
+                f"of which they may take up {1 / WHOLE_PIECE:.0%}."
             )
         reach = (1 + SPREAD) * REACH[self.obstacle] * self.obstacle_size
         if level and 2 * reach > getattr(self, level):
             faults.append(
-                f"Terrain.obstacle_size is {self.obstacle_size:g} m; such a {self.obstacle.name} can be "
-                f"{2 * reach:.2g} m long, and Terrain.{level} is {getattr(self, level):g} m: it does not fit."
+                f"Terrain.obstacle_size is {number_text(self.obstacle_size)} m; such a {self.obstacle.name} can be "
+                f"{2 * reach:.2g} m long, and Terrain.{level} is {number_text(getattr(self, level))} m: "
+                "it does not fit."
             )
         crowd = self.obstacle_density * math.pi * (REACH[self.obstacle] * self.obstacle_size) ** 2
         if crowd > CROWDED:
             faults.append(
-                f"Terrain.obstacle_density {self.obstacle_density:g} per m² and Terrain.obstacle_size "
-                f"{self.obstacle_size:g} m leave no way through; at this size, a density of "
+                f"Terrain.obstacle_density {number_text(self.obstacle_density)} per m² and Terrain.obstacle_size "
+                f"{number_text(self.obstacle_size)} m leave no way through; at this size, a density of "
                 f"{math.floor(100 * self.obstacle_density * CROWDED / crowd) / 100:g} per m² would do."
             )
         if faults:
@@ -192,7 +196,7 @@ class Robot(ShownDomain, frozen=True):
         (fewest, most), (shortest, longest), (short, long) = self.segments, self.segment_length, self.body_length
         faults: list[str] = []
         faults += [
-            f"Robot.{load} is {weight:g} kg; it must be 0, for none, or {LIGHTEST:g} to 100 kg."
+            f"Robot.{load} is {number_text(weight)} kg; it must be 0, for none, or {LIGHTEST:g} to 100 kg."
             for load, weight in (("carry_weight", self.carry_weight), ("drag_weight", self.drag_weight))
             if 0 < weight < LIGHTEST
         ]
@@ -205,19 +209,20 @@ class Robot(ShownDomain, frozen=True):
             )
         if fewest * shortest > long + _TINY:
             faults.append(
-                f"Robot.segments and Robot.segment_length ask for {fewest} × {shortest:g} = {fewest * shortest:g} m "
-                f"or more, but Robot.body_length allows {long:g} m."
+                f"Robot.segments and Robot.segment_length ask for {fewest} × {number_text(shortest)} = "
+                f"{fewest * shortest:g} m or more, but Robot.body_length allows {number_text(long)} m."
             )
         if most * longest < short - _TINY:
             faults.append(
-                f"Robot.segments and Robot.segment_length allow {most} × {longest:g} = {most * longest:g} m at most, "
-                f"but Robot.body_length asks for {short:g} m or more."
+                f"Robot.segments and Robot.segment_length allow {most} × {number_text(longest)} = "
+                f"{most * longest:g} m at most, but Robot.body_length asks for {number_text(short)} m or more."
             )
         if not faults and self.segment_range[0] > self.segment_range[1]:
             faults.append(
                 f"Robot.segments, Robot.legs, Robot.body_length and Robot.segment_length cannot hold together: a body "
-                f"of {short:g} to {long:g} m from segments of {shortest:g} to {longest:g} m with {self.legs[0]} legs "
-                f"or more needs at least {self.segment_range[0]} segments, and at most {self.segment_range[1]} fit."
+                f"of {number_text(short)} to {number_text(long)} m from segments of {number_text(shortest)} to "
+                f"{number_text(longest)} m with {self.legs[0]} legs or more needs at least "
+                f"{self.segment_range[0]} segments, and at most {self.segment_range[1]} fit."
             )
         if faults:
             raise ValueError("\n".join(faults))

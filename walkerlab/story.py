@@ -10,7 +10,7 @@ from walkerlab.fitness import UNITS
 from walkerlab.judge import VERDICTS
 from walkerlab.number_format import significant, significant_column, with_unit
 from walkerlab.phenotype import express
-from walkerlab.quantity import count
+from walkerlab.quantity import count, number_text
 from walkerlab.records import Individual, births, champion, fitter_line
 from walkerlab.settings import Settings
 
@@ -210,6 +210,6 @@ def _words(value: Any) -> str:
         case list():
             return ", ".join(map(_words, cast(list[Any], value)))
         case float():
-            return f"{value:g}"
+            return number_text(value)
         case _:
             return str(value)

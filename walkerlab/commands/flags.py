@@ -7,7 +7,7 @@ from contextlib import suppress
 from difflib import get_close_matches
 from typing import Any
 
-from walkerlab.quantity import Choice, Declared, Domain, OneOf, Quantity, told_with
+from walkerlab.quantity import Choice, Declared, Domain, OneOf, Quantity, number_text, told_with
 from walkerlab.settings import Settings
 
 NEGATIVE = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
@@ -119,6 +119,6 @@ def _show(default: Any) -> str:
         case Choice():
             return default.name
         case tuple():
-            return " ".join(f"{number:g}" for number in default)
+            return " ".join(map(number_text, default))
         case _:
-            return f"{default:g}"
+            return number_text(default)
