@@ -16,8 +16,8 @@ HOUSE = Path(walkerlab.__file__).parent
 
 FLOORS = (
     ("faults",),
-    ("quantity", "randomness", "genes", "interrupts", "markup", "graphics", "gate", "time_limit"),
-    ("choices", "glossary", "workers", "provenance"),
+    ("quantity", "randomness", "genes", "interrupts", "markup", "graphics", "gate", "time_limit", "files"),
+    ("choices", "glossary", "workers", "provenance", "fileset"),
     ("settings", "ga", "waiting"),
     ("limits", "ground", "textures", "cameras"),
     ("layout",),

@@ -17,6 +17,7 @@ from walkerlab import fitness, provenance, records, store, workers
 from walkerlab.algorithm import check_own_operators, generate_robot_population, operators, slot_names
 from walkerlab.archive import Archive
 from walkerlab.evaluation import evaluate
+from walkerlab.files import shown
 from walkerlab.ga.loop import Population, first_population, next_population
 from walkerlab.ga.own import OperatorError
 from walkerlab.gate import Stopped
@@ -79,9 +80,7 @@ class Evolution:
         fitness.check_own(settings.algorithm.fitness)
         workers.check(executor)
         self.settings = settings
-        self.path = None if path is None else Path(path)
-        if self.path:
-            store.claim(self.path)
+        self.path = None if path is None else store.claim(path)
         self._archive, self._on_walks = Archive(self.path), on_walks
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._population: Population[Walked] | None = None
@@ -173,8 +172,8 @@ class Evolution:
         own = "".join(f", {slot}={how}" for slot, how in own_slots(self.settings).items())
         error.kept = path  # type: ignore[attr-defined]
         error.add_note(
-            f"What is done is kept in {path}: {count(self.n_generations, 'generation')}. When the fault is mended, go "
-            f"on with:\n    run = wl.resume({str(path)!r}{own})"
+            f"What is done is kept in {shown(path)}: {count(self.n_generations, 'generation')}. When the fault is "
+            f"fixed, go on with:\n    run = wl.resume({shown(path)!r}{own})"
         )
 
     def _next(self) -> Population[Walked]:
@@ -280,14 +279,16 @@ def resume(
     path, done = store.locate(path), run.n_generations
     if changed := provenance.differences(store.read_facts(path)[1], provenance.here()):
         warnings.warn(
-            f"{path} was made with {changed}. What is done stays as it is; what comes now can differ in its last "
-            "digits from what it would have been there, and so can all that follows from it. The file says of each "
-            "generation what it was made with.",
+            f"{shown(path)} was made with {changed}. What is done stays as it is; what comes now can differ in its "
+            "last digits from what it would have been there, and so can all that follows from it. The file says of "
+            "each generation what it was made with.",
             stacklevel=2,
         )
     settings = run.settings if generations is None else run.settings.with_(generations=generations)
     if settings.algorithm.generations < done:
-        raise SettingsError(f"{path} has {done} generations already; generations must be {done} or more, in all.")
+        raise SettingsError(
+            f"{shown(path)} has {done} generations already; generations must be {done} or more, in all."
+        )
     with _bar(settings, progress, done=done) as bar:
         evolution = Evolution._of(run, path, settings, executor=executor, on_walks=bar.update)
         del run  # its table is in the file, and need not be kept while it grows

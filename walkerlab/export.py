@@ -4,6 +4,7 @@ from pathlib import Path
 
 import mujoco
 
+from walkerlab.files import folder_path, write_text
 from walkerlab.genome import Genome
 from walkerlab.scene import describe_scene
 from walkerlab.settings import Settings
@@ -33,6 +34,7 @@ def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, na
     """
     if not name.isprintable() or not name.strip(" .") or set(name) & NOT_IN_A_NAME:
         raise ValueError(f"the name {name!r} is no plain file name; the folder is given apart")
+    path = folder_path(folder) / f"{name}.xml"
     spec, scene = describe_scene(genome, settings, scenery=True)
     start = mujoco.MjData(scene.model)
     scene.place(start)
@@ -40,8 +42,8 @@ def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, na
     spec.modelname = name
     spec.add_text(name="genome", data=str(scene.genome))
     spec.add_key(name="start", qpos=start.qpos, ctrl=scene.rest)
-    path = Path(folder) / f"{name}.xml"
+    xml = spec.to_xml()
+    mujoco.MjModel.from_xml_string(xml)  # or it is not written
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(spec.to_xml(), encoding="utf-8")
-    mujoco.MjModel.from_xml_path(str(path))
+    write_text(path, xml)
     return path

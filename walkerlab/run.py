@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from walkerlab import fitness, records, store
+from walkerlab import fileset, fitness, records, store
 from walkerlab.algorithm import ROOMS, in_turn
 from walkerlab.choices import Camera, Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
+from walkerlab.files import shown
 from walkerlab.quantity import Choice, function_name
 from walkerlab.records import Individual
 from walkerlab.settings import Settings
@@ -62,7 +63,7 @@ class Run:
         if self.records.empty:
             return "Run(no generation is done yet)"
         name, unit = fitness.label(self.settings.algorithm.fitness)
-        best, kept = self.champion, f", in {self.path}" if self.path else ""
+        best, kept = self.champion, f", in {shown(self.path)}" if self.path else ""
         size = self.settings.algorithm.population_size
         return (
             f"Run({self.n_generations} generations of {size} robots; champion: robot {best.individual} of "
@@ -149,6 +150,7 @@ def load(path: str | Path) -> Run:
         RunFileError: if there is no such file, it is not a run, or it is damaged.
     """
     path = store.locate(path)
+    fileset.restore(path.parent)
     plain, table = store.read(path)
     try:
         records.check(table)
@@ -177,12 +179,13 @@ def rescue(path: str | Path, to: str | Path) -> Run:
     Raises:
         RunFileError: if nothing can be saved, or there is a file at ``to``, or none can be made there.
     """
-    store.rescue(store.locate(path), Path(to))
+    path, to = store.locate(path), store.new_path(to)
+    store.rescue(path, to)
     try:
         return load(to)
     except DamagedError as error:  # as it was sealed already
-        Path(to).unlink()
-        raise RunFileError(f"nothing can be saved of {path}: {error.what}.") from error
+        to.unlink()
+        raise RunFileError(f"nothing can be saved of {shown(path)}: {error.what}.") from error
 
 
 def with_functions(run: Run, functions: dict[str, Any]) -> Run:
@@ -199,7 +202,9 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
     own = own_slots(run.settings)
     for slot in functions.keys() - own.keys():
         known = f"it was {_recipe(recorded[slot])}" if slot in recorded else f"there are {', '.join(recorded)}"
-        raise RunFileError(f"{run.path} needs no {slot!r} given back: {known}. A resumed run goes on as it began.")
+        raise RunFileError(
+            f"{shown(run.path)} needs no {slot!r} given back: {known}. A resumed run goes on as it began."
+        )
     settings = run.settings.with_(**functions)
     wrong = [
         f"{slot}={recipe}"
@@ -210,9 +215,9 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
     if wrong:
         given = ", ".join(wrong)
         raise RunFileError(
-            f"{run.path} was made with functions of somebody's own, and a run file holds no code. To go on with it, "
-            f"give them back under the same names, mended or not: in Python, wl.resume({str(run.path)!r}, {given}). "
-            "To look at it, none is needed."
+            f"{shown(run.path)} was made with functions of somebody's own, and a run file holds no code. To go on with "
+            "it, give them back under the same names, fixed or not: in Python, "
+            f"wl.resume({shown(run.path)!r}, {given}). To look at it, none is needed."
         )
     return Run(settings, run.records, run.path)
 

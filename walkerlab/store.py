@@ -19,6 +19,7 @@ from typing import Any
 import pandas as pd
 
 from walkerlab import layouts, provenance
+from walkerlab.files import PathError, absolute_path, file_path, shown
 from walkerlab.opening import DamagedError, File, RunFileError, connect, opened
 from walkerlab.records import COLUMNS, check, tidy
 
@@ -27,35 +28,57 @@ SHOWN = 16  # digits of a digest, enough to tell two apart
 
 
 def locate(path: str | Path) -> Path:
-    """Return the run file that is meant by its own path, or by that of its folder, if that has one only."""
-    path = Path(path)
+    """Return the absolute path of a run file, given its own path, or that of its folder, if that has one only.
+
+    Raises:
+        RunFileError: if no file can have this path.
+    """
+    try:
+        path = absolute_path(path)
+    except PathError as error:
+        raise RunFileError(str(error)) from error
     if not path.is_dir():
         return path
     others = list(path.glob("*.walk"))
     return others[0] if len(others) == 1 else path / RUN_FILE
 
 
-def claim(path: Path) -> None:
+def new_path(path: str | Path) -> Path:
+    """Return the absolute path of a run file to be made.
+
+    Raises:
+        RunFileError: if no file can have this path.
+    """
+    try:
+        return file_path(path)
+    except PathError as error:
+        raise RunFileError(f"no run file can be made: {error}") from error
+
+
+def claim(path: str | Path) -> Path:
     """Make sure that a new run file can be made here; its folder is made if need be.
+
+    Returns:
+        Its absolute path.
 
     Raises:
         RunFileError: if something is there already (a run is never written over), or nothing can be written there.
     """
+    path = new_path(path)
     try:
         if path.exists():
             raise RunFileError(
-                f"{path} exists already, and a run is never written over. "
+                f"{shown(path)} exists already, and a run is never written over. "
                 "Resume it, or give the new run another name or folder."
             )
         path.parent.mkdir(parents=True, exist_ok=True)
         path.touch(exist_ok=False)
         path.unlink()
     except OSError as error:
-        raise RunFileError(f"no run file can be made at {path}: {error.strerror}. Give it another folder.") from error
-    except ValueError as error:
-        if isinstance(error, RunFileError):
-            raise
-        raise RunFileError(f"no run file can be made at {str(path)!r}: {error}. Give it another name.") from error
+        raise RunFileError(
+            f"no run file can be made at {shown(path)}: {error.strerror}. Give it another folder."
+        ) from error
+    return path
 
 
 def passing(keeper: object) -> sqlite3.Connection:
@@ -75,9 +98,8 @@ def keep(db: sqlite3.Connection) -> Path:
     """
     for folder in (Path(), Path(gettempdir())):
         names = (folder / f"kept{f'-{n}' if n > 1 else ''}.walk" for n in count(1))
-        path = next(path for path in names if not path.exists())
         with suppress(RunFileError):
-            claim(path)
+            path = claim(next(path for path in names if not path.exists()))
             with closing(connect(path)) as named:
                 db.backup(named)
             return path
@@ -120,8 +142,9 @@ def append(file: File, generation: pd.DataFrame, run_id: str) -> None:
         (n_done,) = db.execute("SELECT count(*) FROM generations").fetchone()
         if not generation.empty and int(generation.generation.iloc[0]) != n_done:
             raise RunFileError(
-                f"somebody else has changed {file} meanwhile, which has {n_done} generations now: another process has "
-                "gone on with it, or an older copy was put in its place. Go on with that when nobody else does."
+                f"somebody else has changed {shown(file)} meanwhile, which has {n_done} generations now: another "
+                "process has gone on with it, or an older copy was put in its place. Go on with that when nobody else "
+                "does."
             )
         _insert(db, generation, _made_with_here())
 
@@ -207,8 +230,8 @@ def rescue(path: Path, to: Path) -> int:
         RunFileError: if nothing can be saved, or the new file cannot be made; there is none then.
     """
     if not path.is_file():
-        raise RunFileError(f"there is no run file at {path}")
-    claim(to)
+        raise RunFileError(f"there is no run file at {shown(path)}")
+    to = claim(to)
     whole = list[tuple[str, pd.DataFrame]]()
     try:
         with opened(path, "rescue") as db:
@@ -219,9 +242,9 @@ def rescue(path: Path, to: Path) -> int:
                         break
                     whole.append((made_with, check(_tidied(rows, path))))
     except DamagedError as error:
-        raise RunFileError(f"nothing can be saved of {path}: {error.what}.") from error
+        raise RunFileError(f"nothing can be saved of {shown(path)}: {error.what}.") from error
     if not whole:
-        raise RunFileError(f"nothing can be saved of {path}: its first generation is damaged already.")
+        raise RunFileError(f"nothing can be saved of {shown(path)}: its first generation is damaged already.")
     with opened(to, "make") as db:
         layouts.lay_out(db, json.dumps(settings))
         for made_with, table in whole:
@@ -241,7 +264,9 @@ def require(file: File, run_id: str) -> None:
 
 def _require(db: sqlite3.Connection, file: File, run_id: str) -> None:
     if layouts.fact(db, "id") != run_id:
-        raise RunFileError(f"{file} was replaced by another run while this one went on; that one is left as it is.")
+        raise RunFileError(
+            f"{shown(file)} was replaced by another run while this one went on; that one is left as it is."
+        )
 
 
 def _settings(db: sqlite3.Connection, file: File) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from walkerlab import plots
+from walkerlab.files import file_path, replacing
 from walkerlab.rollout import simulate
 from walkerlab.run import Run, load
 from walkerlab.scene import compile_scene
@@ -55,7 +56,8 @@ def portrait(run: Run, path: str) -> None:
     metres = simulate(run.champion.genome, run.settings, poses=False).distance
     walk.set_title(f"{metres:.1f} m in {run.settings.simulation.duration:g} s: four moments on the way", fontsize=9)
     plots.fitness_curve(run.records, curve)
-    figure.savefig(path, dpi=120)
+    with replacing(file_path(path)) as part:
+        figure.savefig(part, dpi=120, format="png")
 
 
 if __name__ == "__main__":
