@@ -122,10 +122,15 @@ def test_a_file_is_new_when_the_block_ends_and_not_before(tmp_path):
 def test_after_an_error_all_is_as_before(tmp_path, error):
     path = tmp_path / "file.txt"
     path.write_text("old")
-    for one in (path, tmp_path / "new.txt"):
-        with pytest.raises(error), replacing(one) as part:
+
+    def fail(one):
+        with replacing(one) as part:
             part.write_text("half")
             raise error
+
+    for one in (path, tmp_path / "new.txt"):
+        with pytest.raises(error):
+            fail(one)
     assert path.read_text() == "old"
     assert list(tmp_path.iterdir()) == [path]
 
