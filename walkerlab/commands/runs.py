@@ -58,7 +58,7 @@ def resume(given: argparse.Namespace) -> int:
     wanted = run.settings.algorithm.generations if wanted is None else wanted
     if done == wanted and run.path:
         if not outputs.are_there(run.path):  # stopped when all but these was done
-            outputs.write(run, run.path.parent)
+            _write_outputs(run)
         if not given.quiet:
             print(f"All {done} generations are done; to go on: walkerlab {_to_go_on(run)}")
         return 0
@@ -99,13 +99,7 @@ def _finish(run: Run, *, quiet: bool) -> int:
         if run.champion.verdict == "ok":
             print(run.confirm())
         print("\nDrawing the report …", flush=True)
-    try:
-        outputs.write(run, folder)
-    except OutputError as error:
-        raise OutputError(
-            f"The run is whole, but its output files are not. {error}\n"
-            f"When that is fixed, all of them are made by: walkerlab resume {_named(run)}"
-        ) from error
+    _write_outputs(run)
     if not quiet:
         print(f"\nIn the folder {shown(folder)} there are now")
         print("\n".join(f"  {name:13} {about}" for name, about in outputs.FILES.items()))
@@ -118,6 +112,19 @@ def _finish(run: Run, *, quiet: bool) -> int:
         width = max(map(len, next_steps))
         print("\n".join(f"  walkerlab {words:{width}}   {about}" for words, about in next_steps.items()))
     return INTERRUPTED if is_stopped else 0
+
+
+def _write_outputs(run: Run) -> None:
+    from walkerlab import outputs
+
+    assert run.path
+    try:
+        outputs.write(run, run.path.parent)
+    except OutputError as error:
+        raise OutputError(
+            f"The run is whole, but its output files are not. {error}\n"
+            f"When that is fixed, all of them are made by: walkerlab resume {_named(run)}"
+        ) from error
 
 
 def show(given: argparse.Namespace) -> int:
