@@ -107,9 +107,8 @@ def replacing_files(folder: Path, is_current: Callable[[Path], bool] | None = No
         new = _begin(folder, stage)
         yield new
         named = [name for names in new.failed for name in names]
-        outdated = [
-            name for name in named if os.path.lexists(folder / name) and not (is_current and is_current(folder / name))
-        ]
+        there = [folder / name for name in named if os.path.lexists(folder / name)]
+        outdated = [path for path in there if not (is_current and is_current(path))]
         if not outdated:
             _swap(folder, stage)
         if new.failed:
@@ -152,8 +151,7 @@ def _faults(new: NewFiles) -> str:
 
 
 def _listed(names: Sequence[str]) -> str:
-    more = len(names) - MAX_NAMED
-    return f"{names[0]} and {len(names) - 1} more" if more > 0 else ", ".join(names)
+    return f"{names[0]} and {len(names) - 1} more" if len(names) > MAX_NAMED else ", ".join(names)
 
 
 def _words(error: Exception) -> str:
@@ -275,10 +273,8 @@ def _lock(file: int) -> bool:
             msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
         else:
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except (BlockingIOError, PermissionError):
-        return False
-    except OSError:  # a file system without locks
-        return True
+    except OSError as error:  # any other is of a file system without locks
+        return not isinstance(error, BlockingIOError | PermissionError)
     return True
 
 
