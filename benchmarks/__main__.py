@@ -9,13 +9,14 @@ a machine that does nothing else. With BENCHMARK_WALKS=16 before it fewer robots
 
 import argparse
 import csv
-import os
+import io
 from collections.abc import Iterator
 from importlib import import_module
 from itertools import chain
 from statistics import median
 
 from benchmarks.floor import ROUGH
+from walkerlab.files import PathError, file_path, write_text
 
 BENCHMARKS = ("floor", "scaling", "worlds", "panel", "first", "growth")
 """What is measured, each by the module of that name."""
@@ -48,7 +49,7 @@ def main() -> None:
     )
     parser.add_argument("--pairs", type=int, default=5, help="how often each two are timed in turn")
     parser.add_argument("--only", default=",".join(BENCHMARKS), help="some of them; all are %(default)s")
-    parser.add_argument("--csv", metavar="FILE", default=os.devnull, help="where to write the table as well")
+    parser.add_argument("--csv", metavar="FILE", help="where to write the table as well")
     given = parser.parse_args()
     names = given.only.split(",")
     if unknown := sorted(set(names) - set(BENCHMARKS)):
@@ -56,11 +57,16 @@ def main() -> None:
     if given.pairs < 1:
         parser.error(f"--pairs is {given.pairs}; it must be 1 or more")
 
-    with open(given.csv, "w", buffering=1, newline="", encoding="utf-8") as file:
-        table = csv.writer(file)
-        for row in chain([COLUMNS], measure(names, given.pairs)):
-            print(LINE.format(*row).rstrip(), flush=True)
-            table.writerow(row)
+    try:
+        path = file_path(given.csv, "--csv") if given.csv else None
+    except PathError as error:
+        parser.error(str(error))
+    table = io.StringIO()
+    for row in chain([COLUMNS], measure(names, given.pairs)):
+        print(LINE.format(*row).rstrip(), flush=True)
+        csv.writer(table, lineterminator="\n").writerow(row)
+        if path:
+            write_text(path, table.getvalue())  # whole after each row: the next may take minutes
 
 
 if __name__ == "__main__":

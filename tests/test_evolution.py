@@ -7,7 +7,6 @@ import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -231,8 +230,8 @@ class TestNeverLost:
         settings = SETTINGS.with_(mutation=shake)
         with pytest.raises(wl.OperatorError) as caught:
             wl.evolve(settings, path, threads, progress=False)
-        told, kept = caught.value.__notes__[-1], path or Path("kept.walk")
-        assert told.startswith(f"What is done is kept in {kept}: 2 generations.")
+        told, kept = caught.value.__notes__[-1], path or tmp_path / "kept.walk"
+        assert told.startswith(f"What is done is kept in {kept.name}: 2 generations.")
         assert caught.value.kept == kept
         before = wl.load(kept)
         code = told.splitlines()[-1].replace(")", ", executor=threads, progress=False)").strip()
@@ -252,7 +251,7 @@ class TestNeverLost:
         monkeypatch.setattr(store, "gettempdir", lambda: str(tmp_path / "elsewhere"))
         (tmp_path / "kept.walk").write_text("somebody's")
         archive = evolution._archive
-        assert archive.keep() == archive.keep() == Path("kept-2.walk"), "once is enough"
+        assert archive.keep() == archive.keep() == tmp_path / "kept-2.walk", "once is enough"
         assert (tmp_path / "kept.walk").read_text() == "somebody's"
         again = wl.Evolution(SETTINGS, executor=threads)
         next(iter(again))

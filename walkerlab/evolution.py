@@ -17,6 +17,7 @@ from walkerlab import fitness, provenance, records, store, workers
 from walkerlab.algorithm import check_own_operators, generate_robot_population, operators, slot_names
 from walkerlab.archive import Archive
 from walkerlab.evaluation import evaluate
+from walkerlab.files import shown
 from walkerlab.ga.loop import Population, first_population, next_population
 from walkerlab.ga.own import OperatorError
 from walkerlab.gate import Stopped
@@ -103,7 +104,7 @@ class Evolution(ReadOnlyProperties):
         patience(1.0)  # a wrong environment variable raises before the file is created
         check_storable(settings)
         self._settings = settings
-        self._path = None if path is None else Path(path)
+        self._path = None if path is None else store.new_path(path)
         self._on_walks = on_walks
         self._archive = Archive.create(settings.model_dump(), self._path)  # all else is valid
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
@@ -224,16 +225,16 @@ class Evolution(ReadOnlyProperties):
         except RunFileError as fault:
             error.add_note(str(fault))
             return
-        done = f"What is done is kept in {path}: {count(self.n_generations, 'generation')}."
+        done = f"What is done is kept in {shown(path)}: {count(self.n_generations, 'generation')}."
         if not self.n_generations:
-            done = f"No generation was done; the settings are kept in {path}."
+            done = f"No generation was done; the settings are kept in {shown(path)}."
         error.kept = path  # type: ignore[attr-defined]
         error.add_note(f"{done} When the fault is fixed, resume with:\n    run = {self._resume_call(path)}")
 
     def _resume_call(self, path: Path) -> str:
         """Return the Python call that resumes the run."""
         own = "".join(f", {slot}={how}" for slot, how in own_slots(self.settings).items())
-        return f"wl.resume({str(path)!r}{own})"
+        return f"wl.resume({shown(path)!r}{own})"
 
     @property
     def unfinished(self) -> str:
@@ -356,18 +357,20 @@ def resume(
     facts = store.read_facts(path)[1]
     if changed := provenance.differences(facts, provenance.here()):
         warnings.warn(
-            f"{path} was made with {changed}. What is done stays as it is; what comes now can differ in its last "
-            "digits from what it would have been there, and so can all that follows from it. The file says of each "
-            "generation what it was made with.",
+            f"{shown(path)} was made with {changed}. What is done stays as it is; what comes now can differ in its "
+            "last digits from what it would have been there, and so can all that follows from it. The file says of "
+            "each generation what it was made with.",
             stacklevel=2,
         )
     settings = run.settings if generations is None else run.settings.with_(generations=generations)
     if settings.algorithm.generations < done:
-        raise SettingsError(f"{path} has {done} generations already; generations must be {done} or more, in all.")
+        raise SettingsError(
+            f"{shown(path)} has {done} generations already; generations must be {done} or more, in all."
+        )
     if changed := changed_operators(facts, function_facts(settings)):
         warnings.warn(
-            f"{path} was made with another source of its {changed}. The run continues with the functions given; its "
-            "file records for each generation which source it was made with.",
+            f"{shown(path)} was made with another source of its {changed}. The run continues with the functions given; "
+            "its file records for each generation which source it was made with.",
             stacklevel=2,
         )
     with _bar(settings, progress, done=done) as bar:

@@ -11,6 +11,7 @@ from xml.etree import ElementTree
 
 import mujoco
 
+from walkerlab.files import folder_path, write_text
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.rollout import count_settling_steps
@@ -56,15 +57,15 @@ def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, na
     """
     if not name.isprintable() or not name.strip(" .") or set(name) & NOT_IN_A_NAME:
         raise ValueError(f"the name {name!r} is no plain file name; the folder is given apart")
+    path = folder_path(folder) / f"{name}.xml"
     spec, scene = describe_scene(genome, settings, scenery=True)
     spec = spec.copy()
     spec.modelname = name
     _add_walk(spec, scene)
     text = _exact_xml(spec)
     mujoco.MjModel.from_xml_string(text)  # fails here rather than wherever the file is taken
-    path = Path(folder) / f"{name}.xml"
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(text, encoding="utf-8")
+    write_text(path, text)
     return path
 
 

@@ -12,6 +12,7 @@ from uuid import uuid4
 
 from walkerlab import layouts
 from walkerlab.faults import Fault
+from walkerlab.files import quoted, shown
 from walkerlab.layouts import LAYOUT, NotARun
 
 PAGE = 8192  # bytes; rows of nearly a kilobyte leave less of it empty than of the 4096 that SQLite takes
@@ -33,9 +34,10 @@ class DamagedError(RunFileError):
 
     def __init__(self, file: File | str, what: str) -> None:
         """Say what is the matter, and how to save what is whole."""
+        name = shown(file)
         super().__init__(
-            f"{file} is damaged: {what}. The generations before the damage can be saved as a run of their own: "
-            f'walkerlab rescue "{file}", or in Python wl.rescue("{file}", "rescued.walk").'
+            f"{name} is damaged: {what}. The generations before the damage can be saved as a run of their own: "
+            f'walkerlab rescue {quoted(file)}, or in Python wl.rescue({name!r}, "rescued.walk").'
         )
         self.what = what
 
@@ -119,7 +121,7 @@ def opened(
         name: what messages call the file; its own path if None.
     """
     if isinstance(file, Path) and how != "make" and not file.is_file():
-        raise RunFileError(f"there is no run file at {file}")
+        raise RunFileError(f"there is no run file at {shown(file)}")
     db = file
     try:
         db = connect(file) if isinstance(file, Path) else file
@@ -149,7 +151,7 @@ def opened(
         finally:
             db.rollback()  # of what is not committed
     except NotARun as error:
-        raise RunFileError(f"{file} {error}.") from error
+        raise RunFileError(f"{shown(file)} {error}.") from error
     except sqlite3.Error as error:
         code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF  # none where a text is no text
         if code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_TOOBIG):
@@ -157,7 +159,7 @@ def opened(
         if code == sqlite3.SQLITE_INTERRUPT:
             raise DamagedError(name or file, "there is no end to what is in it, as far as one can see") from error
         whole = " What was in it is whole." if how == "change" else ""
-        raise RunFileError(f"{name or file} cannot be used: {_WORDS.get(code, error)}.{whole}") from error
+        raise RunFileError(f"{shown(name or file)} cannot be used: {_WORDS.get(code, error)}.{whole}") from error
     finally:
         if isinstance(db, sqlite3.Connection) and db is not file:
             db.close()

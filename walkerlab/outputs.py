@@ -4,6 +4,8 @@ from pathlib import Path
 
 from walkerlab import plots, report
 from walkerlab.export import export_mjcf
+from walkerlab.files import folder_path, write_text
+from walkerlab.fileset import replacing_files
 from walkerlab.plots.look import paper
 from walkerlab.report.page import NAME
 from walkerlab.run import Run
@@ -24,22 +26,35 @@ FILES = {
 
 
 def are_there(path: Path) -> bool:
-    """Say whether all is there beside a run file, and of the run as it is now; the report comes last."""
-    whole = all((path.parent / name).exists() for name in FILES.keys() - {RUN_FILE})
-    return whole and (path.parent / NAME).stat().st_mtime_ns >= path.stat().st_mtime_ns
+    """Tell whether all output files are beside a run file, and of its present state."""
+    names = FILES.keys() - {RUN_FILE}
+    return all((path.parent / name).exists() for name in names) and _is_current(path.parent / NAME, path)
+
+
+def _is_current(file: Path, run_file: Path) -> bool:
+    return file.stat().st_mtime_ns >= run_file.stat().st_mtime_ns
 
 
 def write(run: Run, folder: Path) -> None:
-    """Write all but the run file, which is there already, anew; the report comes last.
+    """Replace all output files of a run, but not the run file.
+
+    The old files stay until all new ones are written. If one part fails, the others are made nevertheless, and the
+    error names it; a file of it that is up to date stays, and beside one that is outdated nothing changes.
 
     Raises:
-        OSError: if a file cannot be written.
+        ValueError: If no generation is done yet.
+        OutputError: If a file cannot be made or written.
     """
-    for name in FILES.keys() - {RUN_FILE}:
-        (folder / name).unlink(missing_ok=True)  # also what points elsewhere
-    best = run.champion.genome
-    plots.save(plots.fitness_curve(run.records, paper(8, 4)), folder / "fitness.svg", folder / "fitness.png")
-    plots.save(plots.stride(best, run.settings, paper(9, 3)), folder / "champion.png")
-    (folder / "champion.txt").write_text(f"{best}\n", encoding="utf-8")
-    export_mjcf(best, run.settings, folder, name="champion")
-    report.save(run.settings, run.records, folder, run.path, files=False)
+    folder, best, path = folder_path(folder), run.champion.genome, run.path
+    own = path if path and path.is_file() and folder.is_dir() and path.parent.samefile(folder) else None
+    with replacing_files(folder, lambda file: own is not None and _is_current(file, own)) as new:
+        place = new.folder
+        with new.part("fitness.svg", "fitness.png"):
+            plots.save(plots.fitness_curve(run.records, paper(8, 4)), place / "fitness.svg", place / "fitness.png")
+        with new.part("champion.png"):
+            plots.save(plots.stride(best, run.settings, paper(9, 3)), place / "champion.png")
+        with new.part("champion.txt"):
+            write_text(place / "champion.txt", f"{best}\n")
+        with new.part("champion.xml"):
+            export_mjcf(best, run.settings, place, name="champion")
+        report.write(new, run.settings, run.records, path, files=False)

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import pandas as pd
 
-from walkerlab import binding, choices, fitness, provenance, records, store
+from walkerlab import binding, choices, fileset, fitness, provenance, records, store
 from walkerlab.algorithm import ROOMS, in_turn
 from walkerlab.choices import Camera, Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
+from walkerlab.files import shown
 from walkerlab.number_format import with_unit
 from walkerlab.quantity import MAX_JSON, Choice, SettingsError, function_name, pasted
 from walkerlab.readonly import ReadOnlyProperties
@@ -92,9 +93,9 @@ class Run(ReadOnlyProperties):
     def __repr__(self) -> str:
         """Say in a line what has come of it."""
         if self._table.empty:
-            return f"Run(no generation is done yet{f', in {self.path}' if self.path else ''})"
+            return f"Run(no generation is done yet{f', in {shown(self.path)}' if self.path else ''})"
         name, unit = fitness.label(self.settings.algorithm.fitness)
-        best, kept = self.champion, f", in {self.path}" if self.path else ""
+        best, kept = self.champion, f", in {shown(self.path)}" if self.path else ""
         reached = f"{name} {with_unit(best.fitness, unit)}" if best.verdict == "ok" else "its walk does not count"
         size = self.settings.algorithm.population_size
         return (
@@ -182,6 +183,7 @@ def load(path: str | Path) -> Run:
         RunFileError: if there is no such file, it is not a run, or it is damaged.
     """
     path = store.locate(path)
+    fileset.restore(path.parent)
     plain, table = store.read(path)
     facts = store.read_facts(path)[1]
     try:
@@ -239,12 +241,13 @@ def rescue(path: str | Path, to: str | Path) -> Run:
     Raises:
         RunFileError: if nothing can be saved, or there is a file at ``to``, or none can be made there.
     """
-    store.rescue(store.locate(path), Path(to))
+    path, to = store.locate(path), store.new_path(to)
+    store.rescue(path, to)
     try:
         return load(to)
     except DamagedError as error:  # as it was sealed already
-        Path(to).unlink()
-        raise RunFileError(f"nothing can be saved of {path}: {error.what}.") from error
+        to.unlink()
+        raise RunFileError(f"nothing can be saved of {shown(path)}: {error.what}.") from error
 
 
 def with_functions(run: Run, functions: dict[str, Any]) -> Run:
@@ -261,7 +264,9 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
     own = own_slots(run.settings)
     for slot in functions.keys() - own.keys():
         known = f"it was {_recipe(recorded[slot])}" if slot in recorded else f"there are {', '.join(recorded)}"
-        raise RunFileError(f"{run.path} needs no {slot!r} given back: {known}. A resumed run goes on as it began.")
+        raise RunFileError(
+            f"{shown(run.path)} needs no {slot!r} given back: {known}. A resumed run goes on as it began."
+        )
     settings = run.settings.with_(**functions)
     wrong = [
         f"{slot}={recipe}"
@@ -272,9 +277,9 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
     if wrong:
         given = ", ".join(wrong)
         raise RunFileError(
-            f"{run.path} was made with functions of somebody's own, and a run file holds no code. To go on with it, "
-            f"give them back under the same names, mended or not: in Python, wl.resume({str(run.path)!r}, {given}). "
-            "To look at it, none is needed."
+            f"{shown(run.path)} was made with functions of somebody's own, and a run file holds no code. To go on with "
+            "it, give them back under the same names, fixed or not: in Python, "
+            f"wl.resume({shown(run.path)!r}, {given}). To look at it, none is needed."
         )
     return Run(settings, run.records, run.path, run.rated_since)
 

@@ -18,6 +18,7 @@ from typing import Any
 import pandas as pd
 
 from walkerlab import layouts, provenance, strict_json
+from walkerlab.files import PathError, absolute_path, file_path, shown
 from walkerlab.opening import DamagedError, File, RunFileError, connect, drafted, opened
 from walkerlab.records import COLUMNS, check, tidy
 
@@ -26,16 +27,35 @@ SHOWN = 16  # digits of a digest, enough to tell two apart
 
 
 def locate(path: str | Path) -> Path:
-    """Return the run file that is meant by its own path, or by that of its folder, if that has one only."""
-    path = Path(path)
+    """Return the absolute path of a run file, given its own path, or that of its folder, if that has one only.
+
+    Raises:
+        RunFileError: if no file can have this path.
+    """
+    try:
+        path = absolute_path(path)
+    except PathError as error:
+        raise RunFileError(str(error)) from error
     if not path.is_dir():
         return path
     others = list(path.glob("*.walk"))
     return others[0] if len(others) == 1 else path / RUN_FILE
 
 
+def new_path(path: str | Path) -> Path:
+    """Return the absolute path of a run file to be made.
+
+    Raises:
+        RunFileError: if no file can have this path.
+    """
+    try:
+        return file_path(path)
+    except PathError as error:
+        raise RunFileError(f"no run file can be made: {error}") from error
+
+
 def passing() -> sqlite3.Connection:
-    """Make a file for a run that nobody keeps: it has no name, and is gone when it is closed or its process ends.
+    """Make a file for a run without a path: it has no name, and is gone when it is closed or its process ends.
 
     It is in memory while it is small. It is for one thread at a time, whichever that is.
     """
@@ -49,8 +69,8 @@ def keep(db: sqlite3.Connection) -> Path:
     """
     for folder in (Path(), Path(gettempdir())):
         names = (folder / f"kept{f'-{n}' if n > 1 else ''}.walk" for n in count(1))
-        path = next(path for path in names if not path.exists())
         with suppress(RunFileError):
+            path = new_path(next(path for path in names if not path.exists()))
             with drafted(path) as draft, closing(connect(draft)) as named:
                 db.backup(named)
             return path
@@ -95,8 +115,9 @@ def append(file: File, generation: pd.DataFrame, run_id: str, functions: Mapping
         (n_done,) = db.execute("SELECT count(*) FROM generations").fetchone()
         if not generation.empty and int(generation.generation.iloc[0]) != n_done:
             raise RunFileError(
-                f"somebody else has changed {file} meanwhile, which has {n_done} generations now: another process has "
-                "gone on with it, or an older copy was put in its place. Go on with that when nobody else does."
+                f"somebody else has changed {shown(file)} meanwhile, which has {n_done} generations now: another "
+                "process has gone on with it, or an older copy was put in its place. Go on with that when nobody else "
+                "does."
             )
         _insert(db, generation, _made_with_here(functions))
 
@@ -182,7 +203,7 @@ def rescue(path: Path, to: Path) -> int:
         RunFileError: if nothing can be saved, or the new file cannot be made; there is none then.
     """
     if not path.is_file():
-        raise RunFileError(f"there is no run file at {path}")
+        raise RunFileError(f"there is no run file at {shown(path)}")
     with drafted(to) as draft:
         return _rescue(path, draft, to)
 
@@ -198,7 +219,7 @@ def _rescue(path: Path, draft: Path, to: Path) -> int:
                         break
                     whole.append((made_with, check(_tidied(rows, path))))
     except DamagedError as error:
-        raise RunFileError(f"nothing can be saved of {path}: {error.what}.") from error
+        raise RunFileError(f"nothing can be saved of {shown(path)}: {error.what}.") from error
     with opened(draft, "make", to) as db:
         layouts.lay_out(db, json.dumps(settings))
         for made_with, table in whole:
@@ -218,7 +239,9 @@ def require(file: File, run_id: str) -> None:
 
 def _require(db: sqlite3.Connection, file: File, run_id: str) -> None:
     if layouts.fact(db, "id") != run_id:
-        raise RunFileError(f"{file} was replaced by another run while this one went on; that one is left as it is.")
+        raise RunFileError(
+            f"{shown(file)} was replaced by another run while this one went on; that one is left as it is."
+        )
 
 
 def _settings(db: sqlite3.Connection, file: File) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 
 from walkerlab.choices import Camera
-from walkerlab.cinema.crew import make
+from walkerlab.cinema.crew import film_path, make
 from walkerlab.cinema.job import Act, FilmError, Job, is_whole
 from walkerlab.cinema.result import Film
 from walkerlab.genes import Floats
@@ -84,7 +84,8 @@ def film(
     text, seen = str(Genome.of(genome)), _seen(settings, camera)
     act = Act(text, seen.simulation.duration, caption)
     about = f"A walk of {act.seconds:g} s, seen from {seen.simulation.camera.about}"
-    return _make(Job((act,), seen, size, fps, Path(path).suffix.lower()), Path(path), about, progress)
+    path = film_path(path)
+    return _make(Job((act,), seen, size, fps, path.suffix.lower()), path, about, progress)
 
 
 def timelapse(
@@ -117,7 +118,7 @@ def timelapse(
             not do.
         FilmError: if there is no GL that draws without a screen, or the film cannot be written.
     """
-    settings, table = _seen(run.settings, camera), run.records
+    path, settings, table = film_path(path), _seen(run.settings, camera), run.records
     longest = settings.simulation.duration
     if not isinstance(seconds, Real) or isinstance(seconds, bool) or not 0 < seconds < float("inf"):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ValueError(
@@ -135,9 +136,9 @@ def timelapse(
         for best, first, last in reigns
     )
     ruler = (int(table.generation.min()), int(table.generation.max()))
-    job = Job(acts, settings, size, fps, Path(path).suffix.lower(), ruler)
+    job = Job(acts, settings, size, fps, path.suffix.lower(), ruler)
     about = f"{len(acts)} champions of the generations {ruler[0]} to {ruler[1]}, walking one after the other"
-    return _make(job, Path(path), about, progress)
+    return _make(job, path, about, progress)
 
 
 def _seen(settings: Settings, camera: Any) -> Settings:

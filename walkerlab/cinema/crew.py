@@ -5,15 +5,14 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
-from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
-from uuid import uuid4
 
 from tqdm.auto import tqdm
 
 from walkerlab import graphics
 from walkerlab.cinema.job import FilmError, Job
+from walkerlab.files import PathError, file_path, replacing, shown
 from walkerlab.interrupts import interrupts_held
 
 START = "import sys; sys.path.append(sys.argv[1]); from walkerlab.cinema.__main__ import main; main()"
@@ -27,32 +26,26 @@ def make(job: Job, path: Path, *, progress: bool) -> None:
     Raises:
         FilmError: if there is no GL, or the film cannot be written.
     """
-    part = _claim(path)
     try:
-        with tqdm(total=job.n_frames, unit=" frames", disable=not progress) as bar:
+        with replacing(path) as part, tqdm(total=job.n_frames, unit=" frames", disable=not progress) as bar:
             _draw(job, part, bar.update)
-        try:
-            os.replace(part, path)
-        except OSError as error:
-            raise FilmError(f"{path} cannot be replaced: {error.strerror}. Is it being played?") from error
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def _claim(path: Path) -> Path:
-    """Make an empty file beside the path, to be written into."""
-    part = path.with_name(f".{uuid4().hex[:8]}.part")  # short: the film's own name may be as long as names can be
-    try:
-        if not path.parent.is_dir():
-            raise FilmError(f"there is no folder {path.parent}; make it first. It is where the film {path.name} goes.")
-        if path.is_dir():
-            raise FilmError(f"{path} is a folder; path must name a file, which will be the film.")
-        with suppress(FileNotFoundError):
-            path.lstat()  # complains if the name is too long
-        part.touch(exist_ok=False)
+    except FileNotFoundError as error:
+        raise FilmError(str(error)) from error
     except OSError as error:
-        raise FilmError(f"the film {path.name} cannot be written to {path.parent}: {error.strerror}.") from error
-    return part
+        where, what = shown(path.parent), error.strerror or error
+        raise FilmError(f"the film {path.name} cannot be written to {where}: {what}. Is it being played?") from error
+
+
+def film_path(given: str | os.PathLike[str]) -> Path:
+    """Make the path of a film absolute.
+
+    Raises:
+        FilmError: If no film can be written to this path.
+    """
+    try:
+        return file_path(given)
+    except PathError as error:
+        raise FilmError(str(error)) from error
 
 
 def _draw(job: Job, part: Path, on_frame: Callable[[int], object]) -> None:

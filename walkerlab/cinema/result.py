@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
+from walkerlab.files import shown
 from walkerlab.markup import Html, join, tag
 
 MOST = 20e6  # bytes of a film that is put into the notebook; a larger one is linked to
@@ -38,7 +39,7 @@ class Film:
         """Say in a line where it is, how long, and how large."""
         kilobytes = f"{self.path.stat().st_size / 1e3:,.0f} kB" if self.path.is_file() else "no longer there"
         width, height = self.size
-        return f"Film({self.path}: {self.seconds:.1f} s, {width} × {height}, {kilobytes})"
+        return f"Film({shown(self.path)}: {self.seconds:.1f} s, {width} × {height}, {kilobytes})"
 
     def _repr_html_(self) -> str:
         """Play it below the cell: the film itself is in the notebook, so that it travels with it."""
@@ -59,4 +60,4 @@ class Film:
         )  # fmt: skip
 
     def _link(self) -> Html:
-        return tag("a", str(self.path), href=quote(self.path.as_posix()))
+        return tag("a", shown(self.path), href=quote(Path(shown(self.path)).as_posix()))

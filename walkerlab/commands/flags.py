@@ -5,8 +5,10 @@ import re
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from difflib import get_close_matches
+from pathlib import Path
 from typing import Any
 
+from walkerlab.files import PathError, absolute_path
 from walkerlab.quantity import Choice, Declared, Domain, OneOf, Quantity, number_text, told_with
 from walkerlab.settings import Settings
 
@@ -22,6 +24,14 @@ class Help(argparse.HelpFormatter):
     def _format_args(self, action: argparse.Action, default_metavar: str) -> str:
         several = isinstance(action.metavar, str) and action.nargs == "+"
         return str(action.metavar) if several else super()._format_args(action, default_metavar)
+
+
+def path_of(text: str) -> Path:
+    """Read the path of a file or folder."""
+    try:
+        return absolute_path(text, "the path")
+    except PathError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
 
 
 def flag_names() -> dict[tuple[str, str], str]:

@@ -3,7 +3,6 @@
 import argparse
 from collections.abc import Mapping
 from difflib import get_close_matches
-from pathlib import Path
 
 from walkerlab.commands import doctor, flags, lab, runs
 
@@ -33,22 +32,24 @@ def grammar() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentPa
     evolved = command(
         "evolve", runs.evolve, "evolve walkers into a new folder", "[--out FOLDER] [--quiet] [--SETTING VALUE ...]"
     )
-    evolved.add_argument("--out", type=Path, default=Path("walk"), metavar="FOLDER", help="where to put it all [walk]")
+    evolved.add_argument(
+        "--out", type=flags.path_of, default="walk", metavar="FOLDER", help="where to put it all [walk]"
+    )
     evolved.add_argument("--quiet", action="store_true", help="say nothing unless something is wrong")
     flags.add_flags(evolved)
 
     resume = command("resume", runs.resume, "go on with a run", "PATH [--generations N] [--quiet]")
-    resume.add_argument("path", type=Path, metavar="PATH", help="a run file, or the folder with it")
+    resume.add_argument("path", type=flags.path_of, metavar="PATH", help="a run file, or the folder with it")
     resume.add_argument("--generations", type=int, metavar="N", help="how many it shall have in all")
     resume.add_argument("--quiet", action="store_true", help="say nothing unless something is wrong")
 
     show = command("show", runs.show, "show what a run has brought forth", "PATH")
-    show.add_argument("path", type=Path, metavar="PATH", help="a run file, or the folder with it")
+    show.add_argument("path", type=flags.path_of, metavar="PATH", help="a run file, or the folder with it")
 
     rescue = command("rescue", runs.rescue, "save what is whole of a damaged run", "PATH [--out FOLDER]")
-    rescue.add_argument("path", type=Path, metavar="PATH", help="a run file, or the folder with it")
+    rescue.add_argument("path", type=flags.path_of, metavar="PATH", help="a run file, or the folder with it")
     rescue.add_argument(
-        "--out", type=Path, default=Path("rescued"), metavar="FOLDER", help="where to put the new run [rescued]"
+        "--out", type=flags.path_of, default="rescued", metavar="FOLDER", help="where to put the new run [rescued]"
     )
 
     command("doctor", doctor.tell, "say what this machine can do, and how to mend what it cannot", "")

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from walkerlab.commands.terminal import REFUSED, say
+from walkerlab.files import replacing
 
 FOLDER = "walkerlab-notebooks"
 FIRST = "00_meet_a_walker.ipynb"
@@ -38,7 +39,10 @@ def copy_notebooks(folder: Path) -> list[Path]:
     """
     folder.mkdir(parents=True, exist_ok=True)
     fresh = [(original, folder / original.name) for original in originals() if not (folder / original.name).exists()]
-    return [Path(shutil.copyfile(original, copy)) for original, copy in fresh]
+    for original, copy in fresh:
+        with replacing(copy) as part:
+            shutil.copyfile(original, part)
+    return [copy for _, copy in fresh]
 
 
 def open_lab(folder: Path, options: Sequence[str] = ()) -> None:
@@ -65,9 +69,11 @@ def run(given: argparse.Namespace) -> int:
     try:
         copied = copy_notebooks(folder)
     except OSError as error:
-        return say(f"No notebooks can be put into {folder}: {error.strerror}. cd to a folder of your own.", to=REFUSED)
+        return say(
+            f"No notebooks can be put into {FOLDER}: {error.strerror or error}. cd to a folder of your own.", to=REFUSED
+        )
     notebooks = f"{len(copied)} notebook{'' if len(copied) == 1 else 's'}"
-    new = f"New in {folder}: {notebooks}." if copied else f"All notebooks are in {folder} already."
+    new = f"New in {FOLDER}: {notebooks}." if copied else f"All notebooks are in {FOLDER} already."
     print(f"{new} What was there before stays as it was.", flush=True)
     options = [f"--{name.replace('_', '-')}" for name in ("no_browser", "allow_root") if getattr(given, name)]
     options += [f"--port={given.port}"] if given.port else []

@@ -12,10 +12,13 @@ import sys
 import tempfile
 from collections.abc import Generator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from socket import socket
 
 from PIL import Image
+
+from walkerlab.files import file_path, replacing
 
 PANEL = """import walkerlab as wl
 lab = wl.Lab(wl.Settings().with_(generations=20, seed=3))
@@ -45,9 +48,10 @@ def photograph(path: Path) -> None:
         page.mouse.move(0, 0)
         end = page.locator(".wl-robot").bounding_box()
         assert end
-        page.screenshot(path=path, clip={"x": 0, "y": 0, "width": SIZE[0], "height": end["y"]})
+        picture = page.screenshot(clip={"x": 0, "y": 0, "width": SIZE[0], "height": end["y"]})
         browser.close()
-    Image.open(path).convert("RGB").quantize(COLOURS).save(path, optimize=True)
+    with replacing(path) as part:
+        Image.open(BytesIO(picture)).convert("RGB").quantize(COLOURS).save(part, "PNG", optimize=True)
 
 
 @contextmanager
@@ -75,4 +79,4 @@ def served(source: str) -> Generator[str]:
 
 
 if __name__ == "__main__":
-    photograph(Path(sys.argv[1]))
+    photograph(file_path(sys.argv[1]))

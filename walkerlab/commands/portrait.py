@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from walkerlab import plots
+from walkerlab.files import file_path, replacing
 from walkerlab.number_format import with_unit
 from walkerlab.rollout import simulate
 from walkerlab.run import Run, load
@@ -58,7 +59,8 @@ def portrait(run: Run, path: str) -> None:
         f"{with_unit(metres, 'm')} in {run.settings.simulation.duration:g} s: four moments on the way", fontsize=9
     )
     plots.fitness_curve(run.records, curve)
-    figure.savefig(path, dpi=120)
+    with replacing(file_path(path)) as part:
+        figure.savefig(part, dpi=120, format="png")
 
 
 if __name__ == "__main__":

@@ -7,6 +7,8 @@ import sys
 from typing import TYPE_CHECKING
 
 from walkerlab.commands.terminal import INTERRUPTED, tell
+from walkerlab.files import folder_path, quoted, shown
+from walkerlab.fileset import OutputError
 from walkerlab.interrupts import interrupts_held
 from walkerlab.markup import printable
 
@@ -24,10 +26,10 @@ def evolve(given: argparse.Namespace) -> int:
         from walkerlab.workers import n_cores
 
     settings = flags.settings_of(vars(given), given.strangers)
-    path = given.out / RUN_FILE
+    path = folder_path(given.out, "--out") / RUN_FILE
     if path.exists():
         raise RunFileError(
-            f"{given.out} holds a run already, and a run is never overwritten.\n"
+            f"{shown(given.out)} holds a run already, and a run is never overwritten.\n"
             f"Go on with it:    walkerlab {_to_go_on(load(path))}\n"
             f"Begin a new one:  walkerlab evolve --out ANOTHER-FOLDER"
         )
@@ -55,7 +57,7 @@ def resume(given: argparse.Namespace) -> int:
     wanted = run.settings.algorithm.generations if wanted is None else wanted
     if done == wanted and run.path:
         if not outputs.are_there(run.path):  # stopped when all but these was done
-            outputs.write(run, run.path.parent)
+            _write_outputs(run)
         if not given.quiet:
             print(f"All {done} generations are done; to go on: walkerlab {_to_go_on(run)}")
         return 0
@@ -77,8 +79,7 @@ def _named(run: Run) -> str:
     from walkerlab import store
 
     assert run.path
-    name = str(run.path.parent if run.path.name == store.RUN_FILE else run.path)
-    return f'"{name}"' if " " in name else name
+    return quoted(run.path.parent if run.path.name == store.RUN_FILE else run.path)
 
 
 def _finish(run: Run, *, quiet: bool) -> int:
@@ -97,15 +98,9 @@ def _finish(run: Run, *, quiet: bool) -> int:
         if run.champion.verdict == "ok":
             print(run.confirm())
         print("\nDrawing the report …", flush=True)
-    try:
-        outputs.write(run, folder)
-    except OSError as error:
-        raise OSError(
-            f"The run is whole, but {error.filename or 'a file beside it'} could not be written: {error.strerror}. "
-            f"When that is mended, all files are made by: walkerlab resume {_named(run)}"
-        ) from error
+    _write_outputs(run)
     if not quiet:
-        print(f"\nIn the folder {folder} there are now")
+        print(f"\nIn the folder {shown(folder)} there are now")
         print("\n".join(f"  {name:13} {about}" for name, about in outputs.FILES.items()))
         print("\nWhat next?")
         next_steps = {
@@ -118,6 +113,19 @@ def _finish(run: Run, *, quiet: bool) -> int:
     return INTERRUPTED if is_stopped else 0
 
 
+def _write_outputs(run: Run) -> None:
+    from walkerlab import outputs
+
+    assert run.path
+    try:
+        outputs.write(run, run.path.parent)
+    except OutputError as error:
+        raise OutputError(
+            f"The run is whole, but its output files are not. {error}\n"
+            f"When that is fixed, all of them are made by: walkerlab resume {_named(run)}"
+        ) from error
+
+
 def show(given: argparse.Namespace) -> int:
     """Print a run."""
     from walkerlab import store, story
@@ -125,7 +133,7 @@ def show(given: argparse.Namespace) -> int:
 
     run, path = load(given.path), store.locate(given.path)
     settings, records = run.settings.model_dump(), run.records
-    tell(f"{path}: {run.n_generations} of {run.settings.algorithm.generations} generations")
+    tell(f"{shown(path)}: {run.n_generations} of {run.settings.algorithm.generations} generations")
     whose, made_with = store.read_facts(path)
     for about, facts in (("it has", whose), ("made with", made_with)):
         tell(f"{about} {', '.join(printable(f'{name} {fact}') for name, fact in facts.items())}")
@@ -150,12 +158,13 @@ def rescue(given: argparse.Namespace) -> int:
     from walkerlab import run as runs
     from walkerlab.store import RUN_FILE, RunFileError
 
+    out = shown(folder_path(given.out, "--out"))
     if (given.out / RUN_FILE).exists():
-        raise RunFileError(f"{given.out} holds a run already. Give the saved one another folder: --out ANOTHER-FOLDER")
+        raise RunFileError(f"{out} holds a run already. Give the saved one another folder: --out ANOTHER-FOLDER")
     run = runs.rescue(given.path, given.out / RUN_FILE)
     done, wanted = run.n_generations, run.settings.algorithm.generations
     saved = f"{done} of {wanted} generations are whole, and" if done else "No generation is whole; the settings are"
-    print(f"{saved} saved in {given.out}; {given.path} is left as it was.")
+    print(f"{saved} saved in {out}; {shown(given.path)} is left as it was.")
     print(f"Resume the run: walkerlab {_to_go_on(run)}")
     return 0
 

@@ -17,6 +17,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
+from walkerlab.files import file_path, replacing
 from walkerlab.ground import height, slope
 from walkerlab.scene import Scene, compile_scene
 from walkerlab.settings import Settings
@@ -116,7 +117,8 @@ def poster(path: str) -> None:
     canvas.draw()
     shares = np.asarray(canvas.buffer_rgba())[:, :, :3] / 255
     shades = np.rint(np.rint(shares * SHADES) / SHADES * 255).astype(np.uint8)
-    Image.fromarray(shades).save(path, optimize=True)
+    with replacing(file_path(path)) as part:
+        Image.fromarray(shades).save(part, "PNG", optimize=True)
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ import math
 import os
 from collections.abc import Generator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any, cast
 from xml.sax.saxutils import escape
 
@@ -17,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from matplotlib.transforms import Bbox
 
+from walkerlab.files import file_path, replacing
 from walkerlab.markup import printable
 from walkerlab.number_format import LARGEST, SMALLEST, significant
 from walkerlab.plots.look import REAL_TEXT, OwnFigure, ink, own_look
@@ -141,14 +141,18 @@ def save(axes: Axes, *paths: str | os.PathLike[str]) -> None:
     crop = "tight" if to_scale else None  # a drawing to scale may leave much of its figure empty
     look = own_look() if isinstance(figure, OwnFigure) else mpl.rc_context(REAL_TEXT)
     with look, _laid_out(figure):
-        for path in map(Path, paths):
-            told: Any = metadata.get(path.suffix.lower())
-            if path.suffix.lower() != ".svg":
-                figure.savefig(path, dpi=150, metadata=told, bbox_inches=crop)
-                continue
-            drawn = io.StringIO()
-            figure.savefig(drawn, format="svg", dpi=150, metadata=told, bbox_inches=crop)
-            path.write_text(_heard(drawn.getvalue(), text), encoding="utf-8")
+        for path in [file_path(each) for each in paths]:
+            if not path.suffix:
+                path = path.with_name(f"{path.name}.png")  # as matplotlib does
+            suffix = path.suffix.lower()
+            told: Any = metadata.get(suffix)
+            drawn = io.BytesIO()
+            figure.savefig(drawn, format=suffix[1:], dpi=150, metadata=told, bbox_inches=crop)
+            written = drawn.getvalue()
+            if suffix == ".svg":
+                written = _heard(written.decode("utf-8"), text).encode("utf-8")
+            with replacing(path) as part:
+                part.write_bytes(written)
 
 
 @contextmanager

@@ -11,12 +11,14 @@ import pandas as pd
 from walkerlab import genome, provenance, store, story
 from walkerlab.choices import Structure
 from walkerlab.confirmation import confirm
+from walkerlab.files import folder_path, replacing, write_text
+from walkerlab.fileset import NewFiles, replacing_files
 from walkerlab.glossary import glossary, rows_of
 from walkerlab.markup import Html, cell, code, details, facts, join, page, table, tag
 from walkerlab.number_format import significant, with_unit
-from walkerlab.records import COLUMNS, births
+from walkerlab.records import COLUMNS, births, champion
 from walkerlab.report.code import STEPS, as_python, own_functions
-from walkerlab.report.pictures import FOLDER, KINDS, Picture, Subject, draw_all
+from walkerlab.report.pictures import FOLDER, KINDS, PICTURES, Picture, Subject, draw_all
 from walkerlab.rollout import Rollout
 from walkerlab.settings import Settings
 from walkerlab.store import RunFileError
@@ -63,7 +65,7 @@ def save(
 ) -> Path:
     """Write the report of a run: ``report.html``, ``replay.html``, ``records.csv``, and folders of pictures and tables.
 
-    The page goes first and comes last, in one step: where there is one, all is there, and of this run as it is.
+    An earlier report in the folder is replaced as a whole, once all files of the new one are written.
 
     Args:
         settings: of the run.
@@ -77,17 +79,42 @@ def save(
 
     Raises:
         ValueError: if no generation is done yet.
-        OSError: if a file cannot be written.
+        OSError: if a file cannot be made; the others are made nevertheless (see ``fileset``).
     """
-    folder, run = Path(folder), Subject.of(settings, records)
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / NAME).unlink(missing_ok=True)
-    _for_spreadsheets(records).to_csv(folder / "records.csv", index=False)
+    folder = folder_path(folder)
+    champion(records)  # or there is nothing to report
+    with replacing_files(folder) as new:
+        write(new, settings, records, path, files=files)
+    return folder / NAME
+
+
+def write(
+    new: NewFiles, settings: Settings, records: pd.DataFrame, path: Path | None = None, *, files: bool = True
+) -> None:
+    """Write the report among the new files of a folder; the arguments are those of ``save``."""
+    with new.part("records.csv"):
+        _write_csv(_for_spreadsheets(records), new.folder / "records.csv")
     if files:
-        (folder / TABLES).mkdir(exist_ok=True)
-        story.generations(records).to_csv(folder / TABLES / "generations.csv", index=False)
-        _walk(run.rollout).to_csv(folder / TABLES / "champion.csv", index=False)
-    replay(run.champion, settings).to_html(folder / REPLAY)
+        with new.part(f"{TABLES}/generations.csv"):
+            _write_csv(story.generations(records), new.folder / TABLES / "generations.csv")
+    with new.part(REPLAY):
+        replay(champion(records), settings).to_html(new.folder / REPLAY)
+    pictures = [f"{FOLDER}/{picture.name}.{kind}" for picture in PICTURES for kind in KINDS]
+    with new.part(NAME, *([f"{TABLES}/champion.csv", *pictures] if files else [])):
+        run = Subject.of(settings, records)
+        if files:
+            _write_csv(_walk(run.rollout), new.folder / TABLES / "champion.csv")
+        write_text(new.folder / NAME, _page(run, new.folder, path, files))
+
+
+def _write_csv(table: pd.DataFrame, path: Path) -> None:
+    with replacing(path) as part:
+        table.to_csv(part, index=False)
+
+
+def _page(run: Subject, folder: Path, path: Path | None, files: bool) -> str:
+    """Write the page, and the pictures beside it if there are to be files of them."""
+    settings = run.settings
     drawn = {
         picture.name: _figure(picture, shown, files) for picture, shown in draw_all(run, folder if files else None)
     }
@@ -105,10 +132,7 @@ def save(
     parts = (tag("section", tag("h2", title), content, id=anchors[title]) for title, content in sections.items())
     style = (HERE / "report.css").read_text(encoding="utf-8")
     title = f"Walkers evolved on {_terrain(settings)}"
-    text = page(title, style, tag("h1", title), tag("nav", *links, aria_label="Contents"), *parts)
-    whole = folder / f"{NAME}.part"
-    whole.write_text(text, encoding="utf-8")
-    return whole.replace(folder / NAME)
+    return page(title, style, tag("h1", title), tag("nav", *links, aria_label="Contents"), *parts)
 
 
 def _for_spreadsheets(records: pd.DataFrame) -> pd.DataFrame:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from walkerlab import plots, story
+from walkerlab import files, plots, story
 from walkerlab.markup import Html, join, shown, tag
 from walkerlab.records import champion
 from walkerlab.report.pictures import inline
@@ -35,7 +35,7 @@ def panel(settings: Settings, records: pd.DataFrame, path: Path | None) -> str:
     curve = inline(lambda ax: plots.fitness_curve(records, ax), (6.0, 3.4))
     body = inline(lambda ax: plots.body(best.genome, ax, settings), (6.0, 3.4))
     caption = "The champion" if best.verdict == "ok" else f"Robot {best.individual}, whose walk does not count"
-    kept = tag("p", "It is kept in ", tag("code", path), ".") if path else Html("")
+    kept = tag("p", "It is kept in ", tag("code", files.shown(path)), ".") if path else Html("")
     return shown(said, kept, tag("div", _figure(curve, "Fitness"), _figure(body, caption), class_="pictures"), _next())
 
 

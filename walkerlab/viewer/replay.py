@@ -25,6 +25,7 @@ import traitlets
 from matplotlib.colors import to_hex
 
 from walkerlab.choices import Camera
+from walkerlab.files import file_path, replacing
 from walkerlab.fitness import label, score
 from walkerlab.judge import UNSTABLE, VERDICTS
 from walkerlab.markup import Html, join, tag
@@ -72,12 +73,11 @@ class Replay:
             ValueError: if it is not named ``.html``.
             OSError: if it cannot be written.
         """
-        path = Path(path)
+        path = file_path(path)
         if path.suffix.lower() not in (".html", ".htm"):
             raise ValueError(f"path is {str(path)!r}; it must end in .html: a page, which a browser opens")
-        if not path.parent.is_dir():
-            raise FileNotFoundError(f"there is no folder {path.parent}; make it first. It is where {path.name} goes.")
-        path.write_text(self.page, encoding="utf-8")
+        with replacing(path) as part:
+            part.write_text(self.page, encoding="utf-8")
         return path
 
     @cached_property

@@ -18,6 +18,7 @@ import ipywidgets
 
 from walkerlab.evolution import n_walks
 from walkerlab.faults import Fault
+from walkerlab.files import absolute_path
 from walkerlab.forecast import in_words, seconds_of
 from walkerlab.genome import Genome
 from walkerlab.live import LiveRun, State
@@ -67,7 +68,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
             executor: any ``concurrent.futures.Executor``; loky on all cores if None.
         """
         settings = settings or Settings()
-        self._folder, self._executor = Path(folder), executor
+        self._folder, self._executor = absolute_path(folder, "folder"), executor
         self._told = dict[LiveRun, tuple[object, float]]()
         self._active: LiveRun | None = None
         self._pressing = Lock()
@@ -122,11 +123,12 @@ class Lab(HasSnapshot, ipywidgets.Box):
 
     def close(self) -> None:
         """Stop what runs, send the workers home, and take the panel off the page; the runs stay in their files."""
-        self._desk.close()
-        lives = [kept.live for kept in self.runs.kept.values() if kept.live]
-        for end in (LiveRun.stop, LiveRun.close):  # all are stopped before any is waited for
-            for live in lives:
-                end(live)
+        if hasattr(self, "robot"):  # unless an argument was refused
+            self._desk.close()
+            lives = [kept.live for kept in self.runs.kept.values() if kept.live]
+            for end in (LiveRun.stop, LiveRun.close):  # all are stopped before any is waited for
+                for live in lives:
+                    end(live)
         for piece in pieces_of(self):
             piece.close()
         super().close()

@@ -8,6 +8,8 @@ from typing import Any
 import ipywidgets
 
 from walkerlab import outputs
+from walkerlab.faults import Fault
+from walkerlab.files import absolute_path, shown
 from walkerlab.markup import Html, join
 from walkerlab.plots.style import RUNS
 from walkerlab.report.code import as_python, own_functions
@@ -47,7 +49,7 @@ class RunsRoom(HasSnapshot, ipywidgets.Box):
         self._on_curve = list[tuple[str, str, bool]]()
         self.kept = dict[str, Kept]()
         self.curve, self.shelf, self.drawer = Curve(), Shelf(), Drawer(self._load, self._export, on_settings)
-        self.drawer.files = run_files(folder)
+        self._list_files()
         super().__init__([self.curve, self.shelf, self.drawer])
         self.add_class("wl-runs")
         self.shelf.observe(self._run_chosen, "selected")
@@ -113,34 +115,40 @@ class RunsRoom(HasSnapshot, ipywidgets.Box):
 
     # ---------------------------------------------------------------------------------------------- out and in
 
-    def _load(self, path: str) -> None:
+    def _list_files(self) -> None:
+        """List the run files that can be loaded."""
+        self._files = {shown(Path(path)): path for path in run_files(self._folder)}
+        self.drawer.files = list(self._files)
+
+    def _load(self, name: str) -> None:
         try:
-            run = load(path)
+            run = load(path := self._files.get(name, name))
             best_of(run)  # whose genome may be no genome
         except (ValueError, OSError) as error:
             self.drawer.words = str(error)
             return
-        file = Path(path) if run.path is None else run.path
+        file = run.path or absolute_path(path)
         self.keep(Kept(str(file.resolve()), run.settings, run), name_of(file))
-        none = "" if run.n_generations else f" No generation is done yet; resume it with wl.resume({str(file)!r})."
-        self.drawer.words = f"Loaded {file}.{none}"
+        none = "" if run.n_generations else f" No generation is done yet; resume it with wl.resume({shown(file)!r})."
+        self.drawer.words = f"Loaded {shown(file)}.{none}"
 
     def _export(self) -> None:
         """Write all that there is to see of the chosen run into its folder, on a thread, for it takes seconds."""
         if (run := self.chosen) and run.n_generations:
             folder = run.path.parent if run.path else new_file(self._folder).parent
-            self.drawer.words = f"Writing into {folder} …"
+            self.drawer.words = f"Writing into {shown(folder)} …"
             threading.Thread(target=self._write, args=(run, folder), name="walkerlab export", daemon=True).start()
 
     def _write(self, run: Run, folder: Path) -> None:
         try:
-            folder.mkdir(parents=True, exist_ok=True)
             outputs.write(run, folder)
+        except Fault as error:
+            self.drawer.words = str(error)
         except Exception as error:  # it is on a thread of its own: nobody else would say so
-            self.drawer.words = f"Not all could be written into {folder}. {type(error).__name__}: {error}"
+            self.drawer.words = f"Nothing could be written into {shown(folder)}. {type(error).__name__}: {error}"
         else:
-            self.drawer.files = run_files(self._folder)
-            self.drawer.words = f"Exported into the folder {folder}: {', '.join(outputs.FILES)}."
+            self._list_files()
+            self.drawer.words = f"Exported into the folder {shown(folder)}: {', '.join(outputs.FILES)}."
 
 
 def _code(run: Run) -> str:

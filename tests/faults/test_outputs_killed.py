@@ -1,0 +1,98 @@
+"""Whatever writes the files beside a run is killed at random moments: all of them are of one state of the run."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import walkerlab as wl
+from tests.faults import number
+from walkerlab import outputs
+from walkerlab.report.pictures import KINDS, PICTURES
+from walkerlab.store import RUN_FILE
+
+pytestmark = pytest.mark.skipif(os.name == "nt", reason="nothing there kills like SIGKILL")
+
+SMALL = wl.Settings().with_(population_size=4, generations=2, duration=1)
+WRITERS = {
+    "command": "from walkerlab.__main__ import main; main(['resume', folder, '--quiet'])",
+    "export": (
+        "from pathlib import Path; from walkerlab import outputs; import walkerlab as wl\n"
+        "outputs.write(wl.load(folder), Path(folder))"
+    ),
+    "report": "import walkerlab as wl; wl.load(folder).save_report(folder)",
+}
+CHILD = """
+import sys; sys.path.insert(0, sys.argv[1]); folder = sys.argv[2]
+import walkerlab.evolution, walkerlab.outputs, walkerlab.report
+print("ready", flush=True)
+{}
+print("done", flush=True)
+"""
+
+
+@pytest.fixture(scope="module")
+def states(tmp_path_factory):
+    """A folder with all files of a run of two generations, of which the run file then got a third."""
+    folder = tmp_path_factory.mktemp("states") / "walk"
+    with ThreadPoolExecutor(2) as pool:
+        run = wl.evolve(SMALL, folder / RUN_FILE, pool, progress=False)
+        run.save_report(folder)
+        outputs.write(run, folder)
+        wl.resume(folder, 3, pool, progress=False)
+    return folder
+
+
+def names_of(writer):
+    if writer != "report":
+        return outputs.FILES.keys() - {RUN_FILE}
+    pictures = {f"pictures/{picture.name}.{kind}" for picture in PICTURES for kind in KINDS}
+    return {"report.html", "replay.html", "records.csv", "tables/generations.csv", "tables/champion.csv", *pictures}
+
+
+def go(writer, folder, root, seconds=None):
+    """Write in a process, which is killed after so many seconds; return how many it took."""
+    command = [sys.executable, "-c", CHILD.format(WRITERS[writer]), str(root), str(folder)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, start_new_session=True) as process:
+        assert process.stdout.readline() == b"ready\n"
+        began = time.monotonic()
+        if seconds is not None:
+            time.sleep(seconds)
+            os.killpg(process.pid, signal.SIGKILL)
+        assert process.stdout.readline() == b"done\n" or seconds is not None
+        return time.monotonic() - began
+
+
+def times(folder, names):
+    return {name: (folder / name).stat().st_mtime_ns for name in names}
+
+
+@pytest.mark.parametrize("writer", WRITERS)
+def test_killed_at_any_moment_all_files_are_of_one_state(writer, states, tmp_path, request):
+    names, root, found = names_of(writer), request.config.rootpath, []
+    shutil.copytree(states, tmp_path / "timed", copy_function=shutil.copy2)
+    longest = go(writer, tmp_path / "timed", root)
+    rng = np.random.default_rng([2026, len(writer)])
+    for n in range(number(1, 20)):
+        folder = tmp_path / f"{n}"
+        shutil.copytree(states, folder, copy_function=shutil.copy2)
+        others = {path.name for path in folder.iterdir()}
+        before = times(folder, names)
+        go(writer, folder, root, rng.uniform(0, longest))
+        seen = times(folder, names)
+        wl.load(folder)
+        after = times(folder, names)
+        n_new = sum(after[name] != before[name] for name in names)
+        found.append(("old" if not n_new else "new", seen == after))
+        assert n_new in (0, len(names)), "a mixture"
+        assert {path.name for path in folder.iterdir()} == others
+        assert pd.read_csv(folder / "records.csv").generation.max() == (2 if n_new else 1)
+    print(f"\n{writer}: {len(found)} kills within {longest:.1f} s; sets found {[one for one, _ in found]}")
+    print(f"of these, seen as they are before anybody looked: {sum(same for _, same in found)}")
