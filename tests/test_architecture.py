@@ -33,7 +33,7 @@ FLOORS = (
     ("layouts",),
     ("opening",),
     ("store",),
-    ("archive", "plots", "story", "sketch"),
+    ("archive", "missing", "plots", "story", "sketch"),
     ("viewer", "cinema"),
     ("report",),
     ("run",),

@@ -4,12 +4,15 @@ Evolution looks for whatever scores, so a champion may rest on one lucky bounce,
 stands at a quarter of the timestep, and from starts that are a little different, it can do.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import median
+from typing import Any
 
 import numpy as np
 
-from walkerlab.fitness import label, score
+from walkerlab.choices import Fitness
+from walkerlab.fitness import label, poorest, rate
 from walkerlab.genome import Genome
 from walkerlab.markup import Html, shown, table
 from walkerlab.rollout import from_every_start, nudge, walk
@@ -79,21 +82,30 @@ class Confirmation:
         return table(caption, ["walk", "of it", "asks"], rows, numbers=(1,))
 
 
-def confirm(genome: Genome | str, settings: Settings, n_nudges: int = N_NUDGES) -> Confirmation:
+def confirm(
+    genome: Genome | str,
+    settings: Settings,
+    n_nudges: int = N_NUDGES,
+    fitness: Fitness | str | Callable[..., Any] | None = None,
+) -> Confirmation:
     """Let a robot walk again at a quarter of the timestep, and from a few starts that are a little different.
 
     Args:
         genome: a genome or its text.
         settings: of all four domains; the terrain's seed is that of the other starts too.
         n_nudges: how many of these.
+        fitness: by which the walks are rated; that of the settings if None. A loaded run has lost its own function.
 
     Raises:
         GenomeError: if a text is no genome.
         ValueError: if there is no other start to walk from.
+        RunFileError: if the settings are of a loaded run, which has lost its own fitness function.
     """
+    if fitness is not None:
+        settings = settings.with_(fitness=fitness)
     if n_nudges < 1:
         raise ValueError(f"n_nudges is {n_nudges}; it must be 1 or more: how many other starts the robot walks from")
-    fitness, (name, unit) = settings.algorithm.fitness, label(settings.algorithm.fitness)
+    measure, (name, unit) = settings.algorithm.fitness, label(settings.algorithm.fitness)
     simulation = settings.simulation
     finer_steps = settings.model_copy(  # which may be under the range of the setting
         update={"simulation": simulation.model_copy(update={"timestep": simulation.timestep / FINER})}
@@ -104,11 +116,12 @@ def confirm(genome: Genome | str, settings: Settings, n_nudges: int = N_NUDGES) 
         walk(compile_scene(genome, finer_steps), poses=False),
         *(walk(scene, nudge=nudge(scene, UNSEEN + number), poses=False) for number in range(n_nudges)),
     ]
-    finer, *nudged = (score(rollout, fitness) for rollout in rollouts)
+    rated = [rate(rollout, measure) for rollout in rollouts]
+    (finer, _), *nudged = rated
     return Confirmation(
-        fitness=min(score(rollout, fitness) for rollout in seen),
+        fitness=poorest([rate(rollout, measure) for rollout in seen])[0],
         finer=finer,
-        nudged=tuple(sorted(nudged)),
-        verdicts=tuple(rollout.verdict for rollout in rollouts),
+        nudged=tuple(sorted(score for score, _ in nudged)),
+        verdicts=tuple(rollout.verdict for _, rollout in rated),
         measure=f"{name} {unit}".strip(),
     )

@@ -13,6 +13,8 @@ from walkerlab import fitness, records, store
 from walkerlab.algorithm import ROOMS, in_turn
 from walkerlab.choices import Camera, Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
+from walkerlab.ga.own import name_of
+from walkerlab.missing import Missing, MissingFitness, remember_walks, typed_name
 from walkerlab.quantity import Choice, function_name
 from walkerlab.records import Individual
 from walkerlab.settings import Settings
@@ -121,13 +123,19 @@ class Run:
         """The fittest robot of all generations."""
         return records.champion(self.records)
 
-    def confirm(self, n_nudges: int = N_NUDGES) -> Confirmation:
+    def confirm(
+        self, n_nudges: int = N_NUDGES, fitness: Fitness | str | Callable[..., Any] | None = None
+    ) -> Confirmation:
         """Let the champion walk again at a quarter of the timestep and from other starts, and say what it keeps.
 
         Args:
             n_nudges: how many other starts, each a little different.
+            fitness: by which the walks are rated; that of the run if None. A loaded run has lost its own function.
+
+        Raises:
+            RunFileError: if the run was loaded, and has lost its own fitness function.
         """
-        return confirm(self.champion.genome, self.settings, n_nudges)
+        return confirm(self.champion.genome, self.settings, n_nudges, fitness)
 
     def lineage(self, individual: int) -> pd.DataFrame:
         """Return the rows of an individual and its ancestors, youngest first, with the operators behind each."""
@@ -140,7 +148,9 @@ class Run:
 
 
 def load(path: str | Path) -> Run:
-    """Read a run from its file; functions of the user's own are known by name only, which does to look at it.
+    """Read a run from its file; functions of the user's own are known by name only, which is enough to look at it.
+
+    ``run.confirm(fitness=my_function)`` and ``resume`` need a function of the user's own again.
 
     Args:
         path: the run file, or the folder with it.
@@ -161,6 +171,7 @@ def load(path: str | Path) -> Run:
     sizes = table.groupby("generation").size()
     if sizes.to_dict() != dict.fromkeys(range(len(sizes)), settings.algorithm.population_size):
         raise DamagedError(path, "robots are missing from its table, or there are too many")
+    remember_walks(settings, table)
     return Run(settings, table, path)
 
 
@@ -204,7 +215,7 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
     wrong = [
         f"{slot}={recipe}"
         for slot, recipe in own.items()
-        if _names(in_turn(getattr(settings.algorithm, slot))) != _names(recorded[slot])
+        if not _have_the_names(in_turn(getattr(settings.algorithm, slot)), recorded[slot])
         or any(map(_is_missing, in_turn(getattr(settings.algorithm, slot))))
     ]
     if wrong:
@@ -228,20 +239,23 @@ def _is_own(operator: Any, slot: str) -> bool:
     return not isinstance(operator, Choice) and function is not getattr(_OURS[slot], function_name(function), None)
 
 
-def _names(fill: tuple[Any, ...]) -> list[str]:
-    return [one.name if isinstance(one, Choice) else function_name(one) for one in fill]
+def _have_the_names(given: tuple[Any, ...], recorded: tuple[Any, ...]) -> bool:
+    """Say whether operators have the names that a run file has of them; a lambda has none, so any function will do."""
+
+    def name(one: Any, lambda_name: str = "") -> str:
+        if isinstance(one, Choice):
+            return one.name
+        return function_name(one).replace("<lambda>", lambda_name or "<lambda>", 1)
+
+    pairs = zip(given, recorded, strict=False)
+    return len(given) == len(recorded) and all(
+        name(one) == name(two, "" if isinstance(one, Choice) else name_of(one)) for one, two in pairs
+    )
 
 
 def _recipe(fill: tuple[Any, ...]) -> str:
     """Write what fills a slot as Python."""
-    words = [
-        repr(one.name)
-        if isinstance(one, Choice)
-        else f"partial({function_name(one).replace('(', ', ', 1)}"
-        if isinstance(one, partial)
-        else function_name(one)
-        for one in fill
-    ]
+    words = [repr(one.name) if isinstance(one, Choice) else typed_name(one) for one in fill]
     return words[0] if len(words) == 1 else f"[{', '.join(words)}]"
 
 
@@ -265,7 +279,8 @@ def _restored(written: Any, slot: str) -> Any:
                 raise ValueError(f"no function of a run is called {name!r:.60}, with {', '.join(keywords)!r:.60}")
             ours = _OURS[slot]
             is_ours = home == ours.__name__ and name in _choices(slot)
-            function = getattr(ours, name) if is_ours else _Missing(name, slot)
+            missing = MissingFitness if slot == "fitness" else Missing
+            function = getattr(ours, name) if is_ours else missing(name, slot)
             arguments = rest.get("args", [])
             return partial(function, *arguments, **keywords) if arguments or keywords else function
         case _:
@@ -278,18 +293,4 @@ def _choices(slot: str) -> set[str]:
 
 
 def _is_missing(operator: Any) -> bool:
-    return isinstance(operator.func if isinstance(operator, partial) else operator, _Missing)
-
-
-class _Missing:
-    """Stands for a function of the user's own, of which the file knows the name only."""
-
-    def __init__(self, name: str, slot: str) -> None:
-        self.__name__ = name
-        self.slot = slot
-
-    def __call__(self, *_: object, **__: object) -> Any:
-        raise RunFileError(
-            f"these settings come from a run file, which holds no code: Algorithm.{self.slot} was your own function "
-            f"{self.__name__!r}. Give it back: settings.with_({self.slot}={self.__name__})"
-        )
+    return isinstance(operator.func if isinstance(operator, partial) else operator, Missing)

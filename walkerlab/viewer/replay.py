@@ -129,7 +129,7 @@ class Replay:
             ("speed", f"{rollout.velocity:.2f} m/s" if whole else "–"),
         ]
         name, unit = label(self.settings.algorithm.fitness)
-        if name not in ("distance", "velocity"):
+        if name not in ("distance", "velocity") and rollout.counts:
             with suppress(RunFileError):  # of a fitness of the user's own, a run file knows the name only
                 facts.append((name, f"{score(rollout, self.settings.algorithm.fitness):.3g} {unit}".strip()))
         facts += [
