@@ -25,6 +25,8 @@ from walkerlab.quantity import Choice, function_name
 from walkerlab.randomness import stream
 from walkerlab.settings import Algorithm, Robot
 
+MIN_COUNTED = 8  # individuals, below which chance alone can put the median close to the best
+
 Operator = Callable[..., Any]
 
 Individuals: TypeAlias = Iterable[Genome | str | ArrayLike]
@@ -78,6 +80,31 @@ def slot_names(algorithm: Algorithm) -> str:
     return " > ".join(
         "+".join(one.name if isinstance(one, Choice) else function_name(one) for one in in_turn(slot))
         for slot in (algorithm.selection, algorithm.crossover, algorithm.mutation)
+    )
+
+
+def lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
+    """Explain why ``gradient`` hardly prefers the best of a generation, and how to fix it; "" if it does prefer it.
+
+    The measure is ``selection.pressure``: the pressure counts as lost below ``MIN_PRESSURE``, although the best and the
+    median fitness differ.
+
+    Args:
+        fitness: Fitness of each individual of a generation, shape (n,).
+        algorithm: Settings of the algorithm.
+    """
+    counted = fitness[fitness != NOT_COUNTED]
+    if operators(algorithm).select[0] is not selection.gradient or len(counted) < MIN_COUNTED:
+        return ""
+    worst, median, best = np.quantile(counted, [0, 0.5, 1])
+    pressure = selection.pressure(selection.gradient_probabilities(counted))
+    if pressure >= selection.MIN_PRESSURE or np.isclose(median, best):
+        return ""
+    return (
+        f"the lowest fitness, {worst:g}, is so far below the others that gradient selection hardly prefers the best "
+        f"robot: its fitness is {best:g} and the median {median:g}, yet it is selected only {pressure - 1:.2%} more "
+        'often than the median robot. Select by order instead, with settings.with_(selection="rank"), or limit the '
+        "fitness from below."
     )
 
 

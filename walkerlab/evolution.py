@@ -14,7 +14,7 @@ import pandas as pd
 from tqdm.auto import tqdm
 
 from walkerlab import fitness, provenance, records, store, workers
-from walkerlab.algorithm import check_own_operators, generate_robot_population, operators, slot_names
+from walkerlab.algorithm import check_own_operators, generate_robot_population, lost_pressure, operators, slot_names
 from walkerlab.archive import Archive
 from walkerlab.evaluation import evaluate
 from walkerlab.ga.loop import Population, first_population, next_population
@@ -23,6 +23,7 @@ from walkerlab.gate import Stopped
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.interrupts import interrupts_held
+from walkerlab.judge import REJECTED
 from walkerlab.limits import genes_of, repair
 from walkerlab.quantity import SettingsError, count
 from walkerlab.records import Individual, Walked
@@ -85,6 +86,7 @@ class Evolution:
         self._archive, self._on_walks = Archive(self.path), on_walks
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._population: Population[Walked] | None = None
+        self._is_warned = False
         self._guests, self._next_bred, self._breeding = list[Genome](), 0, Lock()
 
     @classmethod
@@ -159,7 +161,22 @@ class Evolution:
             except Exception as error:
                 self._keep(error)
                 raise
+            self._warn_once(population)
             yield Generation(population.generation, table)
+
+    def _warn_once(self, population: Population[Walked]) -> None:
+        """Warn if selection cannot tell the robots of a generation apart, once a run."""
+        if self._is_warned:
+            return
+        if all(one.verdict == REJECTED for one in population.evaluations):
+            why = (
+                f"{population.evaluations[0].reason} for every robot, so that parents are random. Is a return missing?"
+            )
+        else:
+            why = lost_pressure(population.fitness, self.settings.algorithm)
+        if why:
+            self._is_warned = True
+            warnings.warn(f"In generation {population.generation}, {why}", stacklevel=2)
 
     def _keep(self, error: Exception) -> None:
         """Keep what is done in a file, and note on the error that ends the run where that is and how to go on."""
@@ -237,6 +254,10 @@ def evolve(
 
     Returns:
         The run: ``.records``, ``.champion``, ``.lineage(individual)``.
+
+    Warns:
+        UserWarning: once a run, if one very low fitness takes the pressure from ``gradient`` selection, or the fitness
+            function rejects every robot of a generation.
 
     Raises:
         OperatorError: if a function of the user's own does not do what its slot needs.
