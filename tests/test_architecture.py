@@ -19,6 +19,7 @@ FLOORS = (
     ("quantity", "randomness", "genes", "interrupts", "markup", "graphics", "gate", "time_limit"),
     ("choices", "glossary", "workers", "provenance"),
     ("settings", "ga", "waiting"),
+    ("arguments",),
     ("limits", "ground", "textures", "cameras"),
     ("layout",),
     ("genome", "entities"),

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from walkerlab.arguments import require_count, require_settings
 from walkerlab.choices import Fitness
 from walkerlab.fitness import label, poorest, rate
 from walkerlab.genome import Genome
@@ -101,10 +102,10 @@ def confirm(
         ValueError: if there is no other start to walk from.
         RunFileError: if the settings are of a loaded run, which has lost its own fitness function.
     """
+    genome, settings = Genome.of(genome), require_settings(settings)
     if fitness is not None:
         settings = settings.with_(fitness=fitness)
-    if n_nudges < 1:
-        raise ValueError(f"n_nudges is {n_nudges}; it must be 1 or more: how many other starts the robot walks from")
+    require_count(n_nudges, "n_nudges", "how many other starts the robot walks from")
     measure, (name, unit) = settings.algorithm.fitness, label(settings.algorithm.fitness)
     simulation = settings.simulation
     finer_steps = settings.model_copy(  # which may be under the range of the setting

@@ -9,6 +9,7 @@ from uuid import uuid4
 import numpy as np
 
 from walkerlab import fitness as measures
+from walkerlab.arguments import require_settings
 from walkerlab.ga.own import OperatorError
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome, read_genomes
@@ -90,11 +91,11 @@ def evaluate(
         GenomeError: if a text is no genome.
         ValueError: if a single genome is given, an array is none, or a fitness function returns anything but a finite
             number, -inf or None.
-        TypeError: if the executor is none.
+        TypeError: if the executor is none, or ``settings`` are not a ``Settings``.
         RuntimeError: if it is closed.
         WorkersLostError: if its workers give no answer, or have no memory left.
     """
-    robots = _within(genomes, settings.robot)
+    robots = _within(genomes, require_settings(settings).robot)
     world = settings.model_copy(update={"algorithm": Algorithm()})
     check(executor)
     pool = executor or default_executor()

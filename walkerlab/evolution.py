@@ -16,6 +16,7 @@ from tqdm.auto import tqdm
 from walkerlab import fitness, provenance, records, store, workers
 from walkerlab.algorithm import check_own_operators, generate_robot_population, lost_pressure, operators, slot_names
 from walkerlab.archive import Archive
+from walkerlab.arguments import require_path, require_settings
 from walkerlab.evaluation import evaluate
 from walkerlab.ga.loop import Population, first_population, next_population
 from walkerlab.ga.own import OperatorError
@@ -25,7 +26,7 @@ from walkerlab.genome import Genome
 from walkerlab.interrupts import interrupts_held
 from walkerlab.judge import REJECTED
 from walkerlab.limits import genes_of, repair
-from walkerlab.quantity import SettingsError, count
+from walkerlab.quantity import SettingsError, count, did_you_mean, pasted
 from walkerlab.records import Individual, Walked
 from walkerlab.run import Run, load, own_slots, with_functions
 from walkerlab.settings import Settings
@@ -61,6 +62,7 @@ class Evolution:
         executor: Executor | None = None,
         *,
         on_walks: Callable[[int], None] = lambda _: None,
+        **unknown: Any,
     ) -> None:
         """Check all that can be checked before any physics runs.
 
@@ -70,17 +72,20 @@ class Evolution:
                 no longer looked at.
             executor: any ``concurrent.futures.Executor``; loky on all cores if None.
             on_walks: told how many more walks are done.
+            **unknown: Rejected; single settings belong to ``settings``.
 
         Raises:
+            TypeError: If an argument is of the wrong type, or its name is unknown.
             OperatorError: if an operator or fitness of the user's own does not do what its slot needs.
             RunFileError: if there is a file at ``path``, or none can be made there.
         """
-        _require(settings)
+        _reject_unknown("Evolution", unknown)
+        require_settings(settings)
         check_own_operators(settings.algorithm, genes_of(settings.robot))
         fitness.check_own(settings.algorithm.fitness)
         workers.check(executor)
         self.settings = settings
-        self.path = None if path is None else Path(path)
+        self.path = None if path is None else require_path(path)
         if self.path:
             store.claim(self.path)
         self._archive, self._on_walks = Archive(self.path), on_walks
@@ -243,6 +248,7 @@ def evolve(
     path: str | Path | None = None,
     executor: Executor | None = None,
     progress: bool = True,
+    **unknown: Any,
 ) -> Run:
     """Evolve walkers from a random first generation; Ctrl-C stops and keeps the generations that are done.
 
@@ -251,6 +257,7 @@ def evolve(
         path: the run file to be made; without one, nothing is left of the run when it is no longer looked at.
         executor: any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: whether to show a bar.
+        **unknown: Rejected; single settings belong to ``settings``.
 
     Returns:
         The run: ``.records``, ``.champion``, ``.lineage(individual)``.
@@ -262,13 +269,14 @@ def evolve(
     Raises:
         OperatorError: if a function of the user's own does not do what its slot needs.
         RunFileError: if there is a file at ``path``, or it cannot be written.
+        TypeError: If an argument is of the wrong type, or its name is unknown.
         WorkersLostError: if those who walk give no answer, or have no memory left.
 
     What is raised once a generation is done has a note that says in which file the run so far is kept, ``error.kept``:
     its own, or if it has none, ``kept.walk``.
     """
-    settings = Settings() if settings is None else settings
-    _require(settings)
+    _reject_unknown("evolve", unknown)
+    settings = Settings() if settings is None else require_settings(settings)
     with _bar(settings, progress) as bar:
         return _finish(Evolution(settings, path, executor, on_walks=bar.update), bar)
 
@@ -315,9 +323,14 @@ def resume(
         return _finish(evolution, bar)
 
 
-def _require(settings: object) -> None:
-    if not isinstance(settings, Settings):
-        raise TypeError(f"an evolution is made from Settings, as in Settings().with_(generations=5); got {settings!r}")
+def _reject_unknown(function: str, unknown: dict[str, Any]) -> None:
+    """Raise a TypeError if there are arguments of unknown names; of a setting, it says where that belongs."""
+    for name, value in unknown.items():
+        if name in Settings.places():
+            belongs = f"wl.{function}(wl.Settings().with_({name}={pasted(value)}))"
+            raise TypeError(f"{function} has no argument {name!r}, which is a setting: {belongs}")
+        known = ("settings", "path", "executor", "progress" if function == "evolve" else "on_walks")
+        raise TypeError(f"{function} has no argument {name!r}; it has {', '.join(known)}.{did_you_mean(name, known)}")
 
 
 def n_walks(settings: Settings, done: int = 0) -> int:

@@ -7,15 +7,17 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
 
 from walkerlab import fitness, records, store
 from walkerlab.algorithm import ROOMS, in_turn
+from walkerlab.arguments import require_path
 from walkerlab.choices import Camera, Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
 from walkerlab.ga.own import name_of
 from walkerlab.missing import Missing, MissingFitness, remember_walks, typed_name
-from walkerlab.quantity import Choice, function_name
+from walkerlab.quantity import Choice, brief, function_name
 from walkerlab.records import Individual
 from walkerlab.settings import Settings
 from walkerlab.store import DamagedError, RunFileError
@@ -91,6 +93,12 @@ class Run:
 
         if not generations:
             return replay(self.champion, self.settings, camera=camera)
+        for number in generations:
+            if not isinstance(number, int | np.integer) or isinstance(number, bool):  # pyright: ignore[reportUnnecessaryIsInstance]
+                raise TypeError(
+                    f"{brief(number)} is not the number of a generation; give whole numbers, 0 to "
+                    f"{self.n_generations - 1}, as in run.replay(0, -1)"
+                )
         generations = tuple(n + self.n_generations if n < 0 else n for n in generations)
         tables: dict[int, pd.DataFrame] = {
             number: self.records.loc[self.records.generation == number, :] for number in generations
@@ -188,7 +196,7 @@ def rescue(path: str | Path, to: str | Path) -> Run:
     Raises:
         RunFileError: if nothing can be saved, or there is a file at ``to``, or none can be made there.
     """
-    store.rescue(store.locate(path), Path(to))
+    store.rescue(store.locate(path), require_path(to, "to"))
     try:
         return load(to)
     except DamagedError as error:  # as it was sealed already

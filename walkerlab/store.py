@@ -19,6 +19,7 @@ from typing import Any
 import pandas as pd
 
 from walkerlab import layouts, provenance
+from walkerlab.arguments import require_path
 from walkerlab.opening import DamagedError, File, RunFileError, connect, opened
 from walkerlab.records import COLUMNS, check, tidy
 
@@ -27,12 +28,23 @@ SHOWN = 16  # digits of a digest, enough to tell two apart
 
 
 def locate(path: str | Path) -> Path:
-    """Return the run file that is meant by its own path, or by that of its folder, if that has one only."""
-    path = Path(path)
+    """Return the run file of a path: a file itself; of a folder, its only run file, or the one named ``run.walk``.
+
+    Raises:
+        RunFileError: If it is a folder with no run file, or with several.
+    """
+    path = require_path(path)
     if not path.is_dir():
         return path
-    others = list(path.glob("*.walk"))
-    return others[0] if len(others) == 1 else path / RUN_FILE
+    found = sorted(path.glob("*.walk"))
+    if len(found) == 1 or path / RUN_FILE in found:
+        return found[0] if len(found) == 1 else path / RUN_FILE
+    if not found:
+        raise RunFileError(f"the folder {path} has no run file in it: no file ends in .walk")
+    names = ", ".join(one.name for one in found[:9]) + (" …" if len(found) > 9 else "")
+    raise RunFileError(
+        f"the folder {path} has {len(found)} run files in it: {names}. Name one of them: {str(found[0])!r}"
+    )
 
 
 def claim(path: Path) -> None:
@@ -42,6 +54,10 @@ def claim(path: Path) -> None:
         RunFileError: if something is there already (a run is never written over), or nothing can be written there.
     """
     try:
+        if path.is_dir():
+            raise RunFileError(
+                f"{path} is a folder; the path of a new run must name a file, such as {str(path / RUN_FILE)!r}"
+            )
         if path.exists():
             raise RunFileError(
                 f"{path} exists already, and a run is never written over. "

@@ -45,7 +45,7 @@ def verdicts(records: pd.DataFrame, ax: Axes | None = None) -> Axes:
     Returns:
         The Axes drawn on.
     """
-    records = table_of(records)
+    records = table_of(records, "verdict")
     axes = ax or new_axes()
     table: Any = pd.crosstab(records.generation, records.verdict)
     known = [verdict for verdict in VERDICTS if verdict in table]

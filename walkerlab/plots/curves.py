@@ -45,7 +45,7 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     Returns:
         The Axes drawn on.
     """
-    records = table_of(records)
+    records = table_of(records, "verdict", "fitness")
     axes = ax or new_axes()
     title = "Fitness of each generation"
     counted: Any = records[records.verdict == "ok"]
@@ -96,6 +96,7 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
     if name not in numeric:
         guess = did_you_mean(name, numeric)
         raise ValueError(f"the table has no column of numbers called {name!r}; it has {', '.join(numeric)}.{guess}")
+    table_of(records, "individual", "verdict", "fitness")
     axes = ax or new_axes()
     said = {"n_legs": "number of legs", "n_segments": "number of segments"}.get(name, name.replace("_", " "))
     title, unit = f"{said[0].upper()}{said[1:]} of each generation", unit_of(records, name)

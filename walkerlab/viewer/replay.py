@@ -24,6 +24,7 @@ import numpy as np
 import traitlets
 from matplotlib.colors import to_hex
 
+from walkerlab.arguments import require_settings
 from walkerlab.choices import Camera
 from walkerlab.fitness import label, score
 from walkerlab.judge import UNSTABLE, VERDICTS
@@ -165,7 +166,7 @@ def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | s
         SettingsError: if there is no such camera.
         ValueError: if there is nobody to walk.
     """
-    settings = Settings() if settings is None else settings
+    settings = Settings() if settings is None or isinstance(walkers, Settings) else require_settings(settings)
     if camera is not None:
         settings = settings.with_(camera=camera)
     return Replay(line_up(walkers, settings), settings, settings.simulation.camera)

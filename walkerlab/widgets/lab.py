@@ -16,6 +16,7 @@ from typing import cast
 
 import ipywidgets
 
+from walkerlab.arguments import require_settings
 from walkerlab.evolution import n_walks
 from walkerlab.faults import Fault
 from walkerlab.forecast import in_words, seconds_of
@@ -62,7 +63,7 @@ class Lab(ipywidgets.Box):
                 there, runs go with the panel.
             executor: any ``concurrent.futures.Executor``; loky on all cores if None.
         """
-        settings = settings or Settings()
+        settings = Settings() if settings is None else require_settings(settings)
         self._folder, self._executor = Path(folder), executor
         self._told = dict[LiveRun, tuple[object, float]]()
         self._active: LiveRun | None = None
@@ -113,6 +114,8 @@ class Lab(ipywidgets.Box):
 
     def close(self) -> None:
         """Stop what runs, send the workers home, and take the panel off the page; the runs stay in their files."""
+        if not hasattr(self, "runs"):  # the constructor raised an error
+            return
         self._desk.close()
         lives = [kept.live for kept in self.runs.kept.values() if kept.live]
         for end in (LiveRun.stop, LiveRun.close):  # all are stopped before any is waited for
