@@ -139,7 +139,7 @@ def test_the_steps_say_what_they_cannot_take():
         with pytest.raises(ValueError, match="put it in a list"):
             mutate(single)
     for size in (0, -1):
-        with pytest.raises(ValueError, match=f"size is {size}; it must be 1 or more"):
+        with pytest.raises(ValueError, match=f"size is {size}; it must be a whole number, 1 or more"):
             wl.generate_robot_population(ROBOT, size, seed=1)
 
 

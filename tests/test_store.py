@@ -176,11 +176,15 @@ def test_a_claim_leaves_nothing_and_tells_where_nothing_can_be_made(tmp_path):
 
 
 def test_a_folder_means_the_run_in_it(tmp_path):
-    assert store.locate(tmp_path) == tmp_path / store.RUN_FILE
+    with pytest.raises(RunFileError, match="has no run file in it"):
+        store.locate(tmp_path)
     assert store.locate(tmp_path / "mine.walk") == tmp_path / "mine.walk"
     (tmp_path / "mine.walk").touch()
     assert store.locate(tmp_path) == tmp_path / "mine.walk", "where it is the only one"
     (tmp_path / "yours.walk").touch()
+    with pytest.raises(RunFileError, match=r"2 run files in it: mine\.walk, yours\.walk"):
+        store.locate(tmp_path)
+    (tmp_path / store.RUN_FILE).touch()
     assert store.locate(tmp_path) == tmp_path / store.RUN_FILE
 
 
@@ -324,7 +328,7 @@ def test_a_run_is_never_written_over(path, tmp_path):
     text.write_text("three years of work")
     for taken in (path, text, tmp_path):
         before = taken.read_bytes() if taken.is_file() else None
-        with pytest.raises(RunFileError, match="never written over"):
+        with pytest.raises(RunFileError, match="is a folder" if taken == tmp_path else "never written over"):
             store.claim(taken)
         assert before == (taken.read_bytes() if taken.is_file() else None)
 

@@ -158,7 +158,11 @@ def _refuse_what_has_none(given: Any) -> None:
         raise TypeError("this is a walk, or the scene of one, and a genome is wanted; give the genome that walked")
     if given is None:
         raise TypeError("a genome is wanted: a Genome, its text, its values or an individual; got None")
-    if isinstance(given, list | tuple) and any(isinstance(one, Genome | str) for one in cast(Iterable[Any], given)):
+    if (
+        isinstance(given, list | tuple)
+        and not hasattr(given, "genome")
+        and any(isinstance(one, Genome | str) for one in cast(Iterable[Any], given))
+    ):
         raise TypeError("this takes one genome, and got several; give one of them: genomes[0]")
     if isinstance(given, Settings):
         raise TypeError("these are settings, and a genome is wanted; it comes first, and then the settings")

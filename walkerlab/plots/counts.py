@@ -25,7 +25,7 @@ LOOKS = (
     ("#F0E442", "xx"),
     ("#E69F00", "oo"),
     ("#FFFFFF", "++"),
-    ("#CC79A7", "\\\\\\"),
+    ("#CC79A7", "**"),
 )
 """Colour and hatching of the verdicts after ``ok``, in the order of ``VERDICTS``: each looks the same everywhere."""
 
