@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.algorithm import ROOMS, check_own_operators, operators, slot_names
+from walkerlab.algorithm import ROOMS, check_own_operators, lost_pressure, operators, slot_names
 from walkerlab.ga import mutation, selection
 from walkerlab.limits import genes_of
 from walkerlab.randomness import stream
@@ -21,6 +21,27 @@ FITNESS = np.arange(12.0)
 )
 def test_every_choice_has_a_function_of_its_name(choice):
     assert callable(getattr(ROOMS[type(choice)], choice.name))
+
+
+@pytest.mark.parametrize(
+    ("fitness", "changes", "is_lost"),
+    [
+        ([*range(11), -1e6], {}, True),
+        ([*range(11), -1e6, -np.inf], {}, True),
+        ([*range(11), -1e6], {"selection": "rank"}, False),
+        ([*range(11), -1e6], {"selection": ["top_half", "gradient"]}, False),
+        ([*range(11), -np.inf], {}, False),
+        ([*[1.0] * 11, -1e6], {}, False),
+        ([0.0, 9.8, 9.9, 10.0], {}, False),
+        ([-np.inf] * 12, {}, False),
+        ([2.0] * 12, {}, False),
+        (range(12), {}, False),
+    ],
+)
+def test_lost_pressure_is_explained_where_an_outlier_hides_the_best(fitness, changes, is_lost):
+    said = lost_pressure(np.array(fitness, dtype=float), wl.Settings().with_(**changes).algorithm)
+    assert bool(said) == is_lost
+    assert ('with_(selection="rank")' in said) == is_lost
 
 
 def test_sliders_reach_those_that_ask_and_spare_what_is_bound():
@@ -118,7 +139,7 @@ def test_the_steps_say_what_they_cannot_take():
         with pytest.raises(ValueError, match="put it in a list"):
             mutate(single)
     for size in (0, -1):
-        with pytest.raises(ValueError, match=f"size is {size}; it must be 1 or more"):
+        with pytest.raises(ValueError, match=f"size is {size}; it must be a whole number, 1 or more"):
             wl.generate_robot_population(ROBOT, size, seed=1)
 
 

@@ -180,5 +180,5 @@ def test_it_works_at_either_end_of_the_timestep(end):
 
 
 def test_no_other_start_is_refused():
-    with pytest.raises(ValueError, match="n_nudges is 0; it must be 1 or more"):
+    with pytest.raises(ValueError, match="n_nudges is 0; it must be a whole number, 1 or more"):
         confirm(WALKER, SHORT, 0)

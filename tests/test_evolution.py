@@ -14,6 +14,7 @@ import pytest
 
 import walkerlab as wl
 from walkerlab import provenance, store
+from walkerlab.algorithm import lost_pressure
 from walkerlab.ga import crossover, mutation, selection
 from walkerlab.number_format import significant
 from walkerlab.settings import Crossover, Fitness, Mutation, Selection
@@ -96,6 +97,28 @@ class TestRepeatable:
 
         assert parents(other) == parents(run)
         assert other.records.genome.tolist() != run.records.genome.tolist()
+
+    def test_a_fitness_outlier_is_warned_of_once_a_run(self, threads):
+        def punishes(rollout):
+            return -1e6 if rollout.distance < 0 else rollout.distance
+
+        with pytest.warns(UserWarning, match=r'-1e\+06.*selection="rank"') as caught:
+            evolve(threads, fitness=punishes, population_size=12, generations=2)
+        assert len(caught) == 1
+
+    def test_a_fitness_that_rejects_every_robot_is_warned_of(self, threads):
+        with pytest.warns(UserWarning, match="returned None for every robot.*Is a return missing") as caught:
+            run = evolve(threads, fitness=lambda rollout: None, population_size=4, generations=2)
+        assert len(caught) == 1
+        assert run.n_generations == 2
+
+    @pytest.mark.parametrize("structure", ["flat", "stairs"])
+    def test_of_ordinary_generations_nothing_is_warned(self, structure, threads):
+        settings = SETTINGS.with_(structure=structure)
+        populations = [wl.generate_robot_population(settings.robot, 12, seed=seed) for seed in range(5)]
+        walked = wl.evaluate(np.concatenate(populations), settings, threads)
+        for fitness in np.array([one.fitness for one in walked]).reshape(5, 12):
+            assert not lost_pressure(fitness, settings.algorithm)
 
     def test_another_seed_is_another_evolution(self, run, threads):
         assert evolve(threads, seed=6).records.genome.iloc[0] != run.records.genome.iloc[0]

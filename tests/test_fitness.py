@@ -2,18 +2,29 @@
 
 import pickle
 import random
+import signal
+import sqlite3
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from decimal import Decimal
+from fractions import Fraction
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import walkerlab as wl
 from walkerlab import fitness
 from walkerlab.ga import OperatorError
+from walkerlab.judge import REJECTED
 from walkerlab.randomness import stream
+from walkerlab.rollout import from_every_start
+from walkerlab.scene import compile_scene
 from walkerlab.settings import Fitness
 
-ROLLOUT = wl.simulate(wl.Genome.random(wl.Robot(), rng=stream(0, "check")), wl.Settings().with_(duration=1.5))
+ROLLOUT_GENOME = wl.Genome.random(wl.Robot(), rng=stream(0, "check"))
+ROLLOUT = wl.simulate(ROLLOUT_GENOME, wl.Settings().with_(duration=1.5))
+OPENED_ELSEWHERE = sqlite3.connect(":memory:")
 TIME = np.linspace(0, 9, 451)
 
 
@@ -83,12 +94,18 @@ class TestTriedBeforeAnyPhysics:
             (lambda: 1.0, "called with one Rollout"),
             (len, "len"),
             (lambda rollout: rollout.com, "one finite number"),
-            (lambda rollout: 10**400, "one finite number"),
+            (lambda rollout: -(10**400), "one finite number"),
+            (lambda rollout: "far", "one finite number"),
+            (lambda rollout: OPENED_ELSEWHERE.execute("select 1"), "thread of their own.*WALKERLAB_PATIENCE"),
+            (lambda rollout: signal.signal(signal.SIGINT, signal.SIG_IGN), "thread of their own"),
             (lambda rollout: np.complex128(1), "one finite number"),
             (lambda rollout: np.random.default_rng().random(), "the same walk"),
             (lambda rollout: rollout.com.sort(), r"wrote into what is read-only \(line .*com = rollout.com.copy"),
             (lambda rollout: setattr(rollout, "com", 0), "wrote into what is read-only"),
-            (lambda rollout: float("nan"), r"it returned nan, when .*\. Is a return missing"),
+            (
+                lambda rollout: float("nan"),
+                r"it returned nan, when .*\. Is something divided.*To exclude a robot, return -np.inf",
+            ),
             (lambda rollout: np.random.random(), "used np.random.* nothing but the walk"),  # noqa: NPY002
             (lambda rollout: random.random(), "used random.* nothing but the walk"),
         ],
@@ -120,10 +137,60 @@ def test_a_walk_that_is_rated_cannot_be_written_into_wherever_it_comes_from():
     assert walk.distance == 9
 
 
-@pytest.mark.parametrize("answer", [None, float("nan"), float("inf"), "far", np.zeros(2)])
+@pytest.mark.parametrize("answer", [float("nan"), float("inf"), 1e100, "far", np.zeros(2), [1.0], 1j, np.ma.masked])
 def test_a_fitness_that_gives_no_number_is_named(answer):
     def hop_height(rollout):
         return answer
 
     with pytest.raises(ValueError, match=r"hop_height.*one finite number"):
         fitness.score(walked(TIME), hop_height)
+
+
+class Tensor:
+    """A number of another library."""
+
+    def __float__(self):
+        return 2.5
+
+
+@pytest.mark.parametrize(
+    ("answer", "number"),
+    [
+        (np.True_, 1.0),
+        (False, 0.0),
+        (np.float32(0.1), float(np.float32(0.1))),
+        (np.float16(2), 2.0),
+        (np.uint8(200), 200.0),
+        (np.asarray(1.5), 1.5),
+        (np.asarray([[1.5]]), 1.5),
+        (np.asarray(Fraction(1, 4)), 0.25),
+        (pd.Series([1.5]), 1.5),
+        (Decimal("1.5"), 1.5),
+        (Fraction(-1, 4), -0.25),
+        (10**50, 1e50),
+        (Tensor(), 2.5),
+    ],
+)
+def test_any_single_real_number_is_a_fitness(answer, number):
+    assert fitness.score(walked(TIME), lambda rollout: answer) == number
+    fitness.check_own(lambda rollout: answer)
+
+
+@pytest.mark.parametrize("answer", [None, -np.inf, np.float32("-inf"), Decimal("-Infinity")])
+def test_minus_infinity_and_none_exclude_a_robot_with_a_verdict_of_its_own(answer):
+    fitness.check_own(lambda rollout: answer)
+    rated, walk = fitness.rate(walked(TIME), lambda rollout: answer)
+    assert (rated, walk.verdict, walk.counts) == (-np.inf, REJECTED, False)
+    assert walk.reason == f"the fitness function returned {'None' if answer is None else '-inf'}"
+
+
+def test_one_rejected_start_rejects_the_robot():
+    settings = wl.Settings().with_(duration=1, n_starts=3)
+    walks = from_every_start(compile_scene(ROLLOUT_GENOME, settings), poses=False)
+    assert all(walk.counts for walk in walks)
+    second = walks[1].distance
+    picky = settings.with_(fitness=lambda rollout: None if rollout.distance == second else 1.0)
+    with ThreadPoolExecutor(1) as thread:
+        (found,) = wl.evaluate([ROLLOUT_GENOME], picky, thread)
+    assert (found.fitness, found.verdict, found.distance) == (-np.inf, REJECTED, second)
+    assert fitness.poorest_walk(ROLLOUT_GENOME, picky).verdict == REJECTED

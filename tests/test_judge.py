@@ -10,7 +10,7 @@ import pytest
 import walkerlab as wl
 from walkerlab import judge as judging
 from walkerlab.fitness import distance, score
-from walkerlab.judge import GUARDS, VERDICTS, Trace, judge
+from walkerlab.judge import GUARDS, REJECTED, VERDICTS, Trace, judge
 from walkerlab.limits import FREQUENCY
 from walkerlab.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.randomness import stream
@@ -299,7 +299,7 @@ def test_a_cheat_gets_the_verdict_it_deserves_and_hears_why(cheat, capfd):
 
 
 def test_a_cheat_is_planted_for_every_guard():
-    assert {verdict for _, verdict, _ in CHEATS.values()} == set(VERDICTS) - {"ok"}
+    assert {verdict for _, verdict, _ in CHEATS.values()} == set(VERDICTS) - {"ok", REJECTED}
 
 
 # ------------------------------------------------------------------------------------ what counts, and for how little
@@ -508,5 +508,5 @@ def test_of_many_faults_the_first_in_the_order_of_the_guards_is_told():
 
 def test_every_guard_has_its_check_and_its_sentence_in_the_order_of_its_code():
     assert list(GUARDS) == [guard for guard in Guard if guard != Guard.none]
-    assert list(VERDICTS) == ["ok", "unstable", *(guard.name.replace("_", " ") for guard in GUARDS)]
+    assert list(VERDICTS) == ["ok", "unstable", *(guard.name.replace("_", " ") for guard in GUARDS), REJECTED]
     assert all(sentence[0].isupper() and sentence.endswith(".") for sentence in VERDICTS.values())

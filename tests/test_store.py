@@ -224,11 +224,15 @@ def test_a_copy_that_fails_where_there_are_no_links_leaves_nothing(tmp_path, mon
 
 
 def test_a_folder_means_the_run_in_it(tmp_path):
-    assert store.locate(tmp_path) == tmp_path / store.RUN_FILE
+    with pytest.raises(RunFileError, match="has no run file in it"):
+        store.locate(tmp_path)
     assert store.locate(tmp_path / "mine.walk") == tmp_path / "mine.walk"
     (tmp_path / "mine.walk").touch()
     assert store.locate(tmp_path) == tmp_path / "mine.walk", "where it is the only one"
     (tmp_path / "yours.walk").touch()
+    with pytest.raises(RunFileError, match=r"2 run files in it: mine\.walk, yours\.walk"):
+        store.locate(tmp_path)
+    (tmp_path / store.RUN_FILE).touch()
     assert store.locate(tmp_path) == tmp_path / store.RUN_FILE
 
 

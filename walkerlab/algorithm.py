@@ -13,6 +13,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 
+from walkerlab.arguments import require_algorithm, require_count
 from walkerlab.choices import Crossover, Mutation, Selection
 from walkerlab.ga import check, crossover, mutation, selection
 from walkerlab.ga.crossover import Children
@@ -21,9 +22,11 @@ from walkerlab.ga.selection import require_finite
 from walkerlab.genes import Floats, Genes, Indices
 from walkerlab.genome import Genome, read_genomes
 from walkerlab.limits import genes_of, repair
-from walkerlab.quantity import Choice, function_name
+from walkerlab.quantity import Choice, brief, function_name
 from walkerlab.randomness import stream
 from walkerlab.settings import Algorithm, Robot
+
+MIN_COUNTED = 8  # individuals, below which chance alone can put the median close to the best
 
 Operator = Callable[..., Any]
 
@@ -40,6 +43,7 @@ def operators(algorithm: Algorithm) -> Operators:
     A mutation is given those of ``rate``, ``scale`` and ``favored`` that it takes as keywords and that are not bound
     already: so the sliders reach a student's own as soon as it asks for them.
     """
+    require_algorithm(algorithm)
     offered = {
         "rate": algorithm.mutation_rate,
         "scale": algorithm.mutation_scale,
@@ -81,6 +85,31 @@ def slot_names(algorithm: Algorithm) -> str:
     )
 
 
+def lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
+    """Explain why ``gradient`` hardly prefers the best of a generation, and how to fix it; "" if it does prefer it.
+
+    The measure is ``selection.pressure``: the pressure counts as lost below ``MIN_PRESSURE``, although the best and the
+    median fitness differ.
+
+    Args:
+        fitness: Fitness of each individual of a generation, shape (n,).
+        algorithm: Settings of the algorithm.
+    """
+    counted = fitness[fitness != NOT_COUNTED]
+    if operators(algorithm).select[0] is not selection.gradient or len(counted) < MIN_COUNTED:
+        return ""
+    worst, median, best = np.quantile(counted, [0, 0.5, 1])
+    pressure = selection.pressure(selection.gradient_probabilities(counted))
+    if pressure >= selection.MIN_PRESSURE or np.isclose(median, best):
+        return ""
+    return (
+        f"the lowest fitness, {worst:g}, is so far below the others that gradient selection hardly prefers the best "
+        f"robot: its fitness is {best:g} and the median {median:g}, yet it is selected only {pressure - 1:.2%} more "
+        'often than the median robot. Select by order instead, with settings.with_(selection="rank"), or limit the '
+        "fitness from below."
+    )
+
+
 def check_own_operators(algorithm: Algorithm, genes: Genes) -> None:
     """Try each operator of the user's own once, before any physics runs.
 
@@ -113,15 +142,19 @@ def generate_robot_population(robot: Robot, size: int, *, seed: int) -> Floats:
     Raises:
         ValueError: if ``size`` is under 1.
     """
-    if size < 1:
-        raise ValueError(f"size is {size}; it must be 1 or more. It is how many robots the population has.")
+    size = require_count(size, "size", "how many robots the population has")
+    seed = require_count(seed, "seed", "the seed of the random generator", low=0)
     return np.array([generate_robot_gene(robot, rng=stream(seed, "population", 0, i)).values for i in range(size)])
 
 
 def select_from_population(fitness: ArrayLike, n_parents: int, algorithm: Algorithm, *, generation: int) -> Indices:
     """Choose (n_parents,) indices into (n,) fitness, as this generation's step does."""
-    select, fitness = operators(algorithm).select, np.asarray(fitness, dtype=np.float64)
-    return select_in_turn(select, fitness, n_parents, seed=algorithm.seed, generation=generation)
+    select, numbers = operators(algorithm).select, _fitness(fitness)
+    if not len(numbers):
+        raise ValueError("fitness is empty; it must have a number for each individual to select from")
+    require_count(n_parents, "n_parents", "how many parents to select")
+    require_count(generation, "generation", "the number of the generation that is being made", low=0)
+    return select_in_turn(select, numbers, n_parents, seed=algorithm.seed, generation=generation)
 
 
 def crossover_population(
@@ -133,7 +166,11 @@ def crossover_population(
         ValueError: if there is not one fitness for each parent, or one is NaN or +inf.
     """
     cross, genes, table = operators(algorithm).cross, genes_of(robot), _table(parents, robot)
-    fitness = np.asarray(fitness, dtype=np.float64)
+    fitness = _fitness(fitness)
+    if not len(table):
+        raise ValueError("parents is empty; it must have one genome or more")
+    require_count(n_children, "n_children", "how many children to make")
+    require_count(generation, "generation", "the number of the generation that is being made", low=0)
     if fitness.shape != (len(table),):
         raise ValueError(
             f"fitness must have the shape ({len(table)},), a number for each of the parents; got {fitness.shape}. "
@@ -147,7 +184,23 @@ def crossover_population(
 def mutate_population(genomes: Individuals, robot: Robot, algorithm: Algorithm, *, generation: int) -> Floats:
     """Mutate genomes, and repair them so that every robot obeys the limits: (n, n_genes)."""
     mutate, genes, table = operators(algorithm).mutate, genes_of(robot), _table(genomes, robot)
+    require_count(generation, "generation", "the number of the generation that is being made", low=0)
     return repair(mutate_in_turn(mutate, table, genes, seed=algorithm.seed, generation=generation), robot)
+
+
+def _fitness(given: ArrayLike) -> Floats:
+    """Return fitness as an (n,) array of floats.
+
+    Raises:
+        ValueError: If it is not a row of numbers.
+    """
+    try:
+        fitness = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        fitness = np.empty(())
+    if fitness.ndim != 1:
+        raise ValueError(f"fitness must be a row of numbers, one for each individual; got {brief(given)}")
+    return fitness
 
 
 def _table(genomes: Individuals, robot: Robot) -> Floats:

@@ -8,10 +8,14 @@ the new fitness is written with its difference.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import median
+from typing import Any
 
-from walkerlab.fitness import UNITS, label, score
+from walkerlab.arguments import require_count, require_settings
+from walkerlab.choices import Fitness
+from walkerlab.fitness import UNITS, label, poorest, rate
 from walkerlab.genome import Genome
 from walkerlab.markup import Html, shown, table
 from walkerlab.number_format import significant, with_unit
@@ -130,21 +134,30 @@ class Confirmation:
         return table(caption, ["walk", "of it" if self._in_shares else "fitness", "asks"], rows, numbers=(1,))
 
 
-def confirm(genome: Genome | str, settings: Settings, n_nudges: int = N_NUDGES) -> Confirmation:
+def confirm(
+    genome: Genome | str,
+    settings: Settings,
+    n_nudges: int = N_NUDGES,
+    fitness: Fitness | str | Callable[..., Any] | None = None,
+) -> Confirmation:
     """Let a robot walk again at a quarter of the timestep, and from a few starts that are a little different.
 
     Args:
         genome: a genome or its text.
         settings: of all four domains; the terrain's seed is that of the other starts too.
         n_nudges: how many of these.
+        fitness: by which the walks are rated; that of the settings if None. A loaded run has lost its own function.
 
     Raises:
         GenomeError: if a text is no genome.
         ValueError: if there is no other start to walk from.
+        RunFileError: if the settings are of a loaded run, which has lost its own fitness function.
     """
-    if n_nudges < 1:
-        raise ValueError(f"n_nudges is {n_nudges}; it must be 1 or more: how many other starts the robot walks from")
-    fitness, (name, unit) = settings.algorithm.fitness, label(settings.algorithm.fitness)
+    genome, settings = Genome.of(genome), require_settings(settings)
+    if fitness is not None:
+        settings = settings.with_(fitness=fitness)
+    require_count(n_nudges, "n_nudges", "how many other starts the robot walks from")
+    measure, (name, unit) = settings.algorithm.fitness, label(settings.algorithm.fitness)
     simulation = settings.simulation
     finer_steps = settings.model_copy(  # which may be under the range of the setting
         update={"simulation": simulation.model_copy(update={"timestep": simulation.timestep / FINER})}
@@ -155,11 +168,12 @@ def confirm(genome: Genome | str, settings: Settings, n_nudges: int = N_NUDGES) 
         walk(compile_scene(genome, finer_steps), poses=False),
         *(walk(scene, nudge=nudge(scene, UNSEEN + number), poses=False) for number in range(n_nudges)),
     ]
-    finer, *nudged = (score(rollout, fitness) for rollout in rollouts)
+    rated = [rate(rollout, measure) for rollout in rollouts]
+    (finer, _), *nudged = rated
     return Confirmation(
-        fitness=min(score(rollout, fitness) for rollout in seen),
+        fitness=poorest([rate(rollout, measure) for rollout in seen])[0],
         finer=finer,
-        nudged=tuple(sorted(nudged)),
-        verdicts=tuple(rollout.verdict for rollout in rollouts),
+        nudged=tuple(sorted(score for score, _ in nudged)),
+        verdicts=tuple(rollout.verdict for _, rollout in rated),
         measure=f"{name} {unit}".strip(),
     )

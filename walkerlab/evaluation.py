@@ -9,6 +9,7 @@ from uuid import uuid4
 import numpy as np
 
 from walkerlab import fitness as measures
+from walkerlab.arguments import require_settings
 from walkerlab.ga.own import OperatorError
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome, read_genomes
@@ -74,7 +75,10 @@ def evaluate(
     """Let each individual walk, and rate it.
 
     Genomes travel to the workers, scenes are compiled and stepped there, and a few numbers come back; the fitness
-    is computed here, so that a function written in a notebook cell never travels.
+    is computed here, so that a function written in a notebook cell never travels. A fitness function that returns
+    ``-inf`` (or None) excludes the robot: its verdict is ``rejected``, and it has no children. From several starts, one
+    such answer is enough. Any other answer must be one finite number; Python's and numpy's numbers, booleans, fractions
+    and arrays of one element are all converted to a float.
 
     Args:
         genomes: genomes, their texts, or an (n, n_genes) array; brought within the robot limits first.
@@ -87,13 +91,13 @@ def evaluate(
 
     Raises:
         GenomeError: if a text is no genome.
-        ValueError: if a single genome is given, an array is none, or a fitness function gives anything but a finite
-            number.
-        TypeError: if the executor is none.
+        ValueError: if a single genome is given, an array is none, or a fitness function returns anything but a finite
+            number, -inf or None.
+        TypeError: if the executor is none, or ``settings`` are not a ``Settings``.
         RuntimeError: if it is closed.
         WorkersLostError: if its workers give no answer, or have no memory left.
     """
-    robots = _within(genomes, settings.robot)
+    robots = _within(genomes, require_settings(settings).robot)
     world = settings.model_copy(update={"algorithm": Algorithm()})
     check(executor)
     pool = executor or default_executor()
@@ -167,12 +171,11 @@ def _rate(place: int, genome: Genome, rollouts: Sequence[Rollout], settings: Set
         OperatorError: if the fitness function goes wrong; it says for which of the robots given.
     """
     try:
-        scores = [measures.score(rollout, settings.algorithm.fitness) for rollout in rollouts]
+        rated = [measures.rate(rollout, settings.algorithm.fitness) for rollout in rollouts]
     except OperatorError as error:
         error.place, error.genome, error.where = place, genome, f"for robot {place} of those given"
         raise
-    fitness = min(scores)
-    rollout = rollouts[scores.index(fitness)]
+    fitness, rollout = measures.poorest(rated)
     phenotype = rollout.phenotype
     return Evaluation(
         genome=genome,

@@ -14,8 +14,9 @@ import pandas as pd
 from tqdm.auto import tqdm
 
 from walkerlab import fitness, provenance, records, store, workers
-from walkerlab.algorithm import check_own_operators, generate_robot_population, operators, slot_names
+from walkerlab.algorithm import check_own_operators, generate_robot_population, lost_pressure, operators, slot_names
 from walkerlab.archive import Archive
+from walkerlab.arguments import require_settings
 from walkerlab.evaluation import evaluate
 from walkerlab.files import shown
 from walkerlab.ga.loop import Population, first_population, next_population
@@ -24,9 +25,10 @@ from walkerlab.gate import Stopped
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.interrupts import interrupts_held
+from walkerlab.judge import REJECTED
 from walkerlab.limits import genes_of, repair
 from walkerlab.number_format import significant
-from walkerlab.quantity import SettingsError, count
+from walkerlab.quantity import SettingsError, count, did_you_mean, pasted
 from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.records import Individual, Walked
 from walkerlab.rerating import Recorded, changed_operators, confirm_ratings, function_facts
@@ -81,6 +83,7 @@ class Evolution(ReadOnlyProperties):
         executor: Executor | None = None,
         *,
         on_walks: Callable[[int], None] = lambda _: None,
+        **unknown: Any,
     ) -> None:
         """Check all that can be checked before any physics runs.
 
@@ -89,14 +92,17 @@ class Evolution(ReadOnlyProperties):
             path: Run file, created here with the settings; if None, nothing is left of the run once it is unused.
             executor: any ``concurrent.futures.Executor``; loky on all cores if None.
             on_walks: told how many more walks are done.
+            **unknown: Rejected; single settings belong to ``settings``.
 
         Raises:
+            TypeError: If an argument is of the wrong type, or its name is unknown.
             OperatorError: if an operator or fitness of the user's own does not do what its slot needs.
             SettingsError: if no run file can hold the settings.
             RuntimeError: if the executor is closed.
             RunFileError: if there is a file at ``path``, or none can be made there.
         """
-        _require(settings)
+        _reject_unknown("Evolution", unknown)
+        require_settings(settings)
         check_own_operators(settings.algorithm, genes_of(settings.robot))
         fitness.check_own(settings.algorithm.fitness)
         workers.check(executor)
@@ -110,6 +116,7 @@ class Evolution(ReadOnlyProperties):
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._population: Population[Walked] | None = None
         self._functions, self._rated_since = function_facts(settings), 0
+        self._is_warned = False
         self._guests, self._next_bred, self._breeding = list[Genome](), 0, Lock()
 
     @classmethod
@@ -214,7 +221,22 @@ class Evolution(ReadOnlyProperties):
             except Exception as error:
                 self._keep(error)
                 raise
+            self._warn_once(population)
             yield Generation(population.generation, table)
+
+    def _warn_once(self, population: Population[Walked]) -> None:
+        """Warn if selection cannot tell the robots of a generation apart, once a run."""
+        if self._is_warned:
+            return
+        if all(one.verdict == REJECTED for one in population.evaluations):
+            why = (
+                f"{population.evaluations[0].reason} for every robot, so that parents are random. Is a return missing?"
+            )
+        else:
+            why = lost_pressure(population.fitness, self.settings.algorithm)
+        if why:
+            self._is_warned = True
+            warnings.warn(f"In generation {population.generation}, {why}", stacklevel=2)
 
     def _keep(self, error: Exception) -> None:
         """Keep what is done in a file, and note on the error that ends the run where that is and how to go on."""
@@ -294,6 +316,7 @@ def evolve(
     path: str | Path | None = None,
     executor: Executor | None = None,
     progress: bool = True,
+    **unknown: Any,
 ) -> Run:
     """Evolve walkers from a random first generation; Ctrl-C stops and keeps the generations that are done.
 
@@ -304,20 +327,26 @@ def evolve(
         path: Run file, created before the first walk; if None, nothing is left of the run once it is unused.
         executor: any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: whether to show a bar.
+        **unknown: Rejected; single settings belong to ``settings``.
 
     Returns:
         The run: ``.records``, ``.champion``, ``.lineage(individual)``.
 
+    Warns:
+        UserWarning: once a run, if one very low fitness takes the pressure from ``gradient`` selection, or the fitness
+            function rejects every robot of a generation.
+
     Raises:
         OperatorError: if a function of the user's own does not do what its slot needs.
         RunFileError: if there is a file at ``path``, or it cannot be written.
+        TypeError: If an argument is of the wrong type, or its name is unknown.
         WorkersLostError: if those who walk give no answer, or have no memory left.
 
     What is raised has a note that says in which file the run so far is kept, ``error.kept``: its own, or if it has none
     and a generation is done, ``kept.walk``.
     """
-    settings = Settings() if settings is None else settings
-    _require(settings)
+    _reject_unknown("evolve", unknown)
+    settings = Settings() if settings is None else require_settings(settings)
     with _bar(settings, progress) as bar:
         return _finish(Evolution(settings, path, executor, on_walks=bar.update), bar)
 
@@ -379,9 +408,14 @@ def resume(
         return _finish(evolution, bar)
 
 
-def _require(settings: object) -> None:
-    if not isinstance(settings, Settings):
-        raise TypeError(f"an evolution is made from Settings, as in Settings().with_(generations=5); got {settings!r}")
+def _reject_unknown(function: str, unknown: dict[str, Any]) -> None:
+    """Raise a TypeError if there are arguments of unknown names; of a setting, it says where that belongs."""
+    for name, value in unknown.items():
+        if name in Settings.places():
+            belongs = f"wl.{function}(wl.Settings().with_({name}={pasted(value)}))"
+            raise TypeError(f"{function} has no argument {name!r}, which is a setting: {belongs}")
+        known = ("settings", "path", "executor", "progress" if function == "evolve" else "on_walks")
+        raise TypeError(f"{function} has no argument {name!r}; it has {', '.join(known)}.{did_you_mean(name, known)}")
 
 
 def n_walks(settings: Settings, done: int = 0) -> int:

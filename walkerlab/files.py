@@ -43,7 +43,11 @@ def absolute_path(given: str | os.PathLike[str], name: str = "path") -> Path:
         text = os.fsdecode(given)
         os.fsencode(text)
     except TypeError:
-        raise TypeError(f"{name} is {given!r}; it must be a path: text, or a pathlib.Path.") from None
+        fix = " If it is an executor, name it: executor=…" if hasattr(given, "submit") else ""
+        fix = " If it is a run, its file is run.path." if hasattr(given, "champion") else fix
+        raise TypeError(
+            f'{name} must be a path, as text or Path, such as "run.walk"; got {given!r:.80}.{fix}'
+        ) from None
     except UnicodeError as error:
         raise PathError(f"{name} is {given!r}; it has a character that no file name can have.") from error
     if not text.strip():

@@ -1,8 +1,10 @@
 """What makes one robot better than another: a function from a rollout to a number, higher being better."""
 
 import math
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -10,8 +12,9 @@ from walkerlab.choices import Fitness
 from walkerlab.ga.loop import NOT_COUNTED
 from walkerlab.ga.own import IN_A_CHECK, IN_A_RUN, OperatorError, Slot, ask, portrait
 from walkerlab.genome import Genome
+from walkerlab.judge import REJECTED
 from walkerlab.phenotype import Legs, Phenotype, Segment, Swing
-from walkerlab.quantity import function_name
+from walkerlab.quantity import brief, function_name
 from walkerlab.rollout import Rollout, from_every_start
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
@@ -71,24 +74,74 @@ def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: f
         seconds: that such a function may take.
 
     Raises:
-        OperatorError: if it gives anything but a finite number, or does anything else that it must not.
+        OperatorError: if the function returns anything but a finite number, -inf or None, or does anything else that
+            it must not.
+    """
+    return rate(rollout, fitness, seconds=seconds)[0]
+
+
+def rate(
+    rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: float = IN_A_RUN
+) -> tuple[float, Rollout]:
+    """Return the fitness of one walk, and the walk with its verdict: ``rejected`` if the function returns -inf or None.
+
+    Arguments and errors are those of ``score``.
     """
     if not rollout.counts:
-        return NOT_COUNTED
+        return NOT_COUNTED, rollout
     function = FUNCTIONS[fitness] if isinstance(fitness, Fitness) else fitness
     value = ask(SLOT, function, lambda: function(rollout), seconds)
-    is_number = isinstance(value, int | float | np.integer | np.floating)
-    if is_number and abs(value) < LARGEST:
-        return float(value)
-    returned = f"{value!s:.60}" if is_number else portrait(value)
+    number = NOT_COUNTED if value is None else as_number(value)
+    if number is None:
+        raise OperatorError(
+            f"{SLOT.who(function)} must return one finite number, higher being better; it returned {portrait(value)}",
+            "An array becomes one number by .mean(), .sum() or an index.",
+        )
+    if number == NOT_COUNTED:
+        returned = "None" if value is None else "-inf"
+        return NOT_COUNTED, replace(rollout, verdict=REJECTED, reason=f"the fitness function returned {returned}")
+    if abs(number) < LARGEST:
+        return number, rollout
+    advice = "Is something divided by zero?" if math.isnan(number) else f"It must be under {LARGEST:g} in size."
     raise OperatorError(
-        f"{SLOT.who(function)} must return one finite number, higher being better; it returned {returned}",
-        "Is a return missing, something divided by zero, or an array not yet made one number, as by .mean()?",
+        f"{SLOT.who(function)} must return one finite number, higher being better; it returned {brief(value)}",
+        f"{advice} To exclude a robot, return -np.inf.",
     )
+
+
+def as_number(value: Any) -> float | None:
+    """Convert any single real number to a float: of Python, numpy or another library; None if it is not one.
+
+    Booleans count as 0 and 1, and an array of one element as that element. Texts and complex numbers are not converted.
+    A number too large for a float becomes inf, whatever its sign.
+    """
+    if np.ma.is_masked(value):
+        return math.nan
+    if getattr(getattr(value, "dtype", None), "kind", "f") not in "biufO":  # as dates and complex numbers
+        return None
+    try:
+        if callable(item := getattr(value, "item", None)):  # an array or a scalar of numpy, pandas, jax or torch
+            value = item()
+        return float(value) if hasattr(value, "__float__") or hasattr(value, "__index__") else None
+    except OverflowError:
+        return math.inf
+    except (TypeError, ValueError, RuntimeError):  # as of an array of several elements
+        return None
+
+
+@runtime_checkable
+class FromRunFile(Protocol):
+    """Stands for a fitness function whose run file holds its name and its results, but not its code."""
+
+    def counted(self, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Rollout:
+        """Return the one of a robot's walks that counted in the run."""
+        ...
 
 
 def poorest_walk(genome: Genome | str, settings: Settings, *, poses: bool = True) -> Rollout:
     """Let a robot walk as evolution does: from each of its starts, of which the poorest walk counts.
+
+    Of a loaded run, whose fitness function may be missing, it is the walk whose distance and velocity the run file has.
 
     Args:
         genome: a genome or its text.
@@ -98,15 +151,24 @@ def poorest_walk(genome: Genome | str, settings: Settings, *, poses: bool = True
     Raises:
         GenomeError: if a text is no genome.
     """
-    rollouts = from_every_start(compile_scene(genome, settings), poses=poses)
-    return rollouts[0] if len(rollouts) == 1 else min(rollouts, key=lambda one: score(one, settings.algorithm.fitness))
+    scene, fitness = compile_scene(genome, settings), settings.algorithm.fitness
+    rollouts = from_every_start(scene, poses=poses)
+    function = fitness.func if isinstance(fitness, partial) else fitness
+    if isinstance(function, FromRunFile):
+        return function.counted(scene.genome, rollouts, settings)
+    return poorest([rate(rollout, fitness) for rollout in rollouts])[1]
+
+
+def poorest(rated: Sequence[tuple[float, Rollout]]) -> tuple[float, Rollout]:
+    """Return the walk of the lowest fitness, of equals the first, with that fitness."""
+    return min(rated, key=lambda pair: pair[0])
 
 
 def check_own(fitness: Fitness | Callable[..., Any]) -> None:
     """Try a function of the user's own on a made-up walk before any physics runs.
 
     Raises:
-        OperatorError: if it fails, gives anything but a finite number, or two numbers for one walk.
+        OperatorError: if it fails, returns anything but a finite number, -inf or None, or two numbers for one walk.
     """
     if isinstance(fitness, Fitness):
         return

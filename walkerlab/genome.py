@@ -7,16 +7,17 @@ Segments first, each with its legs; then the gait, a step for each segment:
 
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from operator import itemgetter
-from typing import Any, Protocol, Self
+from typing import Any, Protocol, Self, cast
 
 import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 
+from walkerlab.arguments import require_generator
 from walkerlab.choices import Feature
 from walkerlab.faults import Fault
 from walkerlab.genes import Floats
@@ -75,8 +76,14 @@ class Genome(ReadOnlyArrays):
 
     @classmethod
     def random(cls, robot: Robot, *, rng: Generator) -> Self:
-        """Draw every gene evenly from its range, and repair: the first generation."""
+        """Draw every gene evenly from its range, and repair: the first generation.
+
+        Raises:
+            ValueError: If ``robot`` is not a ``Robot``.
+            TypeError: If ``rng`` is not a numpy random Generator.
+        """
         genes = genes_of(robot)
+        rng = require_generator(rng)
         drawn = rng.uniform(genes.low, genes.high)
         whole = rng.integers(genes.low.astype(int), genes.high.astype(int), endpoint=True)
         return cls(repair(np.where(genes.is_count, whole, drawn)[np.newaxis], robot)[0])
@@ -136,6 +143,7 @@ class Genome(ReadOnlyArrays):
 
         Where it describes fewer segments than the limits allow, it gets copies of its last, grown if its count says so.
         """
+        genes_of(robot)  # which checks it
         whole, parts = self.values[: len(WHOLE)], self.values[len(WHOLE) :].reshape(self.n_parts, -1)
         parts = parts[np.minimum(np.arange(robot.segments[1]), self.n_parts - 1)]
         return type(self)(repair(np.concatenate([whole, parts.ravel()])[np.newaxis], robot)[0])
@@ -147,6 +155,16 @@ def _refuse_what_has_none(given: Any) -> None:
         raise TypeError("this is a table, and a genome is wanted; give a cell of its column genome: table.genome[0]")
     if hasattr(given, "champion"):
         raise TypeError("this is a run, and a genome is wanted, of one robot; give run.champion")
+    if hasattr(given, "phenotype"):
+        raise TypeError("this is a walk, or the scene of one, and a genome is wanted; give the genome that walked")
+    if given is None:
+        raise TypeError("a genome is wanted: a Genome, its text, its values or an individual; got None")
+    if (
+        isinstance(given, list | tuple)
+        and not hasattr(given, "genome")
+        and any(isinstance(one, Genome | str) for one in cast(Iterable[Any], given))
+    ):
+        raise TypeError("this takes one genome, and got several; give one of them: genomes[0]")
     if isinstance(given, Settings):
         raise TypeError("these are settings, and a genome is wanted; it comes first, and then the settings")
 
@@ -208,7 +226,15 @@ def read_genomes(given: Iterable[Genome | str | ArrayLike | HasGenome]) -> list[
         TypeError: if it is a run, a table or settings.
     """
     is_row = isinstance(given, np.ndarray) and given.ndim == 1 and given.dtype.kind in "fiu" and given.size
-    _refuse_what_has_none(given)
+    if hasattr(given, "champion") or hasattr(given, "columns"):
+        where = "run.records.genome" if hasattr(given, "champion") else "table.genome"
+        raise TypeError(f"this takes several genomes, as a list; those of a run or its table are {where}")
+    if isinstance(given, Mapping):
+        raise TypeError("this takes several genomes, as a list; got a dict: give list(genomes.values())")
+    if given is not None and not isinstance(given, list | tuple):  # pyright: ignore[reportUnnecessaryComparison]
+        _refuse_what_has_none(given)
+    if not isinstance(given, Iterable | Genome) and not hasattr(given, "genome"):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise TypeError(f"this takes several genomes, as a list; got {brief(given)}")
     if is_row or isinstance(given, Genome | str) or hasattr(given, "genome"):
         raise ValueError("this takes several genomes, and got a single one; put it in a list: [genome]")
     return [Genome.of(one) for one in given]

@@ -29,11 +29,16 @@ STRETCH = 1.1  # of its length, to which a rope may be drawn
 AHEAD = 0.0  # m by which a load may be ahead of its robot
 
 UNSTABLE = "unstable"
-VERDICTS = {
-    "ok": "The walk counts.",
-    UNSTABLE: "The physics broke down: MuJoCo warned, or a number was not finite.",
-} | {guard.name.replace("_", " "): f"{guard.about[0].upper()}{guard.about[1:]}." for guard in Guard if guard}
-"""Each verdict that a walk can get, in words for people."""
+REJECTED = "rejected"
+VERDICTS = (
+    {
+        "ok": "The walk counts.",
+        UNSTABLE: "The physics broke down: MuJoCo warned, or a number was not finite.",
+    }
+    | {guard.name.replace("_", " "): f"{guard.about[0].upper()}{guard.about[1:]}." for guard in Guard if guard}
+    | {REJECTED: "The fitness function returned -inf or None, which excludes the robot."}
+)
+"""Each verdict that a walk can get, in words for people; all but the last are given by ``judge``."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -72,6 +72,7 @@ class Phenotype:
 
 def express(genome: Genome) -> Phenotype:
     """Read the robot out of its genome; unexpressed genes are passed over."""
+    genome = Genome.of(genome)
     count, frequency = genome.values[: len(WHOLE)].tolist()
     parts = genome.values[len(WHOLE) :].reshape(genome.n_parts, -1)[: int(count)]
 

@@ -235,12 +235,16 @@ class SettingsModel(BaseModel, frozen=True):
 
     model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
 
-    def __init__(self, **values: Any) -> None:
+    def __init__(self, *unnamed: object, **values: Any) -> None:
         """Check the values.
 
         Raises:
+            TypeError: If a value is given without a name.
             SettingsError: naming each field, its value, unit, range and what it is for.
         """
+        if unnamed:
+            name = type(self).__name__
+            raise TypeError(f"{name} takes settings by name, as in {name}(name=value); got {brief(unnamed[0])}")
         with _in_our_words(type(self)):
             super().__init__(**values)
 

@@ -8,6 +8,7 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
+import numpy as np
 import pandas as pd
 
 from walkerlab import binding, choices, fileset, fitness, provenance, records, store
@@ -15,8 +16,10 @@ from walkerlab.algorithm import ROOMS, in_turn
 from walkerlab.choices import Camera, Fitness
 from walkerlab.confirmation import N_NUDGES, Confirmation, confirm
 from walkerlab.files import shown
+from walkerlab.ga.own import name_of
+from walkerlab.missing import Missing, MissingFitness, remember_walks, typed_name
 from walkerlab.number_format import with_unit
-from walkerlab.quantity import MAX_JSON, Choice, SettingsError, function_name, pasted
+from walkerlab.quantity import MAX_JSON, Choice, SettingsError, brief, function_name
 from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.records import Individual, copy_of
 from walkerlab.settings import Settings
@@ -123,6 +126,12 @@ class Run(ReadOnlyProperties):
 
         if not generations:
             return replay(self.champion, self.settings, camera=camera)
+        for number in generations:
+            if not isinstance(number, int | np.integer) or isinstance(number, bool):  # pyright: ignore[reportUnnecessaryIsInstance]
+                raise TypeError(
+                    f"{brief(number)} is not the number of a generation; give whole numbers, 0 to "
+                    f"{self.n_generations - 1}, as in run.replay(0, -1)"
+                )
         generations = tuple(n + self.n_generations if n < 0 else n for n in generations)
         tables: dict[int, pd.DataFrame] = {
             number: self._table.loc[self._table.generation == number, :] for number in generations
@@ -155,13 +164,19 @@ class Run(ReadOnlyProperties):
         """The fittest robot of all generations; if the run was rated anew, of those since."""
         return records.champion(self._table)
 
-    def confirm(self, n_nudges: int = N_NUDGES) -> Confirmation:
+    def confirm(
+        self, n_nudges: int = N_NUDGES, fitness: Fitness | str | Callable[..., Any] | None = None
+    ) -> Confirmation:
         """Let the champion walk again at a quarter of the timestep and from other starts, and say what it keeps.
 
         Args:
             n_nudges: how many other starts, each a little different.
+            fitness: by which the walks are rated; that of the run if None. A loaded run has lost its own function.
+
+        Raises:
+            RunFileError: if the run was loaded, and has lost its own fitness function.
         """
-        return confirm(self.champion.genome, self.settings, n_nudges)
+        return confirm(self.champion.genome, self.settings, n_nudges, fitness)
 
     def lineage(self, individual: int) -> pd.DataFrame:
         """Return the rows of an individual and its ancestors, youngest first, with the operators behind each."""
@@ -174,7 +189,9 @@ class Run(ReadOnlyProperties):
 
 
 def load(path: str | Path) -> Run:
-    """Read a run from its file; functions of the user's own are known by name only, which does to look at it.
+    """Read a run from its file; functions of the user's own are known by name only, which is enough to look at it.
+
+    ``run.confirm(fitness=my_function)`` and ``resume`` need a function of the user's own again.
 
     Args:
         path: the run file, or the folder with it.
@@ -195,6 +212,7 @@ def load(path: str | Path) -> Run:
     sizes = table.groupby("generation").size()
     if sizes.to_dict() != dict.fromkeys(range(len(sizes)), settings.algorithm.population_size):
         raise DamagedError(path, "robots are missing from its table, or there are too many")
+    remember_walks(settings, table)
     return Run(settings, table, path, since)
 
 
@@ -271,7 +289,7 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
     wrong = [
         f"{slot}={recipe}"
         for slot, recipe in own.items()
-        if _identities(in_turn(getattr(settings.algorithm, slot)), slot) != _identities(recorded[slot], slot)
+        if not _are_the_same(in_turn(getattr(settings.algorithm, slot)), recorded[slot], slot)
         or any(map(_is_missing, in_turn(getattr(settings.algorithm, slot))))
     ]
     if wrong:
@@ -295,23 +313,25 @@ def _is_own(operator: Any, slot: str) -> bool:
     return not isinstance(operator, Choice) and function is not getattr(_OURS[slot], function_name(function), None)
 
 
-def _identities(fill: tuple[Any, ...], slot: str) -> list[tuple[bool, bool, str, str]]:
-    """Return for each operator what must be the same for it to be taken for the one that a file names."""
-    bound = [(one.func, binding.identity(one)) if isinstance(one, partial) else (one, "") for one in fill]
-    return [
-        (
-            _is_own(one, slot),
-            isinstance(one, Choice),
-            one.name if isinstance(one, Choice) else function_name(one),
-            with_,
+def _are_the_same(given: tuple[Any, ...], recorded: tuple[Any, ...], slot: str) -> bool:
+    """Return whether operators are those that a run file names; a lambda has no name, so any function matches it."""
+
+    def identity(operator: Any) -> tuple[bool, bool, str, str]:
+        function, arguments = (
+            (operator.func, binding.identity(operator)) if isinstance(operator, partial) else (operator, "")
         )
-        for one, with_ in bound
-    ]
+        name = operator.name if isinstance(operator, Choice) else name_of(function)
+        return _is_own(operator, slot), isinstance(operator, Choice), name, arguments
+
+    pairs = [(identity(one), identity(other)) for one, other in zip(given, recorded, strict=False)]
+    return len(given) == len(recorded) and all(
+        one == other or (other[2] == "<lambda>" and one == (*other[:2], one[2], other[3])) for one, other in pairs
+    )
 
 
 def _recipe(fill: tuple[Any, ...]) -> str:
     """Write what fills a slot as Python."""
-    words = [function_name(one) if function_name(one) == "<lambda>" else pasted(one) for one in fill]
+    words = [repr(one.name) if isinstance(one, Choice) else typed_name(one) for one in fill]
     return words[0] if len(words) == 1 else f"[{', '.join(words)}]"
 
 
@@ -339,7 +359,8 @@ def _restored(written: Any, slot: str) -> Any:
                 )
             ours = _OURS[slot]
             is_ours = home == ours.__name__ and name in _choices(slot)
-            function = getattr(ours, name) if is_ours else _Missing(name, slot)
+            missing = MissingFitness if slot == "fitness" else Missing
+            function = getattr(ours, name) if is_ours else missing(name, slot)
             arguments = [binding.restored(one, _CHOICES) for one in list[Any](rest.get("args", []))]
             keywords = {name: binding.restored(one, _CHOICES) for name, one in keywords.items()}
             return partial(function, *arguments, **keywords) if arguments or keywords else function
@@ -353,18 +374,4 @@ def _choices(slot: str) -> set[str]:
 
 
 def _is_missing(operator: Any) -> bool:
-    return isinstance(operator.func if isinstance(operator, partial) else operator, _Missing)
-
-
-class _Missing:
-    """Stands for a function of the user's own, of which the file knows the name only."""
-
-    def __init__(self, name: str, slot: str) -> None:
-        self.__name__ = name
-        self.slot = slot
-
-    def __call__(self, *_: object, **__: object) -> Any:
-        raise RunFileError(
-            f"these settings come from a run file, which holds no code: Algorithm.{self.slot} was your own function "
-            f"{self.__name__!r}. Give it back: settings.with_({self.slot}={self.__name__})"
-        )
+    return isinstance(operator.func if isinstance(operator, partial) else operator, Missing)

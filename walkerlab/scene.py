@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
+from walkerlab.arguments import require_settings
 from walkerlab.assembly import describe
 from walkerlab.genes import Floats, Indices
 from walkerlab.genome import Genome
@@ -157,15 +158,18 @@ def compile_scene(genome: Genome | str | Floats, settings: Settings, *, scenery:
     Raises:
         GenomeError: if a text is no genome.
         ValueError: if values are no genome.
+        TypeError: If ``settings`` are not a ``Settings``.
     """
     if scenery:
         return describe_scene(genome, settings, scenery=True)[1]
-    return scene_of(Genome.of(genome).within(settings.robot), settings)
+    own = Genome.of(genome)
+    return scene_of(own.within(require_settings(settings).robot), settings)
 
 
 def describe_scene(genome: Genome | str | Floats, settings: Settings, *, scenery: bool) -> tuple[mujoco.MjSpec, Scene]:
     """Build the same world, and hand out its description too; it is good until this thread's next scene."""
-    own = Genome.of(genome).within(settings.robot)
+    own = Genome.of(genome)
+    own = own.within(require_settings(settings).robot)
     phenotype = express(own)
     spec = describe(phenotype, settings, scenery=scenery)
     return spec, Scene(spec.compile(), own, phenotype, settings)

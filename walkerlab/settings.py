@@ -286,14 +286,17 @@ class Settings(SettingsModel, frozen=True):
     algorithm: Algorithm = Algorithm()
     simulation: Simulation = Simulation()
 
-    def with_(self, **changes: Any) -> Self:
+    def with_(self, *unnamed: object, **changes: Any) -> Self:
         """Return a copy with some settings changed, each named alone: ``s.with_(selection="top_half", duration=4)``.
 
         A whole domain may be named as well: ``s.with_(terrain=Terrain(structure="stairs"), duration=4)``.
 
         Raises:
             SettingsError: if no domain has such a setting, or the value will not do.
+            TypeError: If a value is given without a name.
         """
+        if unnamed:
+            raise TypeError(f"with_ takes settings by name, as in s.with_(duration=4); got {brief(unnamed[0])}")
         places, faults = self.places(), list[str]()
         parts: dict[str, Any] = dict(self)
         for name in sorted(changes, key=places.__contains__):  # whole domains come first

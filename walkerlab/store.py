@@ -30,7 +30,7 @@ def locate(path: str | Path) -> Path:
     """Return the absolute path of a run file, given its own path, or that of its folder, if that has one only.
 
     Raises:
-        RunFileError: if no file can have this path.
+        RunFileError: If no file can have this path, or it is a folder with no run file, or with several.
     """
     try:
         path = absolute_path(path)
@@ -38,8 +38,15 @@ def locate(path: str | Path) -> Path:
         raise RunFileError(str(error)) from error
     if not path.is_dir():
         return path
-    others = list(path.glob("*.walk"))
-    return others[0] if len(others) == 1 else path / RUN_FILE
+    found = sorted(path.glob("*.walk"))
+    if len(found) == 1 or path / RUN_FILE in found:
+        return found[0] if len(found) == 1 else path / RUN_FILE
+    if not found:
+        raise RunFileError(f"the folder {shown(path)} has no run file in it: no file ends in .walk")
+    names = ", ".join(one.name for one in found[:9]) + (" …" if len(found) > 9 else "")
+    raise RunFileError(
+        f"the folder {shown(path)} has {len(found)} run files in it: {names}. Name one of them: {shown(found[0])!r}"
+    )
 
 
 def new_path(path: str | Path) -> Path:

@@ -55,7 +55,7 @@ def champion_story(records: pd.DataFrame, settings: Plain) -> str:
     row: Any = births(records).loc[best.individual]
     if best.verdict != "ok":
         return (
-            f"No walk counted, so there is no champion to speak of. Of robot {best.individual}, the judge says: "
+            f"No walk counted, so there is no champion to speak of. The verdict on robot {best.individual} is "
             f"{best.verdict}. {_meaning(best.verdict)}\nThat is, {best.reason}."
         )
     return (

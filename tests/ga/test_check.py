@@ -59,6 +59,11 @@ def outside(fitness, n_parents, *, rng):
 
 
 @named
+def halves_of_indices(fitness, n_parents, *, rng):
+    return pick(fitness, n_parents, rng=rng) / 2
+
+
+@named
 def from_behind(fitness, n_parents, *, rng):
     return -pick(fitness, n_parents, rng=rng)
 
@@ -96,6 +101,8 @@ def not_among_equals(fitness, n_parents, *, rng):
         (forgets, "n_parents = 18 parents", "nothing (None)", "np.resize"),
         (masks, "whole numbers, 0 to 19", "shape (18,), bool", "np.flatnonzero(mask)"),
         (outside, "whole numbers, 0 to 19", "it returned 20", "rng.integers(len(fitness)"),
+        (outside, "0 to 19", "when tried on a trial population of 20 individuals", "rng.integers(len(fitness)"),
+        (halves_of_indices, "whole numbers, 0 to 19", "float64", "np.argsort gives places"),
         (from_behind, "whole numbers, 0 to 19", "it returned -", "rng.integers(len(fitness)"),
         (sorts_in_place, "leave what it is given", "wrote into what is read-only (line ", "fitness.copy()"),
         (own_generator, "the same answer for the same rng", "it gave two", "rng.random()"),
@@ -232,7 +239,7 @@ def test_what_a_mutation_raises_is_told_without_a_word_of_fitness_which_it_never
     with pytest.raises(OperatorError) as caught:
         check_mutate(mine["my_mutation"], GENES)
     raised = "mutation 'my_mutation' raised NameError: name 'genome' is not defined (line 2)"
-    assert str(caught.value).startswith(f"{raised}, when tried on a toy population.")
+    assert str(caught.value).startswith(f"{raised}, when tried on a trial population of 20 individuals.")
     assert "fitness" not in str(caught.value)
 
 
@@ -293,7 +300,7 @@ def test_who_never_returns_is_told_where_it_was_and_how_to_give_it_longer(monkey
     with pytest.raises(OperatorError) as caught:
         check_mutate(mine["my_mutation"], GENES)
     told = str(caught.value)
-    assert re.match(r"mutation 'my_mutation' had not returned after 0\.1 s \(line [34]\), when tried on a toy", told)
+    assert re.match(r"mutation 'my_mutation' had not returned after 0\.1 s \(line [34]\), when tried on a trial", told)
     assert "a loop that never ends? If it needs longer: os.environ['WALKERLAB_PATIENCE'] = '600' before" in told
 
 
@@ -321,7 +328,16 @@ def test_what_a_student_would_write_is_accepted():
     def nudge(genomes, genes, rng):
         return genomes + 0.01 * (genes.high - genes.low) * rng.normal(size=genomes.shape)
 
+    def best_two(fitness, n_parents, rng):
+        return list(np.resize(np.argsort(-fitness)[:2], n_parents).astype(np.float32))
+
+    def swap(parents, fitness, n_children, rng):
+        mothers = np.arange(n_children) % len(parents)
+        return parents[mothers].astype(object), mothers[:, None].astype(float)
+
     check_select(best_three)
+    check_select(best_two)
+    check_cross(swap, GENES)
     check_select(partial(selection.tournament, size=2))
     check_cross(average, GENES)
     check_mutate(nudge, GENES)

@@ -31,6 +31,14 @@ def test_equal_fitness_gives_equal_chances():
     draws_with(rank, equal, np.full(4, 0.25))
 
 
+def test_an_outlier_at_the_lower_end_takes_the_pressure_from_gradient_and_not_from_rank():
+    outlier = np.array([1.0, 2.0, 3.0, -1e6])
+    assert np.allclose(gradient_probabilities(outlier), [0.328, 0.328, 0.328, 0.016], atol=1e-3)
+    assert selection.pressure(gradient_probabilities(outlier)) < selection.MIN_PRESSURE
+    assert selection.pressure(rank_probabilities(outlier)) > 1.5
+    assert selection.pressure(gradient_probabilities(np.arange(20.0))) > 1.5
+
+
 @given(whole, st.randoms(use_true_random=False))
 def test_gradient_does_not_care_in_what_order_individuals_stand(fitness, random):
     order = np.array(random.sample(range(len(fitness)), len(fitness)))

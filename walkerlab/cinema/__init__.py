@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
 
+from walkerlab.arguments import require_settings
 from walkerlab.choices import Camera
 from walkerlab.cinema.crew import film_path, make
 from walkerlab.cinema.job import Act, FilmError, Job, is_whole
@@ -118,6 +119,8 @@ def timelapse(
             not do.
         FilmError: if there is no GL that draws without a screen, or the film cannot be written.
     """
+    if not hasattr(run, "settings") or not hasattr(run, "records"):
+        raise TypeError(f"a time-lapse is made from a run, such as wl.load(path); got a {type(run).__name__}")
     path, settings, table = film_path(path), _seen(run.settings, camera), run.records
     longest = settings.simulation.duration
     if not isinstance(seconds, Real) or isinstance(seconds, bool) or not 0 < seconds < float("inf"):  # pyright: ignore[reportUnnecessaryIsInstance]
@@ -142,6 +145,7 @@ def timelapse(
 
 
 def _seen(settings: Settings, camera: Any) -> Settings:
+    require_settings(settings)
     return settings if camera is None else settings.with_(camera=camera)
 
 

@@ -110,6 +110,8 @@ def generate_terrain(terrain: Terrain, *standing: composer.Entity, scenery: bool
         *standing: what stands on it, free to move, such as a robot; these bodies come before those of obstacles.
         scenery: whether to add what only eyes need.
     """
+    if not isinstance(terrain, Terrain):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise TypeError(f"terrain must be a Terrain, such as settings.terrain; got a {type(terrain).__name__}")
     ground = Ground(terrain, scenery=scenery)
     for entity in standing:
         ground.attach(entity).add("freejoint", name="free")

@@ -77,4 +77,9 @@ class Walker(composer.Entity):
 
 def generate_robot(plan: BodyPlan) -> Walker:
     """Grow the robot of this body plan, in nominal measures."""
+    if not isinstance(plan, tuple | list):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise TypeError(
+            "plan must say for each segment whether it has legs, such as (True, False, True); got a "
+            f"{type(plan).__name__}. The robot of a genome is built by wl.compile_scene(genome, settings)"
+        )
     return Walker(plan)

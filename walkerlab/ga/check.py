@@ -1,4 +1,4 @@
-"""Try a new operator on a toy population before anything costly runs."""
+"""Try a new operator on a trial population before anything costly runs."""
 
 import inspect
 from collections.abc import Callable
@@ -12,7 +12,7 @@ from walkerlab.genes import Floats, Genes
 from walkerlab.randomness import stream
 
 N = 20
-"""Individuals in the toy population."""
+"""Individuals in the trial population."""
 
 NEGATIVE_AND_TIED = np.array([-3.0, -3.0, -1.5, 0.0, 0.5, 0.5, 0.5, 2.0, 7.25, -0.25] * 2)
 EQUAL = np.full(N, -1.0)
@@ -73,7 +73,7 @@ def _check(
         must = f"must be a function, {slot.signature}"
         raise OperatorError(f"{slot.kind} {operator!r} {must}; it is a {type(operator).__name__}")
     _check_signature(operator, slot, arguments, keywords)
-    toy = "a toy population" if slot is MUTATION else "a toy population with negative and equal fitness"
+    trial = f"a trial population of {N} individuals" + ("" if slot is MUTATION else " with negative and equal fitness")
     try:
         first, second = (
             run(operator, *arguments, rng=stream(0, "check", 1), seconds=IN_A_CHECK, **keywords) for _ in range(2)
@@ -84,7 +84,7 @@ def _check(
                 f"{slot.who(operator)} {must}; it gave two", f"{slot.chance} And let it remember nothing."
             )
     except OperatorError as error:
-        error.where = f"when tried on {toy}"
+        error.where = f"when tried on {trial}"
         raise
 
 

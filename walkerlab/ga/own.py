@@ -15,6 +15,12 @@ from walkerlab.time_limit import VARIABLE, Overdue, in_time, patience, raised_in
 
 IN_A_RUN, IN_A_CHECK = 60.0, 10.0  # s that one call may take
 
+THREAD_ADVICE = (
+    "Functions of your own are called on a thread of their own, so that one that never returns can be stopped. What "
+    "belongs to one thread, such as a connection to SQLite, must be opened within the function; what only the main "
+    f"thread may do, such as signal.alarm, is not possible. The time limit is os.environ[{VARIABLE!r}], in seconds."
+)
+
 SHARED = {"np.random": "numpy.random", "random": "random"}
 """The sources of chance that everybody draws from, and the modules that they are."""
 
@@ -131,7 +137,7 @@ def _in_words(slot: Slot, function: Callable[..., object], call: Callable[[], An
                 f"Let it work on a copy, as in {slot.copy}; +=, sort and shuffle write in place.",
             ) from error
         says_all = isinstance(error, NameError | MemoryError | RecursionError) or not isinstance(error, Exception)
-        advice = "" if says_all else slot.advice
+        advice = THREAD_ADVICE if "thread" in str(error) else "" if says_all else slot.advice
         raise OperatorError(f"{who} raised {type(error).__name__}: {error}{line}", advice) from error
 
 

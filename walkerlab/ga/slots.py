@@ -2,6 +2,7 @@
 
 import inspect
 from collections.abc import Callable
+from contextlib import suppress
 from copy import deepcopy
 from typing import Any, TypeAlias
 
@@ -160,7 +161,9 @@ def _pair(answer: Any, who: str) -> tuple[object, object]:
 
 
 def _indices(indices: NDArray[Any], who: str, n: int, of: str) -> Indices:
-    """Refuse what does not name some of ``n``."""
+    """Return indices as integers, also from whole floats; refuse what does not name some of ``n``."""
+    if indices.dtype.kind == "f" and np.isfinite(indices).all() and (indices == np.rint(indices)).all():
+        indices = np.clip(indices, -1, n).astype(np.intp)  # whatever is out of range stays so
     if not np.issubdtype(indices.dtype, np.integer):
         raise OperatorError(
             f"{who} must name {of} by whole numbers, 0 to {n - 1}; it returned {portrait(indices)}",
@@ -177,6 +180,9 @@ def _indices(indices: NDArray[Any], who: str, n: int, of: str) -> Indices:
 def _genomes(answer: object, who: str, shape: tuple[int, ...], symbols: str) -> Floats:
     """Refuse what is not a table of finite numbers."""
     genomes = _array(answer)
+    if genomes.dtype.kind == "O":  # as of fractions, or of a table with columns of several types
+        with suppress(TypeError, ValueError, OverflowError):
+            genomes = genomes.astype(np.float64)
     if genomes.shape != shape or genomes.dtype.kind not in "iuf":
         raise OperatorError(
             f"{who} must return genomes, numbers of shape {symbols} = {shape}; it returned {portrait(answer)}",

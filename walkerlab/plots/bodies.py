@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
+from walkerlab.arguments import require_settings
 from walkerlab.fitness import poorest_walk
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
@@ -145,7 +146,7 @@ def at_rest(genome: Genome | str, settings: Settings | None = None) -> Scene:
     """Build a robot on bare, level ground, with the loads of the settings; its pose of rest is ``Scene.start``."""
     if settings is None:
         return scene_of(Genome.of(genome), Settings())
-    return compile_scene(genome, Settings(robot=settings.robot))
+    return compile_scene(genome, Settings(robot=require_settings(settings).robot))
 
 
 def add_body(

@@ -25,6 +25,7 @@ LOOKS = (
     ("#F0E442", "xx"),
     ("#E69F00", "oo"),
     ("#FFFFFF", "++"),
+    ("#CC79A7", "**"),
 )
 """Colour and hatching of the verdicts after ``ok``, in the order of ``VERDICTS``: each looks the same everywhere."""
 
@@ -45,7 +46,7 @@ def verdicts(records: pd.DataFrame, ax: Axes | None = None) -> Axes:
     Returns:
         The Axes drawn on.
     """
-    records = table_of(records)
+    records = table_of(records, "verdict")
     axes = ax or new_axes()
     require_measure(axes, ROBOTS)
     table: Any = pd.crosstab(records.generation, records.verdict)

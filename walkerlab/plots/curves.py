@@ -53,7 +53,7 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     Raises:
         ValueError: if the table is that of several runs, or the Axes show another measure.
     """
-    records = table_of(records)
+    records = table_of(records, "verdict", "fitness")
     axes = ax or new_axes()
     title, measure = "Fitness of each generation", fitness_measure(records)
     require_measure(axes, measure)
@@ -107,6 +107,7 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
     if name not in numeric:
         guess = did_you_mean(name, numeric)
         raise ValueError(f"the table has no column of numbers called {name!r}; it has {', '.join(numeric)}.{guess}")
+    table_of(records, "individual", "verdict", "fitness")
     axes = ax or new_axes()
     said = {"n_legs": "number of legs", "n_segments": "number of segments"}.get(name, name.replace("_", " "))
     title, unit = f"{said[0].upper()}{said[1:]} of each generation", unit_of(records, name)

@@ -78,7 +78,7 @@ def family_tree(
     Raises:
         ValueError: if no such individual has walked.
     """
-    records = table_of(records)
+    records = table_of(records, "individual", "born", "parents", "operators", "fitness", "verdict", "reason", "genome")
     title = "Family tree"
     if records.empty:
         axes = ax or new_axes()

@@ -56,7 +56,7 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
     Returns:
         The Axes drawn on.
     """
-    records = table_of(records)
+    records = table_of(records, "genome")
     axes = ax or new_axes()
     title = "Genetic diversity of each generation"
     require_measure(axes, DIVERSITY)
@@ -100,7 +100,7 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     Raises:
         ValueError: if there is no such generation.
     """
-    records = table_of(records)
+    records = table_of(records, "individual", "fitness", "verdict", "genome")
     if records.empty:
         axes = ax or new_axes()
         nothing(axes, "no robot has walked yet")

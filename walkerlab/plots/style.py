@@ -237,20 +237,28 @@ def nothing(axes: Axes, why: str) -> None:
     axes.text(0.5, 0.5, why, transform=axes.transAxes, ha="center", va="center", color=ink(axes, QUIET))
 
 
-def table_of(records: Any) -> pd.DataFrame:
+def table_of(records: Any, *columns: str) -> pd.DataFrame:
     """Take a tidy table, or the run that it belongs to.
+
+    Args:
+        records: The table or the run.
+        *columns: Columns that the picture needs, besides ``generation``.
 
     Raises:
         TypeError: if it is neither.
-        ValueError: if it is the table of several runs.
+        ValueError: If the table lacks a column, or holds several runs.
     """
     table = getattr(records, "records", records)
     if not isinstance(table, pd.DataFrame):
         raise TypeError(
             f"this picture is drawn from the table of a run: give run.records; got a {type(records).__name__}"
         )
-    repeated = table.duplicated(["generation", "individual"])
-    if repeated.any():
+    if missing := [name for name in ("generation", *columns) if name not in table]:
+        raise ValueError(
+            f"the table has no column {' and no column '.join(map(repr, missing))}, which this picture needs; it has "
+            f"{', '.join(map(str, table.columns)) or 'none'}. The whole table of a run is run.records."
+        )
+    if "individual" in table and (repeated := table.duplicated(["generation", "individual"])).any():
         row = table.loc[repeated, :].iloc[0]
         raise ValueError(
             f"this table has robot {row.individual} of generation {row.generation} more than once, so it holds several "

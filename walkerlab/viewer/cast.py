@@ -2,7 +2,7 @@
 
 import colorsys
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from matplotlib.colors import to_rgb
@@ -13,6 +13,7 @@ from walkerlab.genome import Genome
 from walkerlab.ground import bounds
 from walkerlab.markup import printable
 from walkerlab.plots.style import RUNS
+from walkerlab.quantity import brief
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings, Terrain
 from walkerlab.shapes import skins
@@ -59,11 +60,21 @@ def _named(walkers: Any) -> Iterable[tuple[str, Genome]]:
     if isinstance(walkers, Settings):
         raise TypeError("first comes who walks, and then the settings: wl.replay(genome, settings)")
     walkers = getattr(walkers, "champion", walkers)  # of a run
+    if hasattr(walkers, "columns"):
+        Genome.of(walkers)  # which says how to choose from a table
     if isinstance(walkers, Mapping):
         pairs = [(printable(name), one) for name, one in walkers.items()]
     elif isinstance(walkers, str | Genome) or hasattr(walkers, "genome") or getattr(walkers, "ndim", 0) == 1:
         pairs = [(_name(walkers, ""), walkers)]
+    elif not isinstance(walkers, Iterable):
+        raise TypeError(f"replay takes a genome, an individual or a run, or several in a list; got {brief(walkers)}")
     else:
+        walkers = list(cast(Iterable[Any], walkers))
+        if numbers := [one for one in walkers if isinstance(one, int | np.integer)]:
+            raise TypeError(
+                f"replay takes genomes, individuals or runs; got the number {numbers[0]}. The champions of generations "
+                f"are shown by run.replay({', '.join(map(str, numbers[:9]))})"
+            )
         pairs = [(_name(one, f" {number}"), one) for number, one in enumerate(walkers, start=1)]
     seen = dict[str, int]()
     for name, one in pairs:

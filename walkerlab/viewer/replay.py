@@ -24,6 +24,7 @@ import numpy as np
 import traitlets
 from matplotlib.colors import to_hex
 
+from walkerlab.arguments import require_settings
 from walkerlab.choices import Camera
 from walkerlab.files import file_path, replacing
 from walkerlab.fitness import label, score
@@ -129,7 +130,7 @@ class Replay:
             ("speed", with_unit(rollout.velocity, "m/s") if whole else "–"),
         ]
         name, unit = label(self.settings.algorithm.fitness)
-        if name not in ("distance", "velocity"):
+        if name not in ("distance", "velocity") and rollout.counts:
             with suppress(RunFileError):  # of a fitness of the user's own, a run file knows the name only
                 fitness = score(rollout, self.settings.algorithm.fitness)
                 facts.append((name, with_unit(fitness, unit) if rollout.counts else "does not count"))
@@ -166,7 +167,7 @@ def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | s
         SettingsError: if there is no such camera.
         ValueError: if there is nobody to walk.
     """
-    settings = Settings() if settings is None else settings
+    settings = Settings() if settings is None or isinstance(walkers, Settings) else require_settings(settings)
     if camera is not None:
         settings = settings.with_(camera=camera)
     return Replay(line_up(walkers, settings), settings, settings.simulation.camera)

@@ -27,7 +27,7 @@ def card(records: pd.DataFrame, individual: int) -> str:
     does_not = "" if row.verdict == COUNTS else f" That is, {row.reason}."
     known = [
         ("Born", f"in generation {row.born}, {_made(row)}"),
-        ("Judge", f"{row.verdict}: {VERDICTS.get(row.verdict, '')}{does_not}"),
+        ("Verdict", f"{row.verdict}: {VERDICTS.get(row.verdict, '')}{does_not}"),
         ("Walk", f"{with_unit(row.distance, 'm')} forward, {with_unit(row.velocity, 'm/s')}"),
         (
             "Body",

@@ -16,6 +16,7 @@ from typing import cast
 
 import ipywidgets
 
+from walkerlab.arguments import require_settings
 from walkerlab.evolution import n_walks
 from walkerlab.faults import Fault
 from walkerlab.files import absolute_path
@@ -67,7 +68,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
                 there, runs go with the panel.
             executor: any ``concurrent.futures.Executor``; loky on all cores if None.
         """
-        settings = settings or Settings()
+        settings = Settings() if settings is None else require_settings(settings)
         self._folder, self._executor = absolute_path(folder, "folder"), executor
         self._told = dict[LiveRun, tuple[object, float]]()
         self._active: LiveRun | None = None
