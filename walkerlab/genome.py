@@ -230,7 +230,7 @@ def read_genomes(given: Iterable[Genome | str | ArrayLike | HasGenome]) -> list[
         raise TypeError(f"this takes several genomes, as a list; those of a run or its table are {where}")
     if isinstance(given, Mapping):
         raise TypeError("this takes several genomes, as a list; got a dict: give list(genomes.values())")
-    if given is not None and not isinstance(given, list | tuple):
+    if given is not None and not isinstance(given, list | tuple):  # pyright: ignore[reportUnnecessaryComparison]
         _refuse_what_has_none(given)
     if not isinstance(given, Iterable | Genome) and not hasattr(given, "genome"):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise TypeError(f"this takes several genomes, as a list; got {brief(given)}")
