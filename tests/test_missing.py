@@ -44,7 +44,8 @@ def test_the_walk_that_counted_is_known_without_the_function(runs):
 
 
 def test_a_rejected_robot_is_shown_as_rejected_and_in_another_world_as_judged_there(tmp_path):
-    run, loaded = made(tmp_path / "none.walk", lambda rollout: None)
+    with pytest.warns(UserWarning, match="returned None for every robot"):
+        run, loaded = made(tmp_path / "none.walk", lambda rollout: None)
     genome = loaded.champion.genome
     assert set(run.records.verdict) == {REJECTED}
     assert poorest_walk(genome, loaded.settings, poses=False).verdict == REJECTED
