@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from walkerlab.cameras import CALM, FIELD_OF_VIEW, NEAREST, aim
+from walkerlab.cameras import FIELD_OF_VIEW, MIN_SIZE, SMOOTHING_TIME, aim_camera
 from walkerlab.choices import Camera
 
 TIME = np.arange(401) * 0.02
@@ -39,7 +39,7 @@ def wander(rng, n, speed):
 @given(seed=st.integers(0, 999), n=st.integers(1, 5), speed=st.floats(-1, 2), size=st.floats(0.2, 8))
 def test_all_walkers_are_within_the_picture_all_the_time(camera, seed, n, speed, size):
     paths = wander(np.random.default_rng(seed), n, speed * np.arange(1, n + 1)[:, np.newaxis, np.newaxis] / n)
-    shot = aim(camera, TIME, paths, size)
+    shot = aim_camera(camera, TIME, paths, size)
     ahead = shot.target - shot.eye
     ahead /= np.linalg.norm(ahead, axis=1, keepdims=True)
     right = np.cross(ahead, shot.up)
@@ -57,7 +57,7 @@ def test_all_walkers_are_within_the_picture_all_the_time(camera, seed, n, speed,
 @pytest.mark.parametrize("camera", list(Camera))
 def test_one_walker_fills_a_good_part_of_the_picture(camera):
     size = 1.6
-    shot = aim(camera, TIME, wander(np.random.default_rng(0), 1, 0.5), size)
+    shot = aim_camera(camera, TIME, wander(np.random.default_rng(0), 1, 0.5), size)
     share = size / (2 * shot.distance * math.tan(math.radians(FIELD_OF_VIEW / 2)) * ASPECT)
     assert (share > 0.4).all()
     assert (share < 0.8).all()
@@ -68,13 +68,13 @@ def test_one_walker_fills_a_good_part_of_the_picture(camera):
 def test_no_camera_is_below_the_slope(camera, incline):
     slope = math.radians(incline)
     along = np.stack([TIME, 0 * TIME, TIME * math.tan(slope) + 0.25], axis=1)
-    eye = aim(camera, TIME, along[np.newaxis], 1.5, slope).eye
+    eye = aim_camera(camera, TIME, along[np.newaxis], 1.5, slope).eye
     assert (eye[:, 2] > eye[:, 0] * math.tan(slope)).all()
 
 
 def test_each_looks_where_its_name_says():
     path = np.zeros((1, len(TIME), 3))
-    eye = {camera: aim(camera, TIME, path, NEAREST).eye[0] for camera in Camera}
+    eye = {camera: aim_camera(camera, TIME, path, MIN_SIZE).eye[0] for camera in Camera}
     assert eye[Camera.side][1] < -1  # from the right, so that forward is to the right
     assert abs(eye[Camera.side][0]) < 1e-9
     assert eye[Camera.front][0] > 1
@@ -82,7 +82,7 @@ def test_each_looks_where_its_name_says():
     assert eye[Camera.top][2] > 1
     assert np.abs(eye[Camera.top][:2]).max() < 1e-9
     assert eye[Camera.chase][0] < -1
-    around = aim(Camera.orbit, TIME, path, NEAREST)
+    around = aim_camera(Camera.orbit, TIME, path, MIN_SIZE)
     assert np.ptp(around.azimuth) > 180
 
 
@@ -106,7 +106,7 @@ def by_azimuth(shot):
 @pytest.mark.parametrize("camera", list(Camera))
 def test_forward_left_and_up_are_where_they_belong_in_the_picture(camera, seen):
     """In a replay as in a film; but for the tilt and the turn of some cameras, which are 20 degrees at most."""
-    shown = seen(aim(camera, TIME, np.zeros((1, len(TIME), 3)), NEAREST))
+    shown = seen(aim_camera(camera, TIME, np.zeros((1, len(TIME), 3)), MIN_SIZE))
     for way, name in zip(shown, (RIGHT[camera], ABOVE[camera], NEARER[camera]), strict=True):
         assert way @ WAYS[name] > math.cos(math.radians(30))
     if camera == Camera.top:
@@ -121,7 +121,7 @@ def test_it_does_not_matter_how_the_moments_are_spaced(camera, seed):
 
     def shot(time):
         forward = np.stack([0.4 * time, 0.2 * np.sin(2 * time), 0.3 + 0.02 * np.sin(9 * time)], axis=1)
-        return aim(camera, time, np.stack([forward, forward * [0.5, -1, 1]]), 1.0)
+        return aim_camera(camera, time, np.stack([forward, forward * [0.5, -1, 1]]), 1.0)
 
     even, other = shot(TIME), shot(uneven)
     for of, near in (("target", 5e-3), ("distance", 5e-3), ("azimuth", 0.05), ("elevation", 0.05)):  # m, degrees
@@ -134,6 +134,6 @@ def test_bobbing_is_evened_out_over_the_same_time_however_often_it_is_recorded()
     for step in (0.005, 0.02, 0.025):
         time = np.arange(round(8 / step) + 1) * step
         bobbing = np.stack([0 * time, 0 * time, 0.1 * np.sin(2 * time)], axis=1)
-        height = aim(Camera.side, time, bobbing[np.newaxis], NEAREST).target[:, 2]
+        height = aim_camera(Camera.side, time, bobbing[np.newaxis], MIN_SIZE).target[:, 2]
         middle = (time > 2) & (time < 6)
-        assert height[middle].max() == pytest.approx(0.1 * math.exp(-((2 * CALM) ** 2) / 2), rel=0.02)
+        assert height[middle].max() == pytest.approx(0.1 * math.exp(-((2 * SMOOTHING_TIME) ** 2) / 2), rel=0.02)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.footfalls import feet, footfalls
+from walkerlab.footfalls import find_footfalls, foot_names
 
 ROBOTS = [wl.Genome.random(wl.Robot(), rng=np.random.default_rng(seed)) for seed in range(4)]
 
@@ -25,9 +25,9 @@ def lowest(scene, pose, foot):
 def test_on_level_ground_a_foot_is_down_when_its_lowest_point_is(genome):
     settings = wl.Settings().with_(duration=2)
     scene, poses = wl.compile_scene(genome, settings), wl.simulate(genome, settings).poses[::5]
-    heights = np.array([[lowest(scene, pose, foot) for foot in feet(scene)] for pose in poses])
+    heights = np.array([[lowest(scene, pose, foot) for foot in foot_names(scene)] for pose in poses])
     sure = np.abs(heights) > 1e-9
-    assert (footfalls(scene, poses) == (heights < 0))[sure].all()
+    assert (find_footfalls(scene, poses) == (heights < 0))[sure].all()
     assert sure.mean() > 0.99
 
 
@@ -37,7 +37,7 @@ def test_whenever_a_foot_is_down_the_robot_is_on_the_ground(ground, strewn):
     settings = wl.Settings().with_(structure=ground, duration=2, carry_weight=2, drag_weight=1, **strewn)
     for genome in ROBOTS[:2]:
         rollout = wl.simulate(genome, settings)
-        down = footfalls(wl.compile_scene(genome, settings), rollout.poses)
+        down = find_footfalls(wl.compile_scene(genome, settings), rollout.poses)
         assert down.any(), "or this shows nothing"
         assert not (down.any(axis=1) & ~rollout.on_ground).any()
 
@@ -46,17 +46,17 @@ def test_feet_are_counted_from_the_front_left_before_right_and_bare_segments_hav
     genome = wl.Genome.random(wl.Robot(segments=(3, 3), legs=(4, 4)), rng=np.random.default_rng(0))
     legged = [number for number, legs in enumerate(wl.express(genome).plan, start=1) if legs]
     scene = wl.compile_scene(genome, wl.Settings(robot=wl.Robot(segments=(3, 3), legs=(4, 4))))
-    assert feet(scene) == tuple(f"{side} {number}" for number in legged for side in ("left", "right"))
-    assert footfalls(scene, scene.start[np.newaxis]).shape == (1, 4)
+    assert foot_names(scene) == tuple(f"{side} {number}" for number in legged for side in ("left", "right"))
+    assert find_footfalls(scene, scene.start[np.newaxis]).shape == (1, 4)
 
 
 def test_a_robot_in_the_air_has_no_foot_down_and_one_lowered_onto_its_feet_has():
     scene = wl.compile_scene(ROBOTS[0], wl.Settings())
     start = scene.start
-    least = min(lowest(scene, start, foot) for foot in feet(scene))
+    least = min(lowest(scene, start, foot) for foot in foot_names(scene))
     poses = np.array([start, start, start])
     poses[:, 2] += [1.0, 1e-4 - least, -1e-4 - least]
-    in_air, just_above, just_below = footfalls(scene, poses)
+    in_air, just_above, just_below = find_footfalls(scene, poses)
     assert not in_air.any()
     assert not just_above.any()
     assert just_below.any()
@@ -65,11 +65,11 @@ def test_a_robot_in_the_air_has_no_foot_down_and_one_lowered_onto_its_feet_has()
 def test_what_is_not_finite_touches_nothing():
     scene = wl.compile_scene(ROBOTS[0], wl.Settings())
     poses = np.array([np.full(scene.model.nq, np.nan), scene.start])
-    assert not footfalls(scene, poses)[0].any()
-    assert footfalls(scene, poses[:0]).shape == (0, scene.phenotype.n_legs)
+    assert not find_footfalls(scene, poses)[0].any()
+    assert find_footfalls(scene, poses[:0]).shape == (0, scene.phenotype.n_legs)
 
 
 def test_poses_of_another_world_are_refused():
     scene = wl.compile_scene(ROBOTS[0], wl.Settings())
     with pytest.raises(ValueError, match=r"poses of a walk in this scene, \(n, \d+\); got \(2, 3\)"):
-        footfalls(scene, np.zeros((2, 3)))
+        find_footfalls(scene, np.zeros((2, 3)))

@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 import walkerlab as wl
 from tests.strategies import domains, robots
 from walkerlab import ground, layout
-from walkerlab.assembly import _strew_pieces
+from walkerlab.assembly import _add_pieces
 from walkerlab.entities import generate_terrain
-from walkerlab.ground import FIELD_START, LANDING, height, hills, levels, slope
+from walkerlab.ground import FIELD_START, LANDING, height, hill_heights, level_stretches, slope
 from walkerlab.judge import OVERLAP
-from walkerlab.layout import lay_out
+from walkerlab.layout import compute_layout
 from walkerlab.quantity import SettingsError
 from walkerlab.randomness import stream
-from walkerlab.rollout import _overlap
+from walkerlab.rollout import _start_overlap
 from walkerlab.scene import compile_scene
 from walkerlab.settings import FIELD, MAX_PIECES, PLANETS, Obstacle, Structure
 
@@ -29,7 +29,7 @@ DOWN = np.array([0.0, 0.0, -1.0])
 def described(terrain):
     """The ground with all that lies on it, and no robot."""
     spec = mujoco.MjSpec.from_string(generate_terrain(terrain).mjcf_model.to_xml_string(zero_threshold=1e-15))
-    _strew_pieces(spec, terrain)
+    _add_pieces(spec, terrain)
     return spec
 
 
@@ -89,10 +89,10 @@ def test_a_ray_from_above_meets_the_ground_at_its_height(terrain):
 @pytest.mark.parametrize("structure", Structure)
 def test_the_same_seed_lays_the_same_ground_and_another_seed_another(structure):
     def laid(seed):
-        layout.lay_out.cache_clear()
-        hills.cache_clear()
+        layout.compute_layout.cache_clear()
+        hill_heights.cache_clear()
         terrain = wl.Terrain(structure=structure, texture_density=0.1, obstacle="rock", seed=seed)
-        return vars(lay_out(terrain)) | {"hills": hills(terrain)}
+        return vars(compute_layout(terrain)) | {"hills": hill_heights(terrain)}
 
     first, again, other = laid(1), laid(1), laid(2)
     for name, values in first.items():
@@ -113,11 +113,11 @@ def test_pieces_cover_the_part_of_the_ground_that_was_asked_for(structure, size,
     rng, pitch, sample = np.random.default_rng(1), slope(terrain), 6000
     # One point in each of as many stripes along the way, so that chance adds little to what is measured.
     along = FIELD_START + FIELD[0] * (rng.permutation(sample) + rng.random(sample)) / sample
-    on_ground = [any(start < place < end for start, end in levels(terrain)) for place in along]
+    on_ground = [any(start < place < end for start, end in level_stretches(terrain)) for place in along]
     along, across = along[on_ground], rng.uniform(-FIELD[1] / 2, FIELD[1] / 2, sample)[on_ground]
     up = np.array([-math.sin(pitch), 0, math.cos(pitch)])
     points = np.stack([along * math.cos(pitch), across, along * math.sin(pitch)], axis=1) + 30 * up
-    first_piece = model.ngeom - len(lay_out(terrain).pieces)
+    first_piece = model.ngeom - len(compute_layout(terrain).pieces)
     covered = np.mean([geom >= first_piece for geom, _ in hits(model, data, points, -up)])
     assert covered == pytest.approx(density, rel=0.1)
 
@@ -126,8 +126,8 @@ def test_pieces_cover_the_part_of_the_ground_that_was_asked_for(structure, size,
 def test_pieces_lie_on_every_stretch_of_ground_whole_and_fixed(structure):
     terrain = wl.Terrain(structure=structure, texture_density=0.1)
     model, _ = started(described(terrain))
-    x, half = lay_out(terrain).pieces[:, 0], terrain.texture_size / 2
-    on = [((start + half - 1e-9 <= x) & (x <= end - half + 1e-9)).sum() for start, end in levels(terrain)]
+    x, half = compute_layout(terrain).pieces[:, 0], terrain.texture_size / 2
+    on = [((start + half - 1e-9 <= x) & (x <= end - half + 1e-9)).sum() for start, end in level_stretches(terrain)]
     assert min(on) > 0
     assert sum(on) == len(x) == (model.geom_type == int(mujoco.mjtGeom.mjGEOM_SPHERE)).sum()
     assert model.nv == 0
@@ -140,7 +140,7 @@ def test_pieces_lie_on_every_stretch_of_ground_whole_and_fixed(structure):
 @pytest.mark.parametrize("kind", [kind for kind in Obstacle if kind])
 def test_as_many_obstacles_lie_on_each_square_metre_as_were_asked_for(structure, kind):
     terrain = wl.Terrain(structure=structure, obstacle=kind, obstacle_density=0.7)
-    room = (np.maximum(levels(terrain), LANDING) @ [-1, 1]).sum() * FIELD[1]
+    room = (np.maximum(level_stretches(terrain), LANDING) @ [-1, 1]).sum() * FIELD[1]
     spec = described(terrain)
     assert len(spec.bodies) - 1 == pytest.approx(0.7 * room, abs=0.5)
 
@@ -164,8 +164,8 @@ def test_no_obstacle_starts_inside_anything_or_just_ahead_of_the_robot(terrain):
 
 def test_obstacles_sleep_until_they_are_touched_and_fall_asleep_again():
     spec = described(wl.Terrain(obstacle="box"))
-    layout_ = lay_out(wl.Terrain(obstacle="box"))
-    spot, half = layout_.obstacles[0], layout_.sizes[0] / 2
+    layout_ = compute_layout(wl.Terrain(obstacle="box"))
+    spot, half = layout_.obstacles[0], layout_.obstacle_sizes[0] / 2
     hammer = spec.worldbody.add_body(pos=[*spot[:2], 2 * half + 0.3], sleep=mujoco.mjtSleepPolicy.mjSLEEP_INIT)
     hammer.add_freejoint()
     hammer.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[half / 2, 0, 0], mass=0.1)
@@ -201,13 +201,13 @@ def test_nobody_starts_inside_anything(terrain, limits, carried, dragged, number
     owner = model.body_rootid[model.geom_bodyid[data.contact.geom]].reshape(-1, 2)
     own = np.isin(owner, scene.roots).any(axis=1) & (owner[:, 0] != owner[:, 1])
     assert min(data.contact.dist[own], default=0) > -OVERLAP
-    assert _overlap(scene, data) <= OVERLAP
+    assert _start_overlap(scene, data) <= OVERLAP
 
 
 @given(domains(wl.Terrain).map(lambda drawn: accepted(**drawn)))
 @settings(max_examples=25)
 def test_every_accepted_ground_is_laid_out_with_no_more_pieces_than_a_computer_bears(terrain):
-    laid = lay_out(terrain)
+    laid = compute_layout(terrain)
     assert len(laid.pieces) <= MAX_PIECES
     assert len(laid.pieces) == 0 or terrain.texture_density > 0
     assert np.isfinite(np.concatenate([laid.pieces, laid.obstacles])).all()

@@ -6,10 +6,10 @@ import pytest
 
 import walkerlab as wl
 from tests.test_judge import WALKER
-from walkerlab.entities.walker import LIMB, TRUNK
+from walkerlab.entities.walker import LEG_COLOURS, TRUNK_COLOUR
 from walkerlab.fitness import distance, velocity
 from walkerlab.randomness import stream
-from walkerlab.rollout import nudge, walk
+from walkerlab.rollout import draw_nudge, walk
 from walkerlab.scene import compile_scene
 
 LOADS = [{"carry_weight": 3}, {"drag_weight": 2}, {"carry_weight": 3, "drag_weight": 2}]
@@ -71,7 +71,7 @@ def test_a_rope_pulls_when_it_is_taut_and_does_nothing_when_it_is_slack(weight):
     lengths, pulls = [], []
     for data in stepped(scene, 4):
         of_rope = data.efc_type == mujoco.mjtConstraint.mjCNSTR_LIMIT_TENDON
-        lengths.append(data.ten_length[0] / scene.rope)
+        lengths.append(data.ten_length[0] / scene.rope_length)
         pulls.append(data.efc_force[of_rope].sum())
     length, pull = np.array(lengths), np.array(pulls)
     assert pull.min() >= 0
@@ -140,7 +140,7 @@ def test_a_pack_is_fixed_on_the_back():
 
 def test_a_load_is_seen_and_is_not_of_the_robots_colour():
     model = scene_with({"carry_weight": 3, "drag_weight": 2}).model
-    robot = np.array([TRUNK, *LIMB.values()])
+    robot = np.array([TRUNK_COLOUR, *LEG_COLOURS.values()])
     for name in ("walker/pack/", "sledge/"):
         geoms = model.geom_bodyid == model.body(name).id
         assert geoms.any()
@@ -159,7 +159,7 @@ def test_no_robot_starts_inside_its_load_nor_on_a_taut_rope(weight):
         mujoco.mj_forward(scene.model, data)
         roots = scene.model.body_rootid[scene.model.geom_bodyid[data.contact.geom]]
         assert not (data.contact.dist[roots[:, 0] != roots[:, 1]] < 0).any()
-        assert 0.95 < data.ten_length[0] / scene.rope < 1
+        assert 0.95 < data.ten_length[0] / scene.rope_length < 1
 
 
 def test_a_tail_held_too_high_for_the_rope_still_starts():
@@ -167,4 +167,4 @@ def test_a_tail_held_too_high_for_the_rope_still_starts():
     settings = wl.Settings(robot=robot).with_(duration=1.0)
     scene = wl.compile_scene(wl.Genome.random(robot, rng=np.random.default_rng(2)), settings)
     for start in range(20):
-        assert np.isfinite(walk(scene, nudge=nudge(scene, start), poses=False).com).all()
+        assert np.isfinite(walk(scene, nudge=draw_nudge(scene, start), poses=False).com).all()

@@ -70,10 +70,10 @@ def test_no_robot_starts_inside_the_ground_or_itself(terrain):
         scene.place(data)
         mujoco.mj_forward(scene.model, data)
         assert not [c for c in data.contact if c.dist < -1e-6], str(genome)
-        scene.model.geom_margin[:] = 4 * scenes.CLEARANCE
+        scene.model.geom_margin[:] = 4 * scenes.START_CLEARANCE
         mujoco.mj_forward(scene.model, data)
         ground = [c.dist for c in data.contact if min(scene.model.geom_bodyid[c.geom]) == 0]
-        assert min(ground) == pytest.approx(scenes.CLEARANCE, abs=1e-6), "it starts just clear of the ground"
+        assert min(ground) == pytest.approx(scenes.START_CLEARANCE, abs=1e-6), "it starts just clear of the ground"
 
 
 def test_the_right_leg_repeats_the_left_one_stride_later():

@@ -10,7 +10,7 @@ import walkerlab as wl
 from walkerlab.choices import Obstacle, Structure
 from walkerlab.commands.worlds import GENOME
 from walkerlab.ground import height
-from walkerlab.shapes import paint, placements, rope_ends, rotate, surfaces
+from walkerlab.shapes import material_image, placements, rope_ends, rotate, surfaces
 
 GEOM = mujoco.mjtGeom
 
@@ -74,7 +74,7 @@ def test_the_ground_is_painted_with_the_colours_of_its_material():
 
     settings = wl.Settings().with_(texture="grass")
     model = wl.compile_scene(GENOME, settings, scenery=True).model
-    picture, repeat = paint(model, int(model.geom("plane").matid[0]))
+    picture, repeat = material_image(model, int(model.geom("plane").matid[0]))
     colours = {tuple(pixel) for pixel in picture.reshape(-1, 3).tolist()}
     material = MATERIALS[settings.terrain.texture]
     for colour in (material.light, material.dark):

@@ -72,7 +72,7 @@ def test_every_texture_is_in_the_table_with_its_source_and_true_colours():
         assert material.source
         assert 0 < material.sliding < 1.5
         assert 0 < material.rolling < 1
-        assert 0 <= material.grain <= 1
+        assert 0 <= material.speckle_share <= 1
         colours = np.array([material.light, material.dark, material.piece, material.speckle])
         assert colours.shape == (4, 3)
         assert ((colours >= 0) & (colours <= 1)).all()
@@ -96,5 +96,5 @@ def test_a_rolling_ball_is_slowed_by_the_rolling_resistance_of_the_ground(textur
 @pytest.mark.parametrize("texture", Texture)
 def test_a_spinning_ball_is_slowed_by_the_torsional_friction_of_the_ground(texture):
     loss, radius = slowed(texture, spin=40)
-    torsional = 2 / 3 * MATERIALS[texture].sliding * MATERIALS[texture].patch
+    torsional = 2 / 3 * MATERIALS[texture].sliding * MATERIALS[texture].patch_radius
     assert loss == pytest.approx(torsional * G / (0.4 * radius**2), rel=0.05)

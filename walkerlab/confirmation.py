@@ -12,7 +12,7 @@ import numpy as np
 from walkerlab.fitness import label, score
 from walkerlab.genome import Genome
 from walkerlab.markup import Html, shown, table
-from walkerlab.rollout import from_every_start, nudge, walk
+from walkerlab.rollout import draw_nudge, walk, walk_from_every_start
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
 
@@ -99,10 +99,10 @@ def confirm(genome: Genome | str, settings: Settings, n_nudges: int = N_NUDGES) 
         update={"simulation": simulation.model_copy(update={"timestep": simulation.timestep / FINER})}
     )
     scene = compile_scene(genome, settings)
-    seen = from_every_start(scene, poses=False)
+    seen = walk_from_every_start(scene, poses=False)
     rollouts = [
         walk(compile_scene(genome, finer_steps), poses=False),
-        *(walk(scene, nudge=nudge(scene, UNSEEN + number), poses=False) for number in range(n_nudges)),
+        *(walk(scene, nudge=draw_nudge(scene, UNSEEN + number), poses=False) for number in range(n_nudges)),
     ]
     finer, *nudged = (score(rollout, fitness) for rollout in rollouts)
     return Confirmation(

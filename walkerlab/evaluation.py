@@ -14,8 +14,8 @@ from walkerlab.genes import Floats
 from walkerlab.genome import Genome, read_genomes
 from walkerlab.limits import genes_of, repair
 from walkerlab.phenotype import express
-from walkerlab.rollout import Rollout, from_every_start
-from walkerlab.scene import scene_on_stage
+from walkerlab.rollout import Rollout, walk_from_every_start
+from walkerlab.scene import reusable_scene_of
 from walkerlab.settings import Algorithm, Robot, Settings
 from walkerlab.waiting import in_turn
 from walkerlab.workers import check, default_executor, n_workers
@@ -155,7 +155,7 @@ def _walk_all(genomes: Sequence[Genome], settings: Settings, asked: str = "") ->
         asked: what tells this question from an equal one of another run, for Dask answers equal ones together, and
             gives both up when one of them is.
     """
-    return [from_every_start(*scene_on_stage(genome, settings), poses=False) for genome in genomes]
+    return [walk_from_every_start(*reusable_scene_of(genome, settings), poses=False) for genome in genomes]
 
 
 def _rate(place: int, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Evaluation:

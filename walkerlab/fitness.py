@@ -12,7 +12,7 @@ from walkerlab.ga.own import IN_A_CHECK, IN_A_RUN, OperatorError, Slot, ask, por
 from walkerlab.genome import Genome
 from walkerlab.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.quantity import function_name
-from walkerlab.rollout import Rollout, from_every_start
+from walkerlab.rollout import Rollout, walk_from_every_start
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
 
@@ -101,7 +101,7 @@ def poorest_walk(genome: Genome | str, settings: Settings, *, poses: bool = True
     Raises:
         GenomeError: if a text is no genome.
     """
-    rollouts = from_every_start(compile_scene(genome, settings), poses=poses)
+    rollouts = walk_from_every_start(compile_scene(genome, settings), poses=poses)
     return rollouts[0] if len(rollouts) == 1 else min(rollouts, key=lambda one: score(one, settings.algorithm.fitness))
 
 
