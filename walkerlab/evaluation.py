@@ -17,8 +17,8 @@ from walkerlab.phenotype import express
 from walkerlab.rollout import Rollout, walk_from_every_start
 from walkerlab.scene import reusable_scene_of
 from walkerlab.settings import Algorithm, Robot, Settings
-from walkerlab.waiting import in_turn
-from walkerlab.workers import check, default_executor, n_workers
+from walkerlab.waiting import results_in_order
+from walkerlab.workers import check_executor, default_executor, n_workers
 
 LARGEST = 16  # robots of a task, some half a second of walks, so that a run can be paused at once
 LONGEST = LARGEST * 1600  # physics steps of a task of more than one robot, for the same reason
@@ -93,7 +93,7 @@ def evaluate(
     """
     robots = _within(genomes, settings.robot)
     world = settings.model_copy(update={"algorithm": Algorithm()})
-    check(executor)
+    check_executor(executor)
     pool = executor or default_executor()
     steps = round(settings.simulation.duration / settings.simulation.timestep) * settings.simulation.n_starts
     tasks = _tasks(robots, n_workers(pool), largest=max(1, min(LARGEST, LONGEST // steps)))
@@ -102,7 +102,7 @@ def evaluate(
     futures = [pool.submit(_walk_all, [robots[i] for i in task], world, asked) for task in tasks]
     evaluations = dict[int, Evaluation]()
     try:
-        with closing(in_turn(futures, pool, limit)) as answers:
+        with closing(results_in_order(futures, pool, limit)) as answers:
             for task, walks in zip(tasks, answers, strict=True):
                 for i, rollouts in zip(task, walks, strict=True):
                     evaluations[i] = _rate(i, robots[i], rollouts, settings)

@@ -77,7 +77,7 @@ class Evolution:
         _require(settings)
         check_own_operators(settings.algorithm, genes_of(settings.robot))
         fitness.check_own(settings.algorithm.fitness)
-        workers.check(executor)
+        workers.check_executor(executor)
         self.settings = settings
         self.path = None if path is None else Path(path)
         if self.path:
