@@ -36,14 +36,17 @@ MAX_CACHED_WORLDS = 64  # per thread; with thousands of texture pieces each take
 
 ROBOT_BODY = 1  # MuJoCo's index of the robot's root body; 0 is the world
 
-# Columns of ``mjData.sensordata``, in the order in which ``_world_xml`` adds the sensors.
-SENSOR_COM = slice(0, 3)  # centre of mass of the robot [m]
-SENSOR_GROUND_CONTACT = 3  # whether the robot touches the ground
-SENSOR_GROUND_DISTANCE = 4  # least distance of these contacts [m]; negative is penetration
-SENSOR_ANY_CONTACT = 5  # number of contacts of the robot
-SENSOR_SELF_CONTACT = 6  # number of contacts of the robot with itself
-SENSOR_SLEDGE = slice(7, 10)  # position of the sledge [m]; only if there is one
-SENSOR_ROPE = 10  # distance between the ends of the rope [m]; only if there is one
+
+class Sensor:
+    """Columns of ``mjData.sensordata``, in the order in which ``_world_xml`` adds the sensors."""
+
+    COM = slice(0, 3)  # centre of mass of the robot [m]
+    GROUND_CONTACT = 3  # number of contacts between the robot and the ground
+    GROUND_DISTANCE = 4  # least distance of these contacts [m]; negative is penetration
+    ANY_CONTACT = 5  # number of contacts of the robot
+    SELF_CONTACT = 6  # number of contacts of the robot with itself
+    SLEDGE = slice(7, 10)  # position of the sledge [m]; only if there is one
+    ROPE = 10  # distance between the ends of the rope [m]; only if there is one
 
 
 def describe_world(phenotype: Phenotype, settings: Settings, *, scenery: bool) -> mujoco.MjSpec:

@@ -11,23 +11,14 @@ import mujoco
 import numpy as np
 from mujoco.rollout import rollout as simulate_steps
 
-from walkerlab.assembly import (
-    ROBOT_BODY,
-    SENSOR_ANY_CONTACT,
-    SENSOR_COM,
-    SENSOR_GROUND_CONTACT,
-    SENSOR_GROUND_DISTANCE,
-    SENSOR_ROPE,
-    SENSOR_SELF_CONTACT,
-    SENSOR_SLEDGE,
-)
+from walkerlab.assembly import ROBOT_BODY, Sensor
 from walkerlab.genes import Floats, Indices
 from walkerlab.genome import Genome
 from walkerlab.judge import VERDICTS, Trace, judge
 from walkerlab.markup import facts, shown
 from walkerlab.quantity import count
 from walkerlab.randomness import stream
-from walkerlab.scene import Scene, compile_scene, control_steps
+from walkerlab.scene import ROTATION, TRANSLATION, Scene, compile_scene, control_steps
 from walkerlab.settings import Settings
 
 SETTLE_CHUNK = 0.25  # s between two checks whether the body is at rest
@@ -39,12 +30,8 @@ NUDGE_SHIFT = 0.02  # m to the side
 NUDGE_TURN = 0.03  # rad, rotation of the body about each axis
 NUDGE_BEND = 0.03  # rad, angle of each joint
 
-# Degrees of freedom of the robot's free joint, which come first in a velocity vector.
-TRANSLATION = slice(0, 3)
-ROTATION = slice(3, 6)
-
 _STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS  # time, positions (nq), velocities (nv), …
-_POSITIONS_START = 1
+_POSITIONS_START = 1  # index in the state
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,19 +129,19 @@ def walk(
         states, sensors = _step(model, data, state, controls[np.newaxis])
     recorded = _recorded_steps(n_steps, timestep)
     # Sensors are computed before a step and states after it, so a reading belongs to the state after the previous step.
-    seen = np.concatenate([state, states[0, recorded[1:] - 1]])
-    sensed = sensors[0, recorded]
+    recorded_states = np.concatenate([state, states[0, recorded[1:] - 1]])
+    readings = sensors[0, recorded]
     targets = controls[recorded]
-    distance = np.where(sensed[:, SENSOR_GROUND_CONTACT] > 0, sensed[:, SENSOR_GROUND_DISTANCE], 0.0)
+    ground_distance = np.where(readings[:, Sensor.GROUND_CONTACT] > 0, readings[:, Sensor.GROUND_DISTANCE], 0.0)
     time = recorded.astype(np.float64) * timestep
     trace = Trace(
         time=time,
-        com=sensed[:, SENSOR_COM],
-        on_ground=sensed[:, SENSOR_ANY_CONTACT] > sensed[:, SENSOR_SELF_CONTACT],
-        sink=np.maximum(0.0, -distance),
-        work=_work(model, time, seen, targets),
-        load=sensed[:, SENSOR_SLEDGE] if scene.rope_length else np.empty((0, 3)),
-        rope=sensed[:, SENSOR_ROPE] / scene.rope_length if scene.rope_length else np.empty(0),
+        com=readings[:, Sensor.COM],
+        on_ground=readings[:, Sensor.ANY_CONTACT] > readings[:, Sensor.SELF_CONTACT],
+        sink=np.maximum(0.0, -ground_distance),
+        work=_work(model, time, recorded_states, targets),
+        load=readings[:, Sensor.SLEDGE] if scene.rope_length else np.empty((0, 3)),
+        rope=readings[:, Sensor.ROPE] / scene.rope_length if scene.rope_length else np.empty(0),
         phenotype=scene.phenotype,
         settled=settled,
         creep=creep,
@@ -162,7 +149,7 @@ def walk(
         drive=_drive_frequency(time, targets),
         warnings=int(sum(data.warning.number)),
     )
-    record = _positions(model, seen) if poses else np.empty((0, model.nq))
+    record = _positions(model, recorded_states) if poses else np.empty((0, model.nq))
     for values in (trace.time, trace.com, trace.on_ground, trace.sink, trace.work, trace.load, trace.rope, record):
         values.setflags(write=False)
     verdict, reason = judge(trace, scene.settings)
@@ -176,14 +163,10 @@ def walk_from_every_start(scene: Scene, data: mujoco.MjData | None = None, *, po
 
 
 def draw_nudge(scene: Scene, start: int) -> Floats | None:
-    """Draw the small displacements of a start; they depend on the terrain's seed and the number of the start.
-
-    Args:
-        scene: Compiled scene.
-        start: Number of the start; 0 is the exact one.
+    """Draw the small displacements of a start from the terrain's seed and the number of the start.
 
     Returns:
-        Displacements of the robot's degrees of freedom, shape (nv,); None for start 0.
+        Displacements of the robot's degrees of freedom, shape (nv,); None for start 0, the exact one.
     """
     if not start:
         return None
@@ -225,7 +208,7 @@ def _settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float, float]:
     while settled < MAX_SETTLE_TIME and speed > REST_SPEED:
         states, sensors = _step(model, data, state, hold)
         state = states[:, -1].copy()
-        com = sensors[0, :, SENSOR_COM]
+        com = sensors[0, :, Sensor.COM]
         settled += SETTLE_CHUNK
         middle = n_steps // 2
         speed = float(np.linalg.norm(com[-1] - com[middle])) / ((n_steps - 1 - middle) * timestep)
@@ -242,8 +225,7 @@ def _step(model: mujoco.MjModel, data: mujoco.MjData, state: Floats, controls: F
         controls: Servo targets of each step, shape (1, n_steps, nu).
 
     Returns:
-        States after each step, shape (1, n_steps, n_state), and sensor readings before each step, shape
-        (1, n_steps, n_sensor).
+        States after, (1, n_steps, n_state), and sensor readings before each step, (1, n_steps, n_sensor).
     """
     n_steps = controls.shape[1]
     return simulate_steps(
@@ -306,13 +288,9 @@ def _warnings_counted_not_printed() -> Generator[None]:
 
 
 class _WarningHandler:
-    """MuJoCo's warning handler, one for all threads: passes on every warning that is not about a walk.
+    """MuJoCo's warning handler, one for all threads: passes on every warning that is not about a walk."""
 
-    Attributes:
-        previous: Handler that was installed before.
-    """
-
-    previous: Callable[[str], None] | None = None
+    previous: Callable[[str], None] | None = None  # handler that was installed before
 
     def __call__(self, warning: str) -> None:
         if not getattr(_thread, "is_walking", False) and self.previous:

@@ -23,10 +23,14 @@ START_CLEARANCE = 0.005  # m between the robot and what is below it at the start
 ROPE_SLACK = 0.01  # m by which the rope is slack at the start
 ROPE_ENDS = ("walker/hitch", "sledge/ring")  # names of the sites
 
-# Parts of the seven coordinates of a free joint; those of the robot come first in ``mjData.qpos``.
+# Parts of the coordinates of a free joint; those of the robot come first in ``mjData.qpos``.
 POSITION = slice(0, 3)
 ORIENTATION = slice(3, 7)
 FREE_JOINT_SIZE = 7
+
+# Parts of the degrees of freedom of a free joint; those of the robot come first in ``mjData.qvel``.
+TRANSLATION = slice(0, 3)
+ROTATION = slice(3, 6)
 
 
 @dataclass(frozen=True)

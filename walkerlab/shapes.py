@@ -258,9 +258,9 @@ _BALL_TRIANGLES = _ring_triangles(N_RINGS)
 
 # The vertices of both end rings twice, for the side and for the flat ends, which have different normals.
 _CYLINDER_VERTICES = np.concatenate([np.arange(2 * N_AROUND), np.arange(2 * N_AROUND)])
-_SIDE_COUNT = 2 * N_AROUND
 _CYLINDER_TRIANGLES = _ring_triangles(2)
-_CYLINDER_TRIANGLES[_SIDE_COUNT:] += 2 * N_AROUND
+_N_SIDE_TRIANGLES = 2 * N_AROUND
+_CYLINDER_TRIANGLES[_N_SIDE_TRIANGLES:] += 2 * N_AROUND
 
 _CUBE_SIDE = np.array([(1, -1, -1), (1, 1, -1), (1, 1, 1), (1, -1, 1)], dtype=np.float64)
 CUBE = np.concatenate([np.roll(sign * _CUBE_SIDE[::sign], axis, axis=1) for axis in range(3) for sign in (1, -1)])
