@@ -9,7 +9,7 @@ from functools import partial
 
 import walkerlab as wl
 from benchmarks.timing import WALKS, in_turn, note, seconds
-from walkerlab.layout import lay_out
+from walkerlab.layout import compute_layout
 
 WORLDS = {
     "20 boxes": {"obstacle": "box", "obstacle_density": 20 / 90},
@@ -40,7 +40,7 @@ def rows(pairs: int) -> Iterator[tuple[str, str, list[float]]]:
         on_bare()  # has every body plan built
         for name, changes in WORLDS.items():
             world = bare.with_(**changes)
-            layout = lay_out(world.terrain)
+            layout = compute_layout(world.terrain)
             if len(layout.pieces) or len(layout.obstacles):
                 note(f"{name}: {len(layout.pieces)} pieces and {len(layout.obstacles)} obstacles")
             in_world = partial(seconds, wl.evaluate, genomes, world, thread)

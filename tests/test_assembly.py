@@ -1,4 +1,4 @@
-"""A world put together from compiled parts is the world that its description compiles to."""
+"""The fast compilation gives the same model as compiling the whole specification."""
 
 import numpy as np
 import pytest
@@ -7,8 +7,8 @@ import walkerlab as wl
 from walkerlab.randomness import stream
 from walkerlab.scene import describe_scene, scene_of
 
-ADDED_UP = {"body_subtreemass", "body_invweight0", "dof_invweight0", "tendon_invweight0", "actuator_acc0"}
-"""What is added up in another order, or solved for: equal but for the rounding of floats."""
+ROUNDED = {"body_subtreemass", "body_invweight0", "dof_invweight0", "tendon_invweight0", "actuator_acc0"}
+"""Arrays that are summed in another order or solved for; they differ by rounding errors only."""
 
 WORLDS = {
     "bare": wl.Settings(),
@@ -21,20 +21,20 @@ WORLDS = {
 
 
 @pytest.mark.parametrize("world", WORLDS)
-def test_the_assembled_world_is_the_described_world(world):
+def test_the_assembled_model_equals_the_compiled_specification(world):
     settings = WORLDS[world]
     for i in range(4):
         genome = wl.Genome.random(settings.robot, rng=stream(1, "check", i))
         quick, full = scene_of(genome, settings).model, describe_scene(genome, settings, scenery=False)[1].model
         for name, array in arrays(full).items():
-            rounding = 1e-12 if name in ADDED_UP else 0.0
-            np.testing.assert_allclose(arrays(quick)[name], array, rtol=rounding, atol=0, err_msg=name)
+            tolerance = 1e-12 if name in ROUNDED else 0.0
+            np.testing.assert_allclose(arrays(quick)[name], array, rtol=tolerance, atol=0, err_msg=name)
         assert quick.names == full.names
         assert quick.stat.meaninertia == pytest.approx(full.stat.meaninertia, rel=1e-12)
 
 
 def arrays(model):
-    """Every array of a model, and of its options."""
+    """Return every array of a model and of its options, and the sizes of the model."""
     return {
         name: value
         for part in (model, model.opt)
@@ -43,7 +43,7 @@ def arrays(model):
     } | {name: np.array(getattr(model, name)) for name in ("nq", "nv", "nu", "nbody", "ngeom", "nsensor", "ntendon")}
 
 
-def test_one_robot_leaves_nothing_behind_in_the_world_of_the_next():
+def test_a_reused_model_does_not_depend_on_the_previous_robot():
     settings = WORLDS["gravel, rocks, pack and sledge"]
     first, other = (wl.Genome.random(settings.robot, rng=stream(1, "check", i)) for i in range(2))
     before = arrays(scene_of(first, settings).model)

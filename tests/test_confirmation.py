@@ -11,7 +11,7 @@ import walkerlab as wl
 from tests.test_judge import WALKER
 from walkerlab import confirmation, rollout
 from walkerlab.confirmation import UNSEEN, Confirmation, confirm
-from walkerlab.rollout import BEND, SHIFT, TURN, nudge, walk
+from walkerlab.rollout import NUDGE_BEND, NUDGE_SHIFT, NUDGE_TURN, draw_nudge, walk
 from walkerlab.scene import compile_scene
 from walkerlab.shapes import skins
 
@@ -23,7 +23,7 @@ def kept(fitness, finer=1.0, nudged=(1.0, 2.0, 3.0)):
 
 
 def test_a_walk_that_is_repeated_as_it_was_keeps_all(monkeypatch):
-    for name in ("SHIFT", "TURN", "BEND"):
+    for name in ("NUDGE_SHIFT", "NUDGE_TURN", "NUDGE_BEND"):
         monkeypatch.setattr(rollout, name, 0.0)
     monkeypatch.setattr(confirmation, "FINER", 1)
     same = confirm(WALKER, SHORT, 2)
@@ -84,7 +84,7 @@ CROWDED = wl.Settings(terrain=wl.Terrain(obstacle="ball", obstacle_density=0.5))
 
 def test_the_same_seed_draws_the_same_starts_and_each_number_another():
     scenes = [compile_scene(WALKER, CROWDED.with_(terrain_seed=seed)) for seed in (7, 7, 8)]
-    first, again, other = ([nudge(scene, number).tobytes() for number in range(1, 4)] for scene in scenes)
+    first, again, other = ([draw_nudge(scene, number).tobytes() for number in range(1, 4)] for scene in scenes)
     assert first == again
     assert len({*first, *other}) == 6
     assert confirm(WALKER, SHORT, 2) == confirm(WALKER, SHORT, 2)
@@ -98,12 +98,12 @@ def test_a_champion_is_confirmed_from_starts_that_evolution_never_saw():
 def test_another_start_is_of_the_robot_alone_and_is_near():
     scene = compile_scene(WALKER, CROWDED)
     own = scene.model.body_rootid[scene.model.dof_bodyid] == 1
-    drawn = np.array([nudge(scene, number) for number in range(1, 201)])
+    drawn = np.array([draw_nudge(scene, number) for number in range(1, 201)])
     spread = drawn[:, own].std(axis=0)
     assert not drawn[:, ~own].any()
     assert not drawn[:, [0, 2]].any(), "neither forward, which is scored, nor up"
-    np.testing.assert_allclose(spread[[1, 3, 4, 5]], [SHIFT, TURN, TURN, TURN], rtol=0.2)
-    np.testing.assert_allclose(spread[6:], BEND, rtol=0.25)
+    np.testing.assert_allclose(spread[[1, 3, 4, 5]], [NUDGE_SHIFT, NUDGE_TURN, NUDGE_TURN, NUDGE_TURN], rtol=0.2)
+    np.testing.assert_allclose(spread[6:], NUDGE_BEND, rtol=0.25)
     assert np.abs(drawn).max() < 0.15
 
 
@@ -116,10 +116,10 @@ def test_what_lies_about_stays_where_it_is_and_the_robot_starts_as_far_back_as_e
     assert balls
     for number in range(1, 6):
         mujoco.mj_resetData(model, moved)
-        scene.place(moved, nudge(scene, number))
+        scene.place(moved, draw_nudge(scene, number))
         np.testing.assert_array_equal(moved.qpos[min(balls) :], plain.qpos[min(balls) :])
         mujoco.mj_forward(model, moved)
-        own = np.concatenate([skin for skin, _ in skins(scene, moved.qpos)[: scene.own.sum()]])
+        own = np.concatenate([skin for skin, _ in skins(scene, moved.qpos)[: scene.is_robot_geom.sum()]])
         assert own[:, 0].max() == pytest.approx(0.0, abs=0.002)
         assert 0 < own[:, 2].min() < 0.02
 
@@ -128,11 +128,11 @@ def test_a_sledge_starts_level_and_clear_of_all_however_its_robot_is_nudged():
     scene = compile_scene(WALKER, SHORT.with_(drag_weight=2))
     data = mujoco.MjData(scene.model)
     for number in range(1, 11):
-        scene.place(data, nudge(scene, number))
+        scene.place(data, draw_nudge(scene, number))
         mujoco.mj_forward(scene.model, data)
         assert data.body("sledge/").xmat[8] == pytest.approx(1.0)
-        assert data.ten_length[0] < 1.05 * scene.rope
-        assert walk(scene, nudge=nudge(scene, number), poses=False).verdict == "ok"
+        assert data.ten_length[0] < 1.05 * scene.rope_length
+        assert walk(scene, nudge=draw_nudge(scene, number), poses=False).verdict == "ok"
 
 
 # ------------------------------------------------------------------------------------------------ in words

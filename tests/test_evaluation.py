@@ -15,8 +15,8 @@ import walkerlab as wl
 from walkerlab import evaluation
 from walkerlab.algorithm import generate_robot_population
 from walkerlab.phenotype import express
-from walkerlab.rollout import from_every_start, nudge, walk
-from walkerlab.scene import compile_scene, scene_on_stage
+from walkerlab.rollout import draw_nudge, walk, walk_from_every_start
+from walkerlab.scene import compile_scene, reusable_scene_of
 
 SETTINGS = wl.Settings().with_(duration=1.0)
 GENOMES = generate_robot_population(SETTINGS.robot, 9, seed=3)
@@ -212,7 +212,7 @@ class TestSeveralStarts:
     def test_the_poorest_walk_counts_and_the_first_start_is_the_plain_one(self):
         for genome, found in zip(GENOMES[:4], wl.evaluate(GENOMES[:4], self.settings), strict=True):
             scene = wl.compile_scene(genome, self.settings)
-            rollouts = [walk(scene, nudge=nudge(scene, start), poses=False) for start in range(3)]
+            rollouts = [walk(scene, nudge=draw_nudge(scene, start), poses=False) for start in range(3)]
             scores = [wl.fitness.score(rollout, self.settings.algorithm.fitness) for rollout in rollouts]
             assert found.fitness == min(scores)
             assert found.verdict == rollouts[scores.index(min(scores))].verdict
@@ -245,7 +245,7 @@ def test_whoever_walked_before_changes_nothing_about_a_walk(ground):
     with ThreadPoolExecutor(1) as stages:
         in_turn = stages.submit(evaluation._walk_all, [*robots, *robots[::-1]], settings).result()
     for robot, *walks in zip(robots, in_turn[: len(robots)], in_turn[: len(robots) - 1 : -1], strict=True):
-        first = from_every_start(compile_scene(robot, settings), poses=False)
+        first = walk_from_every_start(compile_scene(robot, settings), poses=False)
         assert [exact(each) for each in walks] == 2 * [exact(first)]
 
 
@@ -255,7 +255,7 @@ def exact(rollouts):
 
 
 def test_a_walk_that_broke_down_leaves_nothing_behind():
-    scene, data = scene_on_stage(wl.Genome(GENOMES[0]), SETTINGS)
+    scene, data = reusable_scene_of(wl.Genome(GENOMES[0]), SETTINGS)
     expected = walk(scene, poses=False)
     for state in (data.qpos, data.qvel, data.ctrl, data.qacc_warmstart, data.xfrc_applied, data.warning.number):
         state[:] = np.nan if state.dtype.kind == "f" else 3

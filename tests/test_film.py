@@ -25,7 +25,7 @@ from walkerlab.commands.worlds import GENOME
 from walkerlab.fitness import distance, poorest_walk
 from walkerlab.rollout import simulate
 from walkerlab.run import Run
-from walkerlab.scene import compile_scene, ticks
+from walkerlab.scene import compile_scene, control_steps
 from walkerlab.settings import Settings
 
 SHORT = Settings().with_(duration=1)
@@ -251,7 +251,7 @@ def test_the_camera_is_the_same_at_any_timestep(timestep):
     def cameras(step):
         """Film a robot that walks and bobs, recorded as ``walk`` does."""
         n_steps = round(2 / step) + 1
-        time = np.union1d(ticks(n_steps, step)[0], n_steps - 1) * step
+        time = np.union1d(control_steps(n_steps, step)[0], n_steps - 1) * step
         com = np.stack([0.5 * time, 0.1 * np.sin(3 * time), 0.3 + 0.02 * np.sin(12 * time)], axis=1)
         shot = cameras_at(moments, scene, replace(rollout, time=time, com=com), 4 / 3)
         return np.array([[*one.lookat, one.distance, one.azimuth, one.elevation] for one in shot])

@@ -18,7 +18,7 @@ from walkerlab import fitness
 from walkerlab.ga import OperatorError
 from walkerlab.judge import REJECTED
 from walkerlab.randomness import stream
-from walkerlab.rollout import from_every_start
+from walkerlab.rollout import walk_from_every_start
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Fitness
 
@@ -186,7 +186,7 @@ def test_minus_infinity_and_none_exclude_a_robot_with_a_verdict_of_its_own(answe
 
 def test_one_rejected_start_rejects_the_robot():
     settings = wl.Settings().with_(duration=1, n_starts=3)
-    walks = from_every_start(compile_scene(ROLLOUT_GENOME, settings), poses=False)
+    walks = walk_from_every_start(compile_scene(ROLLOUT_GENOME, settings), poses=False)
     assert all(walk.counts for walk in walks)
     second = walks[1].distance
     picky = settings.with_(fitness=lambda rollout: None if rollout.distance == second else 1.0)

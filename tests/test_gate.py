@@ -1,4 +1,4 @@
-"""Work goes through the gate in its order and a little at a time; shut, it holds back, and stopped, it lets go."""
+"""A pausable executor passes tasks on in order and few at a time, holds them back when paused, and can be stopped."""
 
 import threading
 import time
@@ -6,7 +6,7 @@ from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecu
 
 import pytest
 
-from walkerlab.gate import Gate, Stopped
+from walkerlab.gate import PausableExecutor, Stopped
 
 
 @pytest.fixture
@@ -16,158 +16,159 @@ def pool():
 
 
 @pytest.fixture(autouse=True)
-def one_for_each_worker(monkeypatch):
-    monkeypatch.setattr("walkerlab.gate.AT_ONCE", 1)
+def one_task_per_worker(monkeypatch):
+    monkeypatch.setattr("walkerlab.gate.TASKS_PER_WORKER", 1)
 
 
-def gate_before(inside, n_workers):
-    gate = Gate(inside, lambda _: n_workers)
-    gate._n_workers = n_workers
-    return gate
+def pausable(create, n_workers):
+    executor = PausableExecutor(create, lambda _: n_workers)
+    executor._n_workers = n_workers
+    return executor
 
 
-def test_answers_and_errors_come_through(pool):
-    gate = gate_before(lambda: pool, 2)
-    assert [gate.submit(pow, 2, n).result() for n in range(20)] == [2**n for n in range(20)]
+def test_results_and_errors_are_passed_on(pool):
+    executor = pausable(lambda: pool, 2)
+    assert [executor.submit(pow, 2, n).result() for n in range(20)] == [2**n for n in range(20)]
     with pytest.raises(ZeroDivisionError):
-        gate.submit(divmod, 1, 0).result()
-    assert list(gate.map(abs, [-1, -2])) == [1, 2]
+        executor.submit(divmod, 1, 0).result()
+    assert list(executor.map(abs, [-1, -2])) == [1, 2]
 
 
-def test_no_more_are_inside_at_once_than_allowed(pool):
-    inside, most, lock = 0, 0, threading.Lock()
+def test_no_more_tasks_run_at_once_than_there_are_workers(pool):
+    n_running, most, lock = 0, 0, threading.Lock()
 
     def work():
-        nonlocal inside, most
+        nonlocal n_running, most
         with lock:
-            inside += 1
-            most = max(most, inside)
+            n_running += 1
+            most = max(most, n_running)
         time.sleep(0.005)
         with lock:
-            inside -= 1
+            n_running -= 1
 
-    gate = gate_before(lambda: pool, 2)
-    for future in [gate.submit(work) for _ in range(20)]:
+    executor = pausable(lambda: pool, 2)
+    for future in [executor.submit(work) for _ in range(20)]:
         future.result()
     assert most == 2
 
 
-def test_shut_it_holds_back_what_waits_and_opened_lets_it_in(pool):
-    gate, done = gate_before(lambda: pool, 1), []
-    gate.close()
-    futures = [gate.submit(done.append, n) for n in range(5)]
+def test_tasks_are_held_back_during_a_pause_and_run_in_order_afterwards(pool):
+    executor, done = pausable(lambda: pool, 1), []
+    executor.pause()
+    futures = [executor.submit(done.append, n) for n in range(5)]
     assert not futures[0].done()
     assert not futures[0].running()
-    gate.open()
+    executor.resume()
     for future in futures:
         future.result(5)
     assert done == [0, 1, 2, 3, 4]
 
 
-def test_stopped_it_answers_all_that_wait_at_once(pool):
-    gate, hold = gate_before(lambda: pool, 1), threading.Event()
-    futures = [gate.submit(hold.wait), *(gate.submit(int) for _ in range(3))]
-    gate.stop()
+def test_stop_fails_all_pending_tasks_at_once(pool):
+    executor, hold = pausable(lambda: pool, 1), threading.Event()
+    futures = [executor.submit(hold.wait), *(executor.submit(int) for _ in range(3))]
+    executor.stop()
     for future in futures:
         with pytest.raises(Stopped):
             future.result(1)
     with pytest.raises(Stopped):
-        gate.submit(int)
+        executor.submit(int)
     hold.set()
-    assert pool.submit(int).result() == 0, "the executor inside is somebody else's, and stays"
+    assert pool.submit(int).result() == 0, "the wrapped executor still works"
 
 
-def test_what_is_given_up_before_its_turn_does_not_run(pool):
-    gate, ran = gate_before(lambda: pool, 1), []
-    gate.close()
-    given_up, kept = gate.submit(ran.append, "no"), gate.submit(ran.append, "yes")
-    assert given_up.cancel()
-    gate.open()
-    kept.result(5)
+def test_a_task_cancelled_while_waiting_does_not_run(pool):
+    executor, ran = pausable(lambda: pool, 1), []
+    executor.pause()
+    cancelled, other = executor.submit(ran.append, "no"), executor.submit(ran.append, "yes")
+    assert cancelled.cancel()
+    executor.resume()
+    other.result(5)
     assert ran == ["yes"]
 
 
-def test_a_gate_to_nowhere_says_so():
-    def nobody():
+def test_an_error_on_creating_the_wrapped_executor_reaches_the_caller():
+    def fail():
         raise RuntimeError("no workers")
 
     with pytest.raises(RuntimeError, match="no workers"):
-        gate_before(nobody, 1).submit(int)
+        pausable(fail, 1).submit(int)
 
 
 class Closed(Executor):
-    """Takes no work."""
+    """Rejects every task."""
 
     def submit(self, fn, /, *args, **kwargs):
         raise RuntimeError("closed")
 
 
-class Forgetful(Executor):
-    """Gives up whatever it takes."""
+class Cancelling(Executor):
+    """Cancels every task."""
 
     def submit(self, fn, /, *args, **kwargs):
-        given_up = Future()
-        given_up.cancel()
-        return given_up
+        future = Future()
+        future.cancel()
+        return future
 
 
-@pytest.mark.parametrize(("inside", "answer"), [(Closed(), RuntimeError), (Forgetful(), CancelledError)])
-def test_what_the_executor_inside_does_not_do_is_answered(inside, answer):
-    future = gate_before(lambda: inside, 1).submit(int)
-    with pytest.raises(answer):
+@pytest.mark.parametrize(("wrapped", "error"), [(Closed(), RuntimeError), (Cancelling(), CancelledError)])
+def test_a_task_that_the_wrapped_executor_rejects_or_cancels_fails(wrapped, error):
+    future = pausable(lambda: wrapped, 1).submit(int)
+    with pytest.raises(error):
         future.result(1)
 
 
-def test_it_asks_anew_how_many_work_inside(pool):
+def test_a_changed_number_of_workers_is_used_from_then_on(pool):
     numbers = iter((1, 3))
-    gate = Gate(lambda: pool, lambda inside: next(numbers) if inside is pool else 0)
-    assert [gate.n_workers(), gate.n_workers()] == [1, 3]
-    gate.close()
-    inside, open_up = threading.Semaphore(0), threading.Event()
-    futures = [gate.submit(lambda: (inside.release(), open_up.wait(5))) for _ in range(6)]
-    gate.open()
-    assert all(inside.acquire(timeout=5) for _ in range(3))
-    assert not inside.acquire(timeout=0.1)
-    open_up.set()
+    executor = PausableExecutor(lambda: pool, lambda wrapped: next(numbers) if wrapped is pool else 0)
+    assert [executor.n_workers(), executor.n_workers()] == [1, 3]
+    executor.pause()
+    started, finish = threading.Semaphore(0), threading.Event()
+    futures = [executor.submit(lambda: (started.release(), finish.wait(5))) for _ in range(6)]
+    executor.resume()
+    assert all(started.acquire(timeout=5) for _ in range(3))
+    assert not started.acquire(timeout=0.1)
+    finish.set()
     for future in futures:
         future.result(5)
 
 
 class Locked(Executor):
-    """Answers under a lock that it needs to take work too, as the standard library's process pool when it is broken."""
+    """Completes futures under a lock that ``submit`` needs too, as a broken standard process pool does."""
 
     def __init__(self):
-        self.lock, self.taken = threading.Lock(), []
+        self.lock = threading.Lock()
+        self.futures = []
 
     def submit(self, fn, /, *args, **kwargs):
         with self.lock:
-            self.taken.append(Future())
-            return self.taken[-1]
+            self.futures.append(Future())
+            return self.futures[-1]
 
-    def answer(self):
+    def fail_first(self):
         with self.lock:
-            self.taken.pop(0).set_exception(ZeroDivisionError())
+            self.futures.pop(0).set_exception(ZeroDivisionError())
 
 
-def test_an_executor_that_answers_under_its_lock_does_not_wait_for_itself():
-    inside = Locked()
-    gate = gate_before(lambda: inside, 1)
-    futures = [gate.submit(int) for _ in range(3)]
+def test_an_executor_that_completes_futures_under_its_lock_does_not_deadlock():
+    wrapped = Locked()
+    executor = pausable(lambda: wrapped, 1)
+    futures = [executor.submit(int) for _ in range(3)]
     for future in futures:
-        done = threading.Thread(target=inside.answer, daemon=True)
-        done.start()
-        done.join(5)
-        assert not done.is_alive()
+        thread = threading.Thread(target=wrapped.fail_first, daemon=True)
+        thread.start()
+        thread.join(5)
+        assert not thread.is_alive()
         with pytest.raises(ZeroDivisionError):
             future.result(5)
-        time.sleep(0.1)  # in which the next is let in
+        time.sleep(0.1)  # in which the next task is passed on
 
 
-def test_one_is_next_while_one_is_done(pool, monkeypatch):
+def test_each_worker_has_one_task_in_work_and_one_queued(pool, monkeypatch):
     monkeypatch.undo()
-    gate, hold = gate_before(lambda: pool, 1), threading.Event()
-    futures = [gate.submit(hold.wait, 5) for _ in range(5)]
-    assert len(gate._within) == 2
+    executor, hold = pausable(lambda: pool, 1), threading.Event()
+    futures = [executor.submit(hold.wait, 5) for _ in range(5)]
+    assert len(executor._submitted) == 2
     hold.set()
     for future in futures:
         future.result(5)

@@ -9,7 +9,7 @@ import pytest
 
 from walkerlab.interrupts import interrupts_held
 
-not_on_windows = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signals to hold")
+not_on_windows = pytest.mark.skipif(sys.platform == "win32", reason="Windows cannot mask signals")
 
 
 def interrupt_within(rest: Callable[[], object]) -> None:
@@ -18,14 +18,14 @@ def interrupt_within(rest: Callable[[], object]) -> None:
         rest()
 
 
-def test_ctrl_c_comes_when_the_block_is_done():
+def test_ctrl_c_is_raised_at_the_end_of_the_block():
     done: list[str] = []
     with pytest.raises(KeyboardInterrupt):
         interrupt_within(lambda: done.append("all of it"))
     assert done
 
 
-def test_afterwards_all_is_as_before():
+def test_the_signal_handler_is_restored_after_the_block():
     before = signal.getsignal(signal.SIGINT)
     with interrupts_held():
         pass
@@ -34,29 +34,29 @@ def test_afterwards_all_is_as_before():
         signal.raise_signal(signal.SIGINT)
 
 
-def test_an_error_in_the_block_is_told_first():
+def test_an_error_in_the_block_takes_precedence_over_ctrl_c():
     with pytest.raises(ZeroDivisionError):
         interrupt_within(lambda: 1 / 0)
 
 
-def test_another_thread_may_use_it():
-    faults: list[BaseException] = []
+def test_it_has_no_effect_in_another_thread():
+    errors: list[BaseException] = []
 
     def hold() -> None:
         try:
             with interrupts_held():
                 pass
-        except BaseException as fault:
-            faults.append(fault)
+        except BaseException as error:
+            errors.append(error)
 
     thread = threading.Thread(target=hold)
     thread.start()
     thread.join()
-    assert not faults
+    assert not errors
 
 
 @not_on_windows
-def test_a_process_started_within_never_hears_of_it():
+def test_a_process_started_in_the_block_ignores_ctrl_c():
     code = "print('ready', flush=True); input(); print('still here')"
     pipe = subprocess.PIPE
     with interrupts_held():

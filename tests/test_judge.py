@@ -239,7 +239,7 @@ def a_surfer_on_an_obstacle():
     board = {"obstacle": "box", "obstacle_size": 1, "obstacle_density": 0.05}
     scene = scene_of(wl.Terrain(structure="incline", incline=-20, texture="ice", **board))
     start, board = body(scene, "obstacle1")
-    scene.model.geom_priority[scene.own], scene.model.geom_friction[scene.own] = 2, (1, 0.01, 0.001)
+    scene.model.geom_priority[scene.is_robot_geom], scene.model.geom_friction[scene.is_robot_geom] = 2, (1, 0.01, 0.001)
 
     def mount(model, data):
         down = math.radians(20)

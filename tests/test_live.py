@@ -94,7 +94,7 @@ def test_paused_in_the_middle_of_a_generation_those_that_walk_finish_and_no_othe
     live.go_on()
     listener.until(lambda: live.n_done > 0)
     live.pause()
-    listener.until(lambda: not live._gate._within)
+    listener.until(lambda: not live._gate._submitted)
     assert live._gate._waiting
     assert live.n_generations == 0
     assert live.seconds_left > 0
@@ -114,8 +114,8 @@ def test_stopped_it_keeps_the_generations_that_are_done(alive, waited_for):
 @pytest.mark.parametrize("press", [LiveRun.stop, LiveRun.go_on])
 def test_a_button_pressed_while_it_comes_to_rest_is_heard(alive, monkeypatch, press):
     live, _ = alive()
-    close, begun, pressed = live._gate.close, threading.Event(), threading.Event()
-    monkeypatch.setattr(live._gate, "close", lambda: (begun.set(), pressed.wait(0.2), close()))
+    pause, begun, pressed = live._gate.pause, threading.Event(), threading.Event()
+    monkeypatch.setattr(live._gate, "pause", lambda: (begun.set(), pressed.wait(0.2), pause()))
     live.go_on(1)
     assert begun.wait(PATIENCE)
     press(live)

@@ -1,4 +1,4 @@
-"""A load is on the scales and on the rope: it slows the robot down, never helps it, and is no part of its body."""
+"""Loads: their weight and the pull of the rope slow the robot down, and they are not part of its body."""
 
 import mujoco
 import numpy as np
@@ -6,10 +6,10 @@ import pytest
 
 import walkerlab as wl
 from tests.test_judge import WALKER
-from walkerlab.entities.walker import LIMB, TRUNK
+from walkerlab.entities.walker import LEG_COLOURS, TRUNK_COLOUR
 from walkerlab.fitness import distance, velocity
 from walkerlab.randomness import stream
-from walkerlab.rollout import nudge, walk
+from walkerlab.rollout import draw_nudge, walk
 from walkerlab.scene import compile_scene
 
 LOADS = [{"carry_weight": 3}, {"drag_weight": 2}, {"carry_weight": 3, "drag_weight": 2}]
@@ -20,8 +20,8 @@ def scene_with(load, **changes):
     return compile_scene(WALKER, wl.Settings().with_(**load, **changes))
 
 
-def stepped(scene, seconds, *, rest=3):
-    """Let it come to rest [s] and walk, one step of Python at a time, with nothing asleep; hand out each moment."""
+def simulate_steps(scene, seconds, *, rest=3):
+    """Yield the data after each step of settling for ``rest`` seconds and walking for ``seconds``, without sleep."""
     model, timestep = scene.model, scene.settings.simulation.timestep
     model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     data = mujoco.MjData(model)
@@ -33,7 +33,7 @@ def stepped(scene, seconds, *, rest=3):
         yield data
 
 
-# ------------------------------------------------------------------------------------------------ what it costs
+# ------------------------------------------------------------------------------------------------ speed
 
 
 @pytest.mark.parametrize(("lighter", "heavier"), [
@@ -53,7 +53,7 @@ def test_the_heavier_the_load_the_slower_the_walk(lighter, heavier):
     wl.Terrain(), wl.Terrain(structure="incline", incline=-15), wl.Terrain(structure="rough"),
     wl.Terrain(structure="gaps", gap_width=0.3), wl.Terrain(texture="ice"),
 ], ids=lambda terrain: f"{terrain.structure.name} {terrain.texture.name}")  # fmt: skip
-def test_a_sledge_never_leads_in_a_walk_that_counts(terrain):
+def test_the_sledge_is_never_ahead_in_a_walk_that_counts(terrain):
     settings = wl.Settings(terrain=terrain).with_(drag_weight=1, duration=4)
     rollouts = [wl.simulate(genome, settings, poses=False) for genome in [WALKER, *OTHERS]]
     counted = [rollout for rollout in rollouts if rollout.counts]
@@ -62,17 +62,17 @@ def test_a_sledge_never_leads_in_a_walk_that_counts(terrain):
     assert max(rollout.rope.max() for rollout in counted) < 1.05
 
 
-# ------------------------------------------------------------------------------------------------ rope and scales
+# ------------------------------------------------------------------------------------------------ forces
 
 
 @pytest.mark.parametrize("weight", [1, 6])
-def test_a_rope_pulls_when_it_is_taut_and_does_nothing_when_it_is_slack(weight):
+def test_the_rope_pulls_only_when_it_is_taut(weight):
     scene = scene_with({"drag_weight": weight})
     lengths, pulls = [], []
-    for data in stepped(scene, 4):
-        of_rope = data.efc_type == mujoco.mjtConstraint.mjCNSTR_LIMIT_TENDON
-        lengths.append(data.ten_length[0] / scene.rope)
-        pulls.append(data.efc_force[of_rope].sum())
+    for data in simulate_steps(scene, 4):
+        is_rope = data.efc_type == mujoco.mjtConstraint.mjCNSTR_LIMIT_TENDON
+        lengths.append(data.ten_length[0] / scene.rope_length)
+        pulls.append(data.efc_force[is_rope].sum())
     length, pull = np.array(lengths), np.array(pulls)
     assert pull.min() >= 0
     assert not pull[length < 1].any()
@@ -83,64 +83,64 @@ def test_a_rope_pulls_when_it_is_taut_and_does_nothing_when_it_is_slack(weight):
 
 @pytest.mark.parametrize("planet", ["earth", "moon"])
 @pytest.mark.parametrize("load", [{}, *LOADS], ids=str)
-def test_what_is_carried_is_on_the_scales_and_what_is_dragged_stands_for_itself(planet, load):
-    """The ground holds up the robot with its pack, and the sledge apart from it: at rest, over the last half second."""
+def test_the_ground_supports_the_robot_with_its_pack_and_the_sledge_separately(planet, load):
+    """Measured at rest, over the last half second."""
     scene = scene_with(load, gravity=planet)
     model, force = scene.model, np.empty(6)
-    held = {root: [] for root in scene.roots}
-    for data in stepped(scene, 0, rest=6):
+    forces = {root: [] for root in scene.roots}
+    for data in simulate_steps(scene, 0, rest=6):
         if data.time < 5.5:
             continue
-        share = dict.fromkeys(held, 0.0)
+        upward_force = dict.fromkeys(forces, 0.0)
         for number, contact in enumerate(data.contact):
             first, second = model.body_rootid[model.geom_bodyid[contact.geom]]
-            assert 0 in (first, second), "the sledge stands clear of its robot"
+            assert 0 in (first, second), "the sledge does not touch the robot"
             mujoco.mj_contactForce(model, data, number, force)
             upward = contact.frame.reshape(3, 3)[:, 2] @ force[:3]
-            share[first or second] += upward if first == 0 else -upward
-        for root, shares in held.items():
-            shares.append(share[root])
+            upward_force[first or second] += upward if first == 0 else -upward
+        for root, values in forces.items():
+            values.append(upward_force[root])
     robot, g = scene.settings.robot, -model.opt.gravity[2]
     weights = [scene.phenotype.weight + robot.carry_weight, robot.drag_weight]
-    for shares, weight in zip(held.values(), weights, strict=False):
-        assert np.mean(shares) == pytest.approx(weight * g, rel=0.02)
+    for values, weight in zip(forces.values(), weights, strict=False):
+        assert np.mean(values) == pytest.approx(weight * g, rel=0.02)
 
 
-# ------------------------------------------------------------------------------------------------ no part of the body
+# ------------------------------------------------------------------------------------------------ not part of the body
 
 
 @pytest.mark.parametrize("load", LOADS, ids=str)
-def test_a_load_is_part_of_no_limit(load):
-    scene, free = scene_with(load), scene_with({})
-    assert scene.genome == free.genome
-    assert scene.phenotype == free.phenotype
+def test_loads_do_not_count_towards_the_robot_limits(load):
+    scene, without_load = scene_with(load), scene_with({})
+    assert scene.genome == without_load.genome
+    assert scene.phenotype == without_load.phenotype
     limits = scene.settings.robot
     assert wl.gene_table(limits).equals(wl.gene_table(wl.Robot()))
     assert scene.model.body_mass.sum() == pytest.approx(
-        free.phenotype.weight + limits.carry_weight + limits.drag_weight, rel=1e-9
+        without_load.phenotype.weight + limits.carry_weight + limits.drag_weight, rel=1e-9
     )
 
 
-def test_a_pack_is_fixed_on_the_back():
+def test_the_pack_is_fixed_on_the_back():
     rollout, scene = wl.simulate(WALKER, wl.Settings().with_(carry_weight=3)), scene_with({"carry_weight": 3})
     model, data = scene.model, mujoco.MjData(scene.model)
     pack = model.body("walker/pack/").id
-    bearer = model.body_parentid[pack]
-    seen = []
+    segment = model.body_parentid[pack]
+    relative_poses = []
     for pose in rollout.poses:
         data.qpos[:] = pose
         mujoco.mj_kinematics(model, data)
-        turn = data.xmat[bearer].reshape(3, 3)
-        away = turn.T @ (data.xpos[pack] - data.xpos[bearer])
-        seen.append(np.concatenate([away, (turn.T @ data.xmat[pack].reshape(3, 3)).ravel()]))
+        rotation = data.xmat[segment].reshape(3, 3)
+        offset = rotation.T @ (data.xpos[pack] - data.xpos[segment])
+        relative_poses.append(np.concatenate([offset, (rotation.T @ data.xmat[pack].reshape(3, 3)).ravel()]))
     assert np.ptp(rollout.poses[:, :3], axis=0).max() > 1, "it walked"
-    np.testing.assert_allclose(seen, np.broadcast_to(seen[0], (len(seen), 12)), atol=1e-9)
-    assert seen[0][2] > 0, "above the middle of its bearer"
+    np.testing.assert_allclose(relative_poses, np.broadcast_to(relative_poses[0], (len(relative_poses), 12)), atol=1e-9)
+    assert relative_poses[0][2] > 0, "above the middle of its segment"
 
 
-def test_a_load_is_seen_and_is_not_of_the_robots_colour():
+def test_loads_are_visible_and_differ_in_colour_from_the_robot():
     model = scene_with({"carry_weight": 3, "drag_weight": 2}).model
-    robot = np.array([TRUNK, *LIMB.values()])
+    robot = np.array([TRUNK_COLOUR, *LEG_COLOURS.values()])
     for name in ("walker/pack/", "sledge/"):
         geoms = model.geom_bodyid == model.body(name).id
         assert geoms.any()
@@ -151,7 +151,7 @@ def test_a_load_is_seen_and_is_not_of_the_robots_colour():
 
 
 @pytest.mark.parametrize("weight", [0.1, 2, 100])
-def test_no_robot_starts_inside_its_load_nor_on_a_taut_rope(weight):
+def test_no_robot_starts_inside_its_load_or_with_a_taut_rope(weight):
     for genome in OTHERS:
         scene = compile_scene(genome, wl.Settings().with_(carry_weight=weight, drag_weight=weight))
         data = mujoco.MjData(scene.model)
@@ -159,12 +159,12 @@ def test_no_robot_starts_inside_its_load_nor_on_a_taut_rope(weight):
         mujoco.mj_forward(scene.model, data)
         roots = scene.model.body_rootid[scene.model.geom_bodyid[data.contact.geom]]
         assert not (data.contact.dist[roots[:, 0] != roots[:, 1]] < 0).any()
-        assert 0.95 < data.ten_length[0] / scene.rope < 1
+        assert 0.95 < data.ten_length[0] / scene.rope_length < 1
 
 
-def test_a_tail_held_too_high_for_the_rope_still_starts():
+def test_a_robot_whose_tail_is_higher_than_the_rope_is_long_can_start():
     robot = wl.Robot(body_length=(7.9, 8.0), segments=(4, 8), segment_length=(0.5, 2.0), weight=(20, 80), drag_weight=1)
     settings = wl.Settings(robot=robot).with_(duration=1.0)
     scene = wl.compile_scene(wl.Genome.random(robot, rng=np.random.default_rng(2)), settings)
     for start in range(20):
-        assert np.isfinite(walk(scene, nudge=nudge(scene, start), poses=False).com).all()
+        assert np.isfinite(walk(scene, nudge=draw_nudge(scene, start), poses=False).com).all()

@@ -23,7 +23,7 @@ from walkerlab import story
 from walkerlab.algorithm import generate_robot_population, operators
 from walkerlab.choices import Obstacle, Structure
 from walkerlab.fitness import poorest_walk
-from walkerlab.footfalls import feet, footfalls
+from walkerlab.footfalls import find_footfalls, foot_names
 from walkerlab.ga.loop import first_population, next_population
 from walkerlab.ground import height
 from walkerlab.judge import VERDICTS
@@ -711,10 +711,10 @@ def test_a_walk_that_does_not_count_is_marked_and_the_reason_told(ax):
 def test_bars_of_a_gait_are_its_footfalls(ax):
     wl.plots.gait(GENOME, SETTINGS, ax)
     scene, rollout = wl.compile_scene(GENOME, SETTINGS), wl.simulate(GENOME, SETTINGS)
-    down = footfalls(scene, rollout.poses)
+    down = find_footfalls(scene, rollout.poses)
     rows = {child.get_gid(): child for child in ax.collections if child.get_gid()}
-    assert set(rows) == set(feet(scene))
-    for name, on_ground in zip(feet(scene), down.T, strict=True):
+    assert set(rows) == set(foot_names(scene))
+    for name, on_ground in zip(foot_names(scene), down.T, strict=True):
         spans = [path.vertices[:, 0] for path in rows[name].get_paths()]
         middles = (rollout.time[:-1] + rollout.time[1:]) / 2
         black = [any(span.min() < moment < span.max() for span in spans) for moment in middles]
@@ -735,7 +735,7 @@ def test_of_several_starts_the_walk_that_counted_is_drawn():
     assert counted.distance != first.distance, "or this shows nothing"
     shown = wl.plots.gait(GENOME, settings, Figure().add_subplot())
     shares = [label.get_text() for label in shown.child_axes[0].get_yticklabels()]
-    down = footfalls(wl.compile_scene(GENOME, settings), counted.poses)
+    down = find_footfalls(wl.compile_scene(GENOME, settings), counted.poses)
     assert shares == [f"{share:.0%}" for share in down.mean(axis=0)]
     start, end = arrow(wl.plots.stride(GENOME, settings, Figure().add_subplot()))
     assert (start, end) == pytest.approx(counted.com[[0, -1], 0])

@@ -20,18 +20,18 @@ def draws(seed, purpose, address):
 
 @hypothesis_settings(max_examples=50)
 @given(addresses, addresses)
-def test_the_same_address_gives_the_same_draws_and_another_gives_others(one, other):
+def test_draws_are_equal_exactly_if_their_addresses_are(one, other):
     assert draws(*one) == draws(*one)
     assert (draws(*one) == draws(*other)) == (one == other)
 
 
-def test_neighbouring_addresses_share_no_draw():
+def test_neighbouring_addresses_give_different_draws():
     lengths = [(), *product(range(3)), *product(range(3), repeat=2), *product(range(3), repeat=3)]
     first = [tuple(draws(*one)) for one in product(range(3), PURPOSES, lengths)]
     assert len(set(first)) == len(first)
 
 
-def test_draws_at_one_address_depend_on_no_others():
+def test_draws_do_not_depend_on_draws_at_other_addresses():
     alone = draws(7, "mutation", (3, 0))
     before = stream(7, "mutation", 3, 0)
     for purpose in PURPOSES:
@@ -40,20 +40,21 @@ def test_draws_at_one_address_depend_on_no_others():
     assert draws(7, "mutation", (3, 0)) == alone
 
 
-def test_global_chance_is_neither_used_nor_moved():
-    state, numpys = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
+def test_global_random_state_is_neither_used_nor_changed():
+    state = random.getstate()
+    numpy_state = np.random.get_state()[1].tolist()  # noqa: NPY002
     one = draws(1, "check", ())
     random.seed(99)
     np.random.seed(99)  # noqa: NPY002
     assert draws(1, "check", ()) == one
     random.setstate(state)
     assert np.random.default_rng(0) is not stream(0, "check")
-    assert len(numpys) == 624
+    assert len(numpy_state) == 624
 
 
-def test_what_chance_may_be_spent_on_is_a_table_that_only_grows():
+def test_purposes_are_only_ever_appended():
     recorded = ("population", "selection", "crossover", "mutation", "perturbation", "terrain", "check")
     assert PURPOSES[: len(recorded)] == recorded
     assert len(set(PURPOSES)) == len(PURPOSES)
-    with pytest.raises(ValueError):  # noqa: PT011 - a slip of ours, not of a user
+    with pytest.raises(ValueError):  # noqa: PT011 - a programming error, not a user's
         stream(0, "no such purpose")

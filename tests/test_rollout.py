@@ -1,4 +1,4 @@
-"""A rollout records what happened, and its verdict names what should not count."""
+"""A rollout records the walk exactly, and its verdict excludes invalid walks."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -14,8 +14,7 @@ SETTINGS = wl.Settings().with_(duration=2.0)
 GENOMES = [wl.Genome.random(wl.Robot(), rng=stream(2, "check", i)) for i in range(8)]
 
 
-def test_the_record_is_what_plain_mujoco_computes():
-    """One step of Python at a time gives the very same walk as the loop in C."""
+def test_the_recorded_walk_equals_a_loop_of_mj_step():
     scene = wl.compile_scene(GENOMES[0], SETTINGS)
     rollout = walk(scene)
     data = mujoco.MjData(scene.model)
@@ -41,14 +40,14 @@ def test_a_walk_is_sampled_from_its_start_to_its_end():
     assert len(rollout.time) == len(rollout.com) == len(rollout.on_ground) == len(rollout.poses) == 101
 
 
-def test_the_same_walk_is_the_same_to_the_last_bit_with_or_without_poses():
+def test_recording_poses_does_not_change_the_walk():
     with_poses, without = wl.simulate(GENOMES[1], SETTINGS), wl.simulate(GENOMES[1], SETTINGS, poses=False)
     np.testing.assert_array_equal(with_poses.com, without.com)
     assert without.poses.size == 0
 
 
-def test_falling_over_while_settling_is_not_travel():
-    """The walk starts once the body is still, so its first samples hardly move."""
+def test_movement_while_settling_is_not_part_of_the_walk():
+    """The walk starts once the body is at rest, so its first samples hardly move."""
     for genome in GENOMES:
         rollout = wl.simulate(genome, SETTINGS)
         if rollout.settled < 3:
@@ -56,8 +55,8 @@ def test_falling_over_while_settling_is_not_travel():
 
 
 @pytest.mark.parametrize("timestep", [0.005, 0.0075, 0.0095])
-def test_a_flight_lasts_as_long_at_any_timestep(timestep):
-    """Where things fall upward, a robot is in the air for the whole walk, which is as long as it was asked to be."""
+def test_the_airborne_time_does_not_depend_on_the_timestep(timestep):
+    """With upward gravity a robot is airborne for the whole duration."""
     upward = wl.Settings(terrain=wl.Terrain(gravity=(0, 0, 0.5))).with_(
         duration=1.0, timestep=timestep, forgive=["restless", "too_high"]
     )
@@ -66,16 +65,16 @@ def test_a_flight_lasts_as_long_at_any_timestep(timestep):
     assert wl.simulate(GENOMES[0], upward.with_(max_airborne=0.9)).verdict == "airborne"
 
 
-def test_a_record_cannot_be_written_into():
+def test_arrays_of_a_rollout_are_read_only():
     rollout = wl.simulate(GENOMES[0], SETTINGS)
-    for record in (rollout.time, rollout.com, rollout.on_ground, rollout.sink, rollout.work, rollout.poses):
+    for array in (rollout.time, rollout.com, rollout.on_ground, rollout.sink, rollout.work, rollout.poses):
         with pytest.raises(ValueError, match="read-only"):
-            record[:] = 0
+            array[:] = 0
 
 
-def test_mujocos_warnings_about_anything_else_still_reach_who_listened():
-    heard = []
-    mujoco.set_mju_user_warning(heard.append)
+def test_warnings_about_other_simulations_reach_the_previous_handler():
+    received = []
+    mujoco.set_mju_user_warning(received.append)
     with ThreadPoolExecutor(4) as threads:
         list(threads.map(lambda genome: wl.simulate(genome, SETTINGS), GENOMES))
     model = mujoco.MjModel.from_xml_string(
@@ -84,11 +83,10 @@ def test_mujocos_warnings_about_anything_else_still_reach_who_listened():
     data = mujoco.MjData(model)
     data.qvel[:] = np.inf
     mujoco.mj_step(model, data)
-    assert heard
+    assert received
 
 
-def test_a_world_that_blows_up_is_seen_and_stays_quiet(capfd):
-    """Without autoreset a blow-up stays blown up; MuJoCo's own words do not reach the student."""
+def test_a_simulation_that_diverges_is_unstable_and_prints_nothing(capfd):
     scene = wl.compile_scene(GENOMES[0], SETTINGS)
     scene.model.dof_armature[:] = 0
     scene.model.actuator_gainprm[:, 0] *= 1e9
@@ -100,7 +98,7 @@ def test_a_world_that_blows_up_is_seen_and_stays_quiet(capfd):
     assert "".join(capfd.readouterr()) == ""
 
 
-def test_on_the_moon_the_robot_is_longer_in_the_air():
+def test_robots_are_airborne_for_longer_on_the_moon():
     def hang_time(gravity):
         settings = wl.Settings(terrain=wl.Terrain(gravity=(0, 0, gravity)))
         return sum((~wl.simulate(genome, settings, poses=False).on_ground).mean() for genome in GENOMES)

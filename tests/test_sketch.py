@@ -15,15 +15,15 @@ from tests.test_markup import HOSTILE, Seen
 from walkerlab import sketch
 from walkerlab.choices import Obstacle, Texture
 from walkerlab.commands.worlds import GENOME, WORLDS
-from walkerlab.entities.walker import TRUNK
+from walkerlab.entities.walker import TRUNK_COLOUR
 from walkerlab.genome import GenomeError
 from walkerlab.ground import height
-from walkerlab.layout import lay_out
+from walkerlab.layout import compute_layout
 from walkerlab.phenotype import express
 from walkerlab.sketch.pen import hue
 from walkerlab.sketch.words import in_words
 
-ORANGE = hue(np.float32(TRUNK))  # as MuJoCo has it
+ORANGE = hue(np.float32(TRUNK_COLOUR))  # as MuJoCo has it
 SVG = "{http://www.w3.org/2000/svg}"
 few = settings(max_examples=15)
 
@@ -140,7 +140,7 @@ def test_every_world_is_drawn_with_and_without_a_robot(caption):
 def test_whatever_lies_about_in_sight_is_drawn(obstacle):
     strewn = wl.Settings().with_(obstacle=obstacle, obstacle_size=0.2, obstacle_density=1.0)
     bare = len(Seen(sketch.world(strewn.with_(obstacle_density=0.0), width_m=8)).all("g"))
-    x, y, _ = lay_out(strewn.terrain).obstacles.T
+    x, y, _ = compute_layout(strewn.terrain).obstacles.T
     surely = ((y > -0.9) & (y < 2.7) & (x < 5)).sum()
     assert len(Seen(sketch.world(strewn, width_m=8)).all("g")) - bare >= 2 * surely > 8
 

@@ -21,7 +21,7 @@ from walkerlab.choices import Camera
 from walkerlab.commands.worlds import GENOME
 from walkerlab.ground import ARENA_WIDTH
 from walkerlab.scene import compile_scene
-from walkerlab.shapes import n_sound, placements, rope_ends, rotate, skins
+from walkerlab.shapes import n_valid_poses, placements, rope_ends, rotate, skins
 from walkerlab.viewer.replay import Frame
 from walkerlab.viewer.stage import below, edges_of, set_up
 from walkerlab.viewer.tracks import follow, moments, pack
@@ -48,15 +48,15 @@ def test_what_is_packed_comes_out_within_half_a_unit():
 
 def test_a_walk_is_shown_until_it_breaks():
     scene, rollout = compile_scene(GENOME, SHORT), wl.simulate(GENOME, SHORT)
-    assert n_sound(scene, rollout.poses) == len(rollout.poses)
+    assert n_valid_poses(scene, rollout.poses) == len(rollout.poses)
     for i, bad in ((20, np.nan), (30, np.inf), (40, 1e9)):
         broken = rollout.poses.copy()
         broken[i:, 0] = bad
-        assert n_sound(scene, broken) == i
+        assert n_valid_poses(scene, broken) == i
         tracks = follow(scene, replace(rollout, poses=broken))
         assert np.isfinite(tracks.places).all()
         assert tracks.places.shape[1] == len(tracks.com) == i
-    assert n_sound(scene, np.full_like(rollout.poses, np.nan)) == 0
+    assert n_valid_poses(scene, np.full_like(rollout.poses, np.nan)) == 0
 
 
 @pytest.mark.parametrize("timestep", [0.0013, 0.003, 0.005, 0.009])

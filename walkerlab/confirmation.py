@@ -19,7 +19,7 @@ from walkerlab.fitness import UNITS, label, poorest, rate
 from walkerlab.genome import Genome
 from walkerlab.markup import Html, shown, table
 from walkerlab.number_format import significant, with_unit
-from walkerlab.rollout import from_every_start, nudge, walk
+from walkerlab.rollout import draw_nudge, walk, walk_from_every_start
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
 
@@ -163,10 +163,10 @@ def confirm(
         update={"simulation": simulation.model_copy(update={"timestep": simulation.timestep / FINER})}
     )
     scene = compile_scene(genome, settings)
-    seen = from_every_start(scene, poses=False)
+    seen = walk_from_every_start(scene, poses=False)
     rollouts = [
         walk(compile_scene(genome, finer_steps), poses=False),
-        *(walk(scene, nudge=nudge(scene, UNSEEN + number), poses=False) for number in range(n_nudges)),
+        *(walk(scene, nudge=draw_nudge(scene, UNSEEN + number), poses=False) for number in range(n_nudges)),
     ]
     rated = [rate(rollout, measure) for rollout in rollouts]
     (finer, _), *nudged = rated

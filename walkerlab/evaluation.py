@@ -16,11 +16,11 @@ from walkerlab.genome import Genome, read_genomes
 from walkerlab.limits import genes_of, repair
 from walkerlab.number_format import significant, with_unit
 from walkerlab.phenotype import express
-from walkerlab.rollout import Rollout, from_every_start
-from walkerlab.scene import scene_on_stage
+from walkerlab.rollout import Rollout, walk_from_every_start
+from walkerlab.scene import reusable_scene_of
 from walkerlab.settings import Algorithm, Robot, Settings
-from walkerlab.waiting import in_turn
-from walkerlab.workers import check, default_executor, n_workers
+from walkerlab.waiting import results_in_order
+from walkerlab.workers import check_executor, default_executor, n_workers
 
 LARGEST = 16  # robots of a task, some half a second of walks, so that a run can be paused at once
 LONGEST = LARGEST * 1600  # physics steps of a task of more than one robot, for the same reason
@@ -99,7 +99,7 @@ def evaluate(
     """
     robots = _within(genomes, require_settings(settings).robot)
     world = settings.model_copy(update={"algorithm": Algorithm()})
-    check(executor)
+    check_executor(executor)
     pool = executor or default_executor()
     steps = round(settings.simulation.duration / settings.simulation.timestep) * settings.simulation.n_starts
     tasks = _tasks(robots, n_workers(pool), largest=max(1, min(LARGEST, LONGEST // steps)))
@@ -108,7 +108,7 @@ def evaluate(
     futures = [pool.submit(_walk_all, [robots[i] for i in task], world, asked) for task in tasks]
     evaluations = dict[int, Evaluation]()
     try:
-        with closing(in_turn(futures, pool, limit)) as answers:
+        with closing(results_in_order(futures, pool, limit)) as answers:
             for task, walks in zip(tasks, answers, strict=True):
                 for i, rollouts in zip(task, walks, strict=True):
                     evaluations[i] = _rate(i, robots[i], rollouts, settings)
@@ -161,7 +161,7 @@ def _walk_all(genomes: Sequence[Genome], settings: Settings, asked: str = "") ->
         asked: what tells this question from an equal one of another run, for Dask answers equal ones together, and
             gives both up when one of them is.
     """
-    return [from_every_start(*scene_on_stage(genome, settings), poses=False) for genome in genomes]
+    return [walk_from_every_start(*reusable_scene_of(genome, settings), poses=False) for genome in genomes]
 
 
 def _rate(place: int, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Evaluation:

@@ -105,7 +105,7 @@ class Evolution(ReadOnlyProperties):
         require_settings(settings)
         check_own_operators(settings.algorithm, genes_of(settings.robot))
         fitness.check_own(settings.algorithm.fitness)
-        workers.check(executor)
+        workers.check_executor(executor)
         workers.check_open(executor)
         patience(1.0)  # a wrong environment variable raises before the file is created
         check_storable(settings)

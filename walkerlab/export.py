@@ -15,7 +15,7 @@ from walkerlab.files import folder_path, write_text
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.rollout import count_settling_steps
-from walkerlab.scene import CONTROL_RATE, RAMP, Scene, describe_scene
+from walkerlab.scene import CONTROL_RATE, RAMP_TIME, Scene, describe_scene
 from walkerlab.settings import Settings
 
 NOT_IN_A_NAME = set('/\\:*?"<>|')
@@ -79,7 +79,7 @@ def _add_walk(spec: mujoco.MjSpec, scene: Scene) -> None:
     for name, values in {
         "settle_steps": [count_settling_steps(scene)],
         "control_rate": [CONTROL_RATE],
-        "gait_ramp": [RAMP],
+        "gait_ramp": [RAMP_TIME],
         "gait_frequency": [scene.phenotype.frequency],
         "gait_amplitude": amplitude,
         "gait_phase": phase,

@@ -15,7 +15,7 @@ from walkerlab.genome import Genome
 from walkerlab.judge import REJECTED
 from walkerlab.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.quantity import brief, function_name
-from walkerlab.rollout import Rollout, from_every_start
+from walkerlab.rollout import Rollout, walk_from_every_start
 from walkerlab.scene import compile_scene
 from walkerlab.settings import Settings
 
@@ -152,7 +152,7 @@ def poorest_walk(genome: Genome | str, settings: Settings, *, poses: bool = True
         GenomeError: if a text is no genome.
     """
     scene, fitness = compile_scene(genome, settings), settings.algorithm.fitness
-    rollouts = from_every_start(scene, poses=poses)
+    rollouts = walk_from_every_start(scene, poses=poses)
     function = fitness.func if isinstance(fitness, partial) else fitness
     if isinstance(function, FromRunFile):
         return function.counted(scene.genome, rollouts, settings)

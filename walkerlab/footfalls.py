@@ -1,4 +1,4 @@
-"""When each foot is on the ground: what a gait diagram is drawn from."""
+"""Contacts of each foot with the ground, from which a gait diagram is drawn."""
 
 import mujoco
 import numpy as np
@@ -9,49 +9,54 @@ from walkerlab.genes import Floats
 from walkerlab.scene import Scene
 
 
-def feet(scene: Scene) -> tuple[str, ...]:
-    """Name each foot as in its body's shank, (n_legs,): segments from the front, left before right: ``"left 1"``."""
+def foot_names(scene: Scene) -> tuple[str, ...]:
+    """Return the name of each foot, such as ``"left 1"``: its side, and its segment counted from the front."""
     return tuple(f"{side} {number}" for number, side in _legs(scene))
 
 
-def footfalls(scene: Scene, poses: Floats) -> NDArray[np.bool_]:
-    """Find out in which poses each foot touches the ground, or whatever lies on it.
+def find_footfalls(scene: Scene, poses: Floats) -> NDArray[np.bool_]:
+    """Find the poses in which each foot touches the ground or anything else outside the robot's body.
 
-    A foot is the whole of a shank: a robot may walk on its toes or kneel. What it touches of its own body does not
-    count; a sledge does not belong to the body.
+    A foot is the whole of a shank, because a robot may walk on its toes or kneel. A sledge is not part of the body.
 
     Args:
-        scene: the compiled world.
-        poses: (n, nq) as in ``Rollout.poses``.
+        scene: Compiled scene.
+        poses: Poses as in ``Rollout.poses``, shape (n, nq).
 
     Returns:
-        (n, n_legs) in the order of ``feet``; where a pose is not finite, nothing touches.
+        Whether each foot touches something, in the order of ``foot_names``, shape (n, n_legs); False in poses that
+        are not finite.
 
     Raises:
-        ValueError: if the poses are not of this scene.
+        ValueError: If the poses do not fit the scene.
     """
     model = scene.model
     if poses.ndim != 2 or poses.shape[1] != model.nq:
         raise ValueError(
-            f"footfalls takes the poses of a walk in this scene, (n, {model.nq}); got {poses.shape}. They must come "
-            "from the same genome and settings, and be recorded: simulate(genome, settings).poses"
+            f"poses must be those of a walk in this scene, shape (n, {model.nq}); got {poses.shape}. Record them with "
+            "the genome and settings of the scene: simulate(genome, settings).poses"
         )
-    data, n_legs = mujoco.MjData(model), scene.phenotype.n_legs
-    foot = np.full(model.ngeom, -1)  # the foot that a geom is; -1 for all others
-    foot[[model.geom(f"walker/{side}_shank{number}").id for number, side in _legs(scene)]] = np.arange(n_legs)
-    down = np.zeros((len(poses), n_legs), dtype=np.bool_)
-    for pose, on_ground in zip(poses, down, strict=True):
+    data = mujoco.MjData(model)
+    n_legs = scene.phenotype.n_legs
+    foot_of_geom = np.full(model.ngeom, -1)
+    shanks = [model.geom(f"walker/{side}_shank{number}").id for number, side in _legs(scene)]
+    foot_of_geom[shanks] = np.arange(n_legs)
+    is_robot = scene.is_robot_geom
+    footfalls = np.zeros((len(poses), n_legs), dtype=np.bool_)
+    for pose, on_ground in zip(poses, footfalls, strict=True):
         if not np.isfinite(pose).all():
             continue
         data.qpos[:] = pose
         mujoco.mj_kinematics(model, data)
         mujoco.mj_collision(model, data)
         pairs: NDArray[np.intc] = data.contact.geom
-        touching = foot[pairs[scene.own[pairs].sum(axis=1) == 1]]
+        with_others = pairs[is_robot[pairs].sum(axis=1) == 1]
+        touching = foot_of_geom[with_others]
         on_ground[touching[touching >= 0]] = True
-    return down
+    return footfalls
 
 
 def _legs(scene: Scene) -> list[tuple[int, str]]:
-    """List segment, counted from 1, and side of each leg, in the order in which they were grown."""
-    return [(number, side) for number, legged in enumerate(scene.phenotype.plan, start=1) if legged for side in SIDES]
+    """Return segment number, counted from 1, and side of each leg, in the order of the actuators."""
+    plan = enumerate(scene.phenotype.plan, start=1)
+    return [(number, side) for number, has_legs in plan if has_legs for side in SIDES]

@@ -1,4 +1,4 @@
-"""A gate before an executor: work goes through it a little at a time, it can be shut for a while, or for good."""
+"""An executor that can be paused and stopped; it passes work on to another executor in small portions."""
 
 import threading
 from collections import deque
@@ -8,120 +8,125 @@ from contextlib import suppress
 from functools import cache, partial
 from typing import Any
 
-AT_ONCE = 2  # pieces of work for each worker that are inside: one that is being done, one that is next
+TASKS_PER_WORKER = 2  # submitted at once: one that is being computed and the next one
 
 
 class Stopped(Exception):
-    """The gate was shut for good, and what had not come back by then never will."""
+    """The executor was stopped before the task was done."""
 
 
-class Gate(Executor):
-    """Passes work on to another executor, no more at once than keeps it busy.
+class PausableExecutor(Executor):
+    """Passes tasks on to another executor, only as many at once as keep its workers busy.
 
-    What waits before the gate can be held back, so that a pause is a pause of the machine as well, and not of the
-    words on a panel; and of two that share an executor, neither fills it up.
+    Tasks that have not been passed on can be held back, so that a pause takes effect at once. Also, two of these
+    executors can share one executor without one of them filling its queue.
 
     Attributes:
-        inside: returns the executor that does the work; made when the first work comes.
-        is_open: whether it lets work through.
+        wrapped: Function that returns the wrapped executor, which is created with the first task.
+        is_paused: Whether tasks are held back.
     """
 
-    def __init__(self, inside: Callable[[], Executor], n_workers: Callable[[Executor], int]) -> None:
-        """Make it, open.
+    def __init__(self, create: Callable[[], Executor], n_workers: Callable[[Executor], int]) -> None:
+        """Create a running executor.
 
         Args:
-            inside: returns the executor that does the work; called once, when the first work comes.
-            n_workers: tells how many pieces of work that does at once.
+            create: Function that returns the wrapped executor; called once, with the first task.
+            n_workers: Function that returns the number of tasks that the wrapped executor computes at once.
         """
-        self.inside, self._count, self._n_workers = cache(inside), n_workers, 1
-        self._waiting = deque[tuple[Future[Any], Callable[[], Any]]]()
-        self._within = set[Future[Any]]()
-        self.is_open, self._is_stopped = True, False
+        self.wrapped = cache(create)
+        self.is_paused = False
+        self._is_stopped = False
+        self._count_workers = n_workers
+        self._n_workers = 1
+        self._waiting: deque[tuple[Future[Any], Callable[[], Any]]] = deque()
+        self._submitted: set[Future[Any]] = set()
         self._lock = threading.RLock()
 
     def n_workers(self) -> int:
-        """Ask how many work inside, where some may have joined or left, and from now on keep so many busy."""
-        self._n_workers = self._count(self.inside())
+        """Count the workers of the wrapped executor, which may have changed, and keep as many busy from now on."""
+        self._n_workers = self._count_workers(self.wrapped())
         return self._n_workers
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Let a piece of work wait before the gate.
+        """Add a task to the queue.
 
         Raises:
-            Stopped: if the gate is shut for good.
+            Stopped: If this executor is stopped.
         """
         outer = Future[Any]()
-        self.inside()
+        self.wrapped()
         with self._lock:
             if self._is_stopped:
                 raise Stopped
             self._waiting.append((outer, partial(fn, *args, **kwargs)))
-        self._let_in()
+        self._submit_waiting()
         return outer
 
-    def open(self) -> None:
-        """Let work through."""
+    def resume(self) -> None:
+        """Pass tasks on again."""
         with self._lock:
-            self.is_open = True
-        self._let_in()
+            self.is_paused = False
+        self._submit_waiting()
 
-    def close(self) -> None:
-        """Hold back what waits; what is inside already goes on."""
+    def pause(self) -> None:
+        """Hold back all tasks that have not been passed on; the others continue."""
         with self._lock:
-            self.is_open = False
+            self.is_paused = True
 
     def stop(self) -> None:
-        """Shut it for good: whoever waits for an answer gets ``Stopped``, now."""
+        """Stop permanently: every task that is not done raises ``Stopped`` at once."""
         with self._lock:
-            self._is_stopped, self.is_open = True, False
-            unanswered = [*self._within, *(outer for outer, _ in self._waiting)]
+            self._is_stopped = True
+            self.is_paused = True
+            pending = [*self._submitted, *(outer for outer, _ in self._waiting)]
             self._waiting.clear()
-        for outer in unanswered:
-            with suppress(Exception):  # answered, or given up, just now
+        for outer in pending:
+            with suppress(Exception):  # it has just been answered or cancelled
                 outer.set_exception(Stopped())
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
-        """Stop; the executor inside is somebody else's, and stays."""
+        """Stop this executor; the wrapped executor belongs to the caller and continues."""
         self.stop()
 
-    def _let_in(self) -> None:
-        """Let in what there is room for; no lock is held meanwhile, for the executor inside may hold its own."""
-        while next_in := self._next():
-            outer, work = next_in
+    def _submit_waiting(self) -> None:
+        """Pass on as many tasks as allowed, without holding the lock, since the wrapped executor may use its own."""
+        while task := self._next_task():
+            outer, work = task
             try:
-                inner = self.inside().submit(work)
+                inner = self.wrapped().submit(work)
             except Exception as error:
                 with self._lock:
-                    self._within.discard(outer)
-                with suppress(InvalidStateError):  # stopped just now
+                    self._submitted.discard(outer)
+                with suppress(InvalidStateError):  # it has just been stopped
                     outer.set_exception(error)
             else:
-                inner.add_done_callback(partial(self._answer, outer))
+                inner.add_done_callback(partial(self._forward_result, outer))
 
-    def _next(self) -> tuple[Future[Any], Callable[[], Any]] | None:
+    def _next_task(self) -> tuple[Future[Any], Callable[[], Any]] | None:
         with self._lock:
-            while self.is_open and self._waiting and len(self._within) < AT_ONCE * self._n_workers:
+            limit = TASKS_PER_WORKER * self._n_workers
+            while not self.is_paused and self._waiting and len(self._submitted) < limit:
                 outer, work = self._waiting.popleft()
                 if outer.set_running_or_notify_cancel():
-                    self._within.add(outer)
+                    self._submitted.add(outer)
                     return outer, work
         return None
 
-    def _answer(self, outer: Future[Any], inner: Future[Any]) -> None:
-        """Pass an answer on, on a thread of the executor's; the next is let in on another."""
+    def _forward_result(self, outer: Future[Any], inner: Future[Any]) -> None:
+        """Pass a result on; called in a thread of the wrapped executor. The next task is submitted in another one."""
         with self._lock:
-            self._within.discard(outer)
-        with suppress(InvalidStateError):  # stopped just now
+            self._submitted.discard(outer)
+        with suppress(InvalidStateError):  # it has just been stopped
             if inner.cancelled():
-                outer.set_exception(CancelledError())  # by somebody else: who stopped has been answered
+                outer.set_exception(CancelledError())  # not by stop(), which sets its own exception
             elif error := inner.exception():
                 outer.set_exception(error)
             else:
                 outer.set_result(inner.result())
-        with suppress(RuntimeError):  # Python ends
-            _porter().submit(self._let_in)
+        with suppress(RuntimeError):  # Python is shutting down
+            _submitting_thread().submit(self._submit_waiting)
 
 
 @cache
-def _porter() -> ThreadPoolExecutor:
+def _submitting_thread() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(1, "walkerlab gate")

@@ -1,6 +1,6 @@
-"""The shape of the ground, as pure functions of the settings; what lies on it is for ``layout``.
+"""The shape of the bare ground, as pure functions of the terrain settings.
 
-x is 0 at the robot's foremost point at its start. Seen from above, along the way:
+x is 0 at the robot's foremost point at the start. Seen from above:
 
       -2 m       0    1 m                                  16 m          31 m
                        +---------------------------------------------------+ ...    y = 5 m
@@ -9,7 +9,7 @@ x is 0 at the robot's foremost point at its start. Seen from above, along the wa
         +--------+-----+-------------------------------------+             |        y = -3 m
                        +---------------------------------------------------+ ...    y = -5 m
 
-Pieces lie as far as obstacles do; on a plane without either, there is no edge.
+Texture pieces and obstacles end at the same x. A plane with neither of them has no edge.
 """
 
 import math
@@ -22,13 +22,14 @@ from walkerlab.genes import Floats
 from walkerlab.randomness import stream
 from walkerlab.settings import FIELD, Terrain
 
-ARENA_LENGTH = 30.0  # m of stairs, hills or gaps ahead of the landing
+ARENA_LENGTH = 30.0  # m of stairs, hills or gaps after the landing
 ARENA_WIDTH = 10.0  # m
-PLATEAU = 300.0  # m of level ground after them, more than anyone walks
-LANDING = 1.0  # m of level and empty ground ahead of the robot's foremost point
-FIELD_START = -2.0  # m, where the first pieces lie; obstacles lie beyond the landing
-TRENCH = 0.5  # m, depth of a gap
-CELLS_OF_A_HILL = 8  # of the height field's cells for each hill_length
+PLATEAU_LENGTH = 300.0  # m of level ground after the arena, longer than any walk
+LANDING = 1.0  # m of level ground without obstacles ahead of the robot's foremost point
+FIELD_START = -2.0  # m, x of the first texture pieces; obstacles start after the landing
+TRENCH_DEPTH = 0.5  # m, depth of a gap
+CELLS_PER_HILL = 8  # cells of the height field per hill_length
+N_WAVES = 6  # sine waves that add up to the hills
 
 
 def slope(terrain: Terrain) -> float:
@@ -37,72 +38,85 @@ def slope(terrain: Terrain) -> float:
 
 
 def height(terrain: Terrain, x: Floats, y: Floats | float = 0.0) -> Floats:
-    """Return the height of the bare ground [m] at each x, y [m]; of a trench, that of its bottom."""
+    """Return the height of the bare ground [m] at each x, y [m]; in a gap, the height of its bottom."""
     match terrain.structure:
         case Structure.stairs:
             return terrain.step_height * np.maximum(0.0, np.floor((x - LANDING) / terrain.step_depth) + 1)
         case Structure.gaps:
             start, end = gaps(terrain).T
-            number = np.clip(np.searchsorted(start, x, side="right") - 1, 0, len(start) - 1)
-            return np.where((start[number] < x) & (x < end[number]), -TRENCH, 0.0)
+            index = np.clip(np.searchsorted(start, x, side="right") - 1, 0, len(start) - 1)
+            return np.where((start[index] < x) & (x < end[index]), -TRENCH_DEPTH, 0.0)
         case Structure.rough:
-            return _interpolate(hills(terrain), x, np.broadcast_to(y, np.shape(x)))
+            return _interpolate(hill_heights(terrain), x, np.broadcast_to(y, np.shape(x)))
         case _:
             return x * math.tan(slope(terrain))
 
 
-def bounds(terrain: Terrain) -> Floats:
-    """Return the least and the greatest x and y [m] of the ground that is built, (2, 2); a bare plane has no end."""
+def arena_bounds(terrain: Terrain) -> Floats:
+    """Return the limits of the area in which a walk counts.
+
+    Returns:
+        Least and greatest x, y [m], shape (2, 2); infinite where the ground has no edge.
+    """
     if terrain.structure in (Structure.stairs, Structure.rough, Structure.gaps):
-        return np.array([(-math.inf, -ARENA_WIDTH / 2), (LANDING + ARENA_LENGTH + PLATEAU / 2, ARENA_WIDTH / 2)])
-    if terrain.n_pieces or terrain.obstacle:  # to walk round what is strewn is no art
+        return np.array([(-math.inf, -ARENA_WIDTH / 2), (LANDING + ARENA_LENGTH + PLATEAU_LENGTH / 2, ARENA_WIDTH / 2)])
+    if terrain.n_pieces or terrain.obstacle:  # so that a robot cannot score by walking around them
         return np.array([(-math.inf, -FIELD[1] / 2), (math.inf, FIELD[1] / 2)])
     return np.array([(-math.inf, -math.inf), (math.inf, math.inf)])
 
 
-def levels(terrain: Terrain) -> Floats:
-    """Return where each stretch of ground that pieces and obstacles can lie on begins and ends along the way [m].
+def level_stretches(terrain: Terrain) -> Floats:
+    """Return the stretches of ground along the way on which pieces and obstacles can be placed.
+
+    A plane, a slope or hilly ground is one stretch. Each tread of the stairs is one, and so is the ground between
+    two gaps.
 
     Returns:
-        (n, 2): a plane, a slope and hills are one stretch; a tread is one, and so is the ground between two gaps.
+        Start and end of each stretch along the way [m], shape (n, 2).
     """
-    start, end = FIELD_START, FIELD_START + FIELD[0]
+    start = FIELD_START
+    end = FIELD_START + FIELD[0]
     match terrain.structure:
         case Structure.stairs:
             edges = np.arange(LANDING, end + terrain.step_depth, terrain.step_depth)
             stretches = np.stack([np.concatenate([[start], edges[:-1]]), edges], axis=1)
         case Structure.gaps:
-            begin, until = gaps(terrain).T
-            stretches = np.stack([np.concatenate([[start], until[:-1]]), begin], axis=1)
+            gap_start, gap_end = gaps(terrain).T
+            stretches = np.stack([np.concatenate([[start], gap_end[:-1]]), gap_start], axis=1)
         case _:
             stretches = np.array([[start, end]])
     return np.minimum(stretches[stretches[:, 0] < end], end)
 
 
 def gaps(terrain: Terrain) -> Floats:
-    """Return the (n, 2) start and end of each trench along the way [m]."""
+    """Return the start and end of each gap along the way [m], shape (n, 2)."""
     period = terrain.gap_width + terrain.gap_distance
     return LANDING + np.array([(i * period, i * period + terrain.gap_width) for i in range(int(ARENA_LENGTH / period))])
 
 
 @lru_cache(maxsize=16)
-def hills(terrain: Terrain) -> Floats:
-    """Draw the hills of a rough ground by its seed: waves of about its ``hill_length`` in random directions, summed.
+def hill_heights(terrain: Terrain) -> Floats:
+    """Generate the hills of a rough ground from its seed.
+
+    The hills are a sum of sine waves in random directions, each with a wavelength of about ``hill_length``.
 
     Returns:
-        (n_y, n_x) heights [m], from the landing on, the arena's length and width; empty for any other ground.
+        Heights [m] of the arena, from the landing on, shape (n_y, n_x); empty for any other structure.
     """
     if terrain.structure != Structure.rough:
         return np.empty((0, 0))
-    rng, cell = stream(terrain.seed, "terrain", 0), terrain.hill_length / CELLS_OF_A_HILL
+    rng = stream(terrain.seed, "terrain", 0)
+    cell = terrain.hill_length / CELLS_PER_HILL
     x = np.linspace(0, ARENA_LENGTH, round(ARENA_LENGTH / cell) + 1)
     y = np.linspace(-ARENA_WIDTH / 2, ARENA_WIDTH / 2, round(ARENA_WIDTH / cell) + 1)[:, np.newaxis]
     waves = np.zeros((len(y), len(x)))
-    for turn, stretch, phase in zip(
-        rng.permutation(np.arange(6) * math.pi / 6), rng.uniform(0.8, 1.25, 6), rng.uniform(0, math.tau, 6), strict=True
-    ):
-        number = math.tau / (stretch * terrain.hill_length)
-        waves += np.sin(number * (x * math.cos(turn) + y * math.sin(turn)) + phase)
+    directions = rng.permutation(np.arange(N_WAVES) * math.pi / N_WAVES)
+    stretches = rng.uniform(0.8, 1.25, N_WAVES)
+    phases = rng.uniform(0, math.tau, N_WAVES)
+    for direction, stretch, phase in zip(directions, stretches, phases, strict=True):
+        wave_number = math.tau / (stretch * terrain.hill_length)
+        waves += np.sin(wave_number * (x * math.cos(direction) + y * math.sin(direction)) + phase)
+    # Fade to level ground at both ends of the arena.
     waves = (waves - waves.min()) * np.clip(np.minimum(x, ARENA_LENGTH - x) / terrain.hill_length, 0, 1)
     heights = terrain.hill_height * waves / waves.max()
     heights.setflags(write=False)
@@ -110,7 +124,7 @@ def hills(terrain: Terrain) -> Floats:
 
 
 def _interpolate(heights: Floats, x: Floats, y: Floats) -> Floats:
-    """Read the height field between its points, as MuJoCo does: each cell is two triangles; 0 off it."""
+    """Interpolate the height field as MuJoCo does, with two triangles per cell; return 0 outside of it."""
     n_y, n_x = heights.shape
     column = np.clip((x - LANDING) / ARENA_LENGTH * (n_x - 1), 0, n_x - 1.000001)
     row = np.clip((y / ARENA_WIDTH + 0.5) * (n_y - 1), 0, n_y - 1.000001)
@@ -120,20 +134,25 @@ def _interpolate(heights: Floats, x: Floats, y: Floats) -> Floats:
     return (1 - np.maximum(u, v)) * heights[i, j] + np.abs(u - v) * corner + np.minimum(u, v) * heights[i + 1, j + 1]
 
 
-def onto(terrain: Terrain, spots: Floats, step: Floats | float = 0.02) -> tuple[Floats, Floats]:
-    """Put (n, 2) spots along and across the way onto the ground.
+def project_onto_ground(terrain: Terrain, spots: Floats, step: Floats | float = 0.02) -> tuple[Floats, Floats]:
+    """Return the points of the ground at the given spots, and its normals there.
+
+    Args:
+        terrain: Terrain settings.
+        spots: Positions along and across the way [m], shape (n, 2).
+        step: Distance [m] over which the slope of hilly ground is averaged; one value or shape (n,).
 
     Returns:
-        (n, 3) where they are; (n, 3) which way the ground faces there, on the whole, within a step [m] around.
+        Points on the ground [m], shape (n, 3), and unit normals, shape (n, 3).
     """
     along, across = spots.T
     pitch = slope(terrain)
     x = along * math.cos(pitch)
-    # Just inside an edge, floats must not fall off it.
+    # The offset keeps a spot at the edge of a tread on that tread in spite of rounding.
     points = np.stack([x, across, height(terrain, x + 1e-9, across)], axis=1)
     if terrain.structure == Structure.rough:
-        up_x = (height(terrain, x + step, across) - height(terrain, x - step, across)) / (2 * step)
-        up_y = (height(terrain, x, across + step) - height(terrain, x, across - step)) / (2 * step)
-        normals = np.stack([-up_x, -up_y, np.ones_like(x)], axis=1)
+        slope_x = (height(terrain, x + step, across) - height(terrain, x - step, across)) / (2 * step)
+        slope_y = (height(terrain, x, across + step) - height(terrain, x, across - step)) / (2 * step)
+        normals = np.stack([-slope_x, -slope_y, np.ones_like(x)], axis=1)
         return points, normals / np.linalg.norm(normals, axis=1, keepdims=True)
     return points, np.tile([-math.sin(pitch), 0.0, math.cos(pitch)], (len(spots), 1))

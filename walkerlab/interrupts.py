@@ -1,4 +1,4 @@
-"""Ctrl-C, kept from those whom it does not concern, and put off where it would do harm."""
+"""Deferral of Ctrl-C: for child processes for as long as they live, for this process until a block ends."""
 
 import signal
 import threading
@@ -7,31 +7,31 @@ from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from typing import Any
 
-CAN_MASK = hasattr(signal, "pthread_sigmask")  # not on Windows
+CAN_MASK_SIGNALS = hasattr(signal, "pthread_sigmask")  # not on Windows
 
 
 @contextmanager
 def interrupts_held() -> Generator[None]:
-    """Put Ctrl-C off until the block is done.
+    """Defer Ctrl-C until the end of the block.
 
-    A terminal sends it to every process of a program. Processes started within the block never hear of it, so that
-    one of them, the caller, can stop in good order; and what is imported within the block is imported whole.
+    A terminal sends Ctrl-C to every process of a program. Processes that are started in the block ignore it, so that
+    only the calling process reacts and can stop in an orderly way. Imports in the block are always completed.
 
     Raises:
-        KeyboardInterrupt: at the end of the block, if Ctrl-C was pressed within.
+        KeyboardInterrupt: At the end of the block, if Ctrl-C was pressed during the block.
     """
-    heard: list[Any] = []
-    listening = threading.current_thread() is threading.main_thread()
-    handler = signal.signal(signal.SIGINT, lambda *call: heard.append(call)) if listening else None
-    if CAN_MASK:
-        resource_tracker.ensure_running()  # were it started later, Python 3.11 and 3.12 would drop the mask
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if CAN_MASK else None
+    received: list[Any] = []
+    is_main_thread = threading.current_thread() is threading.main_thread()
+    handler = signal.signal(signal.SIGINT, lambda *call: received.append(call)) if is_main_thread else None
+    if CAN_MASK_SIGNALS:
+        resource_tracker.ensure_running()  # if it started inside the block, Python 3.11 and 3.12 would drop the mask
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if CAN_MASK_SIGNALS else None
     try:
         yield
     finally:
         if mask is not None:
             signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-        if listening:
+        if is_main_thread:
             signal.signal(signal.SIGINT, handler)
-    if heard and callable(handler):
-        handler(*heard[0])
+    if received and callable(handler):
+        handler(*received[0])

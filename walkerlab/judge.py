@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from walkerlab.choices import Guard, Structure
 from walkerlab.genes import Floats
-from walkerlab.ground import bounds, height
+from walkerlab.ground import arena_bounds, height
 from walkerlab.limits import FREQUENCY
 from walkerlab.phenotype import Phenotype
 from walkerlab.settings import Settings
@@ -146,7 +146,7 @@ def _fell(trace: Trace, settings: Settings) -> str:
 
 
 def _out_of_arena(trace: Trace, settings: Settings) -> str:
-    low, high = bounds(settings.terrain)
+    low, high = arena_bounds(settings.terrain)
     outside = np.max(np.maximum(low - trace.com[:, :2], trace.com[:, :2] - high), axis=1)
     return _exceeds(trace.time, outside, 0.0, "it was {:.2f} m outside the ground that is built; {:g} is allowed")
 

@@ -9,12 +9,12 @@ from pathlib import Path
 from weakref import WeakSet
 
 from walkerlab.evolution import Evolution, n_walks
-from walkerlab.gate import Gate, Stopped
+from walkerlab.gate import PausableExecutor, Stopped
 from walkerlab.genome import Genome
 from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.run import Run
 from walkerlab.settings import Settings
-from walkerlab.workers import WorkerLostWarning, check, default_executor, n_workers
+from walkerlab.workers import WorkerLostWarning, check_executor, default_executor, n_workers
 
 
 class State(StrEnum):
@@ -65,12 +65,14 @@ class LiveRun(ReadOnlyProperties):
             OperatorError: if an operator or fitness of the user's own does not do what its slot needs.
             RunFileError: if there is a file at ``path``, or none can be made there.
         """
-        check(executor)
-        self._settings, self.state, self.n_done = settings, State.paused, 0
+        check_executor(executor)
+        self._settings = settings
+        self.state = State.paused
+        self.n_done = 0
         self.error: BaseException | None = None
         self.n_walks = n_walks(settings)
         self._executor, self._on_news = executor, on_news
-        self._gate = Gate(self._workers, n_workers)
+        self._gate = PausableExecutor(self._workers, n_workers)
         self._evolution = Evolution(settings, path, self._gate, on_walks=self._walked)
         self._may_go, self._pause_at = threading.Event(), settings.algorithm.generations
         self._since, self._seconds, self._first = 0.0, 0.0, (0.0, 0)
@@ -110,7 +112,7 @@ class LiveRun(ReadOnlyProperties):
             if self.state == State.paused:
                 self._since = time.monotonic()
             self.state = State.running
-            self._gate.open()
+            self._gate.resume()
             self._may_go.set()
             if not self._thread.ident:
                 self._thread.start()
@@ -118,7 +120,7 @@ class LiveRun(ReadOnlyProperties):
 
     def pause(self) -> None:
         """Let the robots that are walking finish, and no other begin."""
-        self._rest(State.paused, self._gate.close, self._may_go.clear)
+        self._rest(State.paused, self._gate.pause, self._may_go.clear)
 
     def stop(self) -> None:
         """End it here: the generations that are done are kept, the one that is walking is not."""

@@ -10,7 +10,7 @@ from walkerlab.limits import PART, WHOLE
 
 @dataclass(frozen=True)
 class Swing:
-    """The motion of one joint: offset + amplitude · sin(2π · frequency · t + phase), all in rad."""
+    """Motion of one joint: offset + amplitude · sin(2π · frequency · t + phase), in rad."""
 
     amplitude: float
     phase: float
@@ -19,7 +19,15 @@ class Swing:
 
 @dataclass(frozen=True)
 class Legs:
-    """A pair of legs: length [m] and torque [N·m] of each, how they swing, and how far right lags left [rad]."""
+    """A pair of legs of one segment.
+
+    Attributes:
+        length: Length of each leg, m.
+        force: Greatest torque of each joint, N·m.
+        hip: Motion of the left hip.
+        knee: Motion of the left knee.
+        stride: Phase by which the right leg lags the left one, rad.
+    """
 
     length: float
     force: float
@@ -30,7 +38,13 @@ class Legs:
 
 @dataclass(frozen=True)
 class Segment:
-    """One grown segment: length [m], mass [kg] with its legs, and its legs if it has any."""
+    """One segment of the body.
+
+    Attributes:
+        length: Length, m.
+        mass: Mass including its legs, kg.
+        legs: Its pair of legs, or None.
+    """
 
     length: float
     mass: float
@@ -42,8 +56,8 @@ class Phenotype:
     """The robot that a genome expresses: morphology and gait.
 
     Attributes:
-        segments: the grown ones, from the front.
-        frequency: strides per second.
+        segments: Segments, from the front.
+        frequency: Stride frequency, Hz.
     """
 
     segments: tuple[Segment, ...]
@@ -51,37 +65,37 @@ class Phenotype:
 
     @property
     def plan(self) -> tuple[bool, ...]:
-        """The body plan: which segments have legs."""
+        """Body plan: for each segment from the front, whether it has legs."""
         return tuple(segment.legs is not None for segment in self.segments)
 
     @property
     def n_legs(self) -> int:
-        """How many legs it walks on."""
+        """Number of legs."""
         return 2 * sum(self.plan)
 
     @property
     def weight(self) -> float:
-        """Its whole mass, in kg."""
+        """Total mass, in kg; excludes loads."""
         return math.fsum(segment.mass for segment in self.segments)
 
     @property
     def body_length(self) -> float:
-        """From the front of the first to the end of the last segment, in m."""
+        """Length from the front of the first to the end of the last segment, in m."""
         return math.fsum(segment.length for segment in self.segments)
 
 
 def express(genome: Genome) -> Phenotype:
-    """Read the robot out of its genome; unexpressed genes are passed over."""
+    """Return the robot that a genome expresses; unexpressed genes are ignored."""
     genome = Genome.of(genome)
-    count, frequency = genome.values[: len(WHOLE)].tolist()
-    parts = genome.values[len(WHOLE) :].reshape(genome.n_parts, -1)[: int(count)]
+    n_segments, frequency = genome.values[: len(WHOLE)].tolist()
+    rows = genome.values[len(WHOLE) :].reshape(genome.n_parts, -1)[: int(n_segments)]
+    return Phenotype(tuple(map(_express_segment, rows.tolist())), frequency)
 
-    def segment(values: list[float]) -> Segment:
-        gene = dict(zip(PART, values, strict=True))
-        hip = Swing(gene[Feature.hip_amplitude], gene[Feature.hip_phase], gene[Feature.hip_offset])
-        ahead = hip.phase + gene[Feature.knee_phase]
-        knee = Swing(gene[Feature.knee_amplitude], ahead, gene[Feature.knee_offset])
-        legs = Legs(gene[Feature.leg_length], gene[Feature.leg_force], hip, knee, gene[Feature.stride])
-        return Segment(gene[Feature.length], gene[Feature.mass], legs if gene[Feature.legs] else None)
 
-    return Phenotype(tuple(map(segment, parts.tolist())), frequency)
+def _express_segment(values: list[float]) -> Segment:
+    gene = dict(zip(PART, values, strict=True))
+    hip = Swing(gene[Feature.hip_amplitude], gene[Feature.hip_phase], gene[Feature.hip_offset])
+    knee_phase = hip.phase + gene[Feature.knee_phase]
+    knee = Swing(gene[Feature.knee_amplitude], knee_phase, gene[Feature.knee_offset])
+    legs = Legs(gene[Feature.leg_length], gene[Feature.leg_force], hip, knee, gene[Feature.stride])
+    return Segment(gene[Feature.length], gene[Feature.mass], legs if gene[Feature.legs] else None)

@@ -1,4 +1,4 @@
-"""One walk: the scene is stepped, what a fitness needs is recorded, and a verdict says whether it counts."""
+"""Rollouts: simulation of one walk, with everything recorded that a fitness or a verdict requires."""
 
 import math
 import threading
@@ -9,9 +9,9 @@ from functools import lru_cache
 
 import mujoco
 import numpy as np
-from mujoco.rollout import rollout as step_through
+from mujoco.rollout import rollout as simulate_steps
 
-from walkerlab.assembly import ANYTHING, COM, DEPTH, GROUND, ITSELF, LOAD, ROPE
+from walkerlab.assembly import ROBOT_BODY, Sensor
 from walkerlab.genes import Floats, Indices
 from walkerlab.genome import Genome
 from walkerlab.judge import VERDICTS, Trace, judge
@@ -20,26 +20,30 @@ from walkerlab.number_format import significant, with_unit
 from walkerlab.quantity import count
 from walkerlab.randomness import stream
 from walkerlab.readonly import ReadOnlyArrays
-from walkerlab.scene import Scene, compile_scene, ticks
+from walkerlab.scene import ROTATION, TRANSLATION, Scene, compile_scene, control_steps
 from walkerlab.settings import Settings
 
-SETTLE_CHUNK = 0.25  # s, after each of which a settling body is looked at
-SETTLE_LIMIT = 3.0  # s, after which it walks whether it came to rest or not
-REST_SPEED = 0.02  # m/s of the centre of mass, under which a body is at rest
+SETTLE_CHUNK = 0.25  # s between two checks whether the body is at rest
+MAX_SETTLE_TIME = 3.0  # s after which the walk starts even if the body is not at rest
+REST_SPEED = 0.02  # m/s of the centre of mass below which the body is at rest
 
-SHIFT, TURN, BEND = 0.02, 0.03, 0.03  # m to the side, rad of the body, rad of each joint: standard deviations
+# Standard deviations of the displacement of a start.
+NUDGE_SHIFT = 0.02  # m to the side
+NUDGE_TURN = 0.03  # rad, rotation of the body about each axis
+NUDGE_BEND = 0.03  # rad, angle of each joint
 
-_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
+_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS  # time, positions (nq), velocities (nv), …
+_POSITIONS_START = 1  # index in the state
 
 
 @dataclass(frozen=True, eq=False)
 class Rollout(ReadOnlyArrays, Trace):
-    """One recorded walk: its trace, and whether it counts.
+    """One recorded walk: its trace and its verdict.
 
     Attributes:
         verdict: ``ok``, or why the walk does not count: a key of ``VERDICTS``.
-        reason: the figures behind the verdict, in words; "" if it is ``ok``.
-        poses: (n, nq) generalized positions as in ``mjData.qpos``; (0, nq) if they were not asked for.
+        reason: Explanation of the verdict with the measured value and the limit; "" if the verdict is ``ok``.
+        poses: Generalised positions as in ``mjData.qpos``, shape (n, nq); (0, nq) if they were not recorded.
     """
 
     verdict: str
@@ -53,17 +57,17 @@ class Rollout(ReadOnlyArrays, Trace):
 
     @property
     def distance(self) -> float:
-        """Net forward travel of the centre of mass after settling, in m; negative if it went backward."""
+        """Net forward travel of the centre of mass after settling, in m; negative if the robot moved backward."""
         return float(self.com[-1, 0] - self.com[0, 0])
 
     @property
     def velocity(self) -> float:
-        """Mean forward speed over the last two thirds of the walk, in m/s: what is left once the start is over."""
+        """Mean forward speed over the last two thirds of the walk, in m/s; excludes the start."""
         start = int(np.searchsorted(self.time, self.time[-1] / 3))
         return float((self.com[-1, 0] - self.com[start, 0]) / (self.time[-1] - self.time[start]))
 
     def __repr__(self) -> str:
-        """Say in a line what came of it: the arrays would fill pages."""
+        """Return a one-line summary; the arrays are too long to print."""
         why = f", {self.reason}" if self.reason else ""
         went = f"{with_unit(self.distance, 'm')} in {self.time[-1]:g} s"
         return f"Rollout({went}, verdict {self.verdict}{why}; {len(self.poses)} poses)"
@@ -90,15 +94,15 @@ class Rollout(ReadOnlyArrays, Trace):
 
 
 def simulate(genome: Genome | str, settings: Settings, *, poses: bool = True) -> Rollout:
-    """Let one individual walk, and record it.
+    """Simulate the walk of one individual and record it.
 
     Args:
-        genome: a genome or its text; brought within the robot limits first.
-        settings: of terrain, robot and simulation.
-        poses: whether to record every pose, for looking at; a fitness needs none.
+        genome: Genome or its text; repaired to obey the robot limits.
+        settings: Settings of terrain, robot and simulation.
+        poses: Whether to record poses, as replays and films require; a fitness does not.
 
     Raises:
-        GenomeError: if a text is no genome.
+        GenomeError: If the text is not a valid genome.
     """
     return walk(compile_scene(genome, settings), poses=poses)
 
@@ -106,52 +110,55 @@ def simulate(genome: Genome | str, settings: Settings, *, poses: bool = True) ->
 def walk(
     scene: Scene, data: mujoco.MjData | None = None, *, nudge: Floats | None = None, poses: bool = True
 ) -> Rollout:
-    """Settle the body without drive until it rests, then let it walk for the settings' duration, and judge.
+    """Let the robot settle without drive, then simulate its walk for the duration in the settings, and judge it.
 
-    The physics runs in C from the first step to the last: the controls are known before the walk.
+    All controls are known in advance, so the whole walk is simulated by one call of MuJoCo's C code.
 
     Args:
-        scene: the compiled world.
-        data: of its model, to walk in, whatever has been there; a new one if None.
-        nudge: (nv,) small turns and shifts of the start, as in ``Scene.place``.
-        poses: whether to record every pose.
+        scene: Compiled scene.
+        data: Data of the scene's model, which is reset; new data if None.
+        nudge: Small displacements of the start, as in ``Scene.place``, shape (nv,).
+        poses: Whether to record poses.
     """
     model, timestep = scene.model, scene.settings.simulation.timestep
     data = mujoco.MjData(model) if data is None else data
     mujoco.mj_resetData(model, data)
     with _warnings_counted_not_printed():
         scene.place(data, nudge)
-        overlap = _overlap(scene, data)
+        overlap = _start_overlap(scene, data)
         state, settled, creep = _settle(scene, data)
         n_steps = round(scene.settings.simulation.duration / timestep) + 1
         controls = scene.controls(n_steps)
         states, sensors = _step(model, data, state, controls[np.newaxis])
-    first = _moments(n_steps, timestep)
-    # A sensor is read before its step and a state after it: the state that a sensor saw is the one before.
-    seen, sensed = np.concatenate([state, states[0, first[1:] - 1]]), sensors[0, first]
-    time = first.astype(np.float64) * timestep
+    recorded = _recorded_steps(n_steps, timestep)
+    # Sensors are computed before a step and states after it, so a reading belongs to the state after the previous step.
+    recorded_states = np.concatenate([state, states[0, recorded[1:] - 1]])
+    readings = sensors[0, recorded]
+    targets = controls[recorded]
+    ground_distance = np.where(readings[:, Sensor.GROUND_CONTACT] > 0, readings[:, Sensor.GROUND_DISTANCE], 0.0)
+    time = recorded.astype(np.float64) * timestep
     trace = Trace(
         time=time,
-        com=sensed[:, COM],
-        on_ground=sensed[:, ANYTHING] > sensed[:, ITSELF],
-        sink=np.maximum(0.0, -np.where(sensed[:, GROUND] > 0, sensed[:, DEPTH], 0.0)),
-        work=_work(model, time, seen, controls[first]),
-        load=sensed[:, LOAD] if scene.rope else np.empty((0, 3)),
-        rope=sensed[:, ROPE] / scene.rope if scene.rope else np.empty(0),
+        com=readings[:, Sensor.COM],
+        on_ground=readings[:, Sensor.ANY_CONTACT] > readings[:, Sensor.SELF_CONTACT],
+        sink=np.maximum(0.0, -ground_distance),
+        work=_work(model, time, recorded_states, targets),
+        load=readings[:, Sensor.SLEDGE] if scene.rope_length else np.empty((0, 3)),
+        rope=readings[:, Sensor.ROPE] / scene.rope_length if scene.rope_length else np.empty(0),
         phenotype=scene.phenotype,
         settled=settled,
         creep=creep,
         overlap=overlap,
-        drive=_drive(time, controls[first]),
+        drive=_drive_frequency(time, targets),
         warnings=int(sum(data.warning.number)),
     )
-    record = seen[:, 1 : 1 + model.nq] if poses else np.empty((0, model.nq))
+    record = _positions(model, recorded_states) if poses else np.empty((0, model.nq))
     verdict, reason = judge(trace, scene.settings)
     return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=record)
 
 
 def count_settling_steps(scene: Scene) -> int:
-    """Return the number of steps for which ``walk`` holds the pose of rest before the gait starts."""
+    """Return the number of steps for which ``walk`` holds the rest pose before the gait starts."""
     data = mujoco.MjData(scene.model)
     with _warnings_counted_not_printed():
         scene.place(data)
@@ -159,43 +166,48 @@ def count_settling_steps(scene: Scene) -> int:
     return round(settled / SETTLE_CHUNK) * round(SETTLE_CHUNK / scene.settings.simulation.timestep)
 
 
-def from_every_start(scene: Scene, data: mujoco.MjData | None = None, *, poses: bool) -> list[Rollout]:
-    """Let a robot walk as evolution does: from each of its starts, the poorest of which counts."""
+def walk_from_every_start(scene: Scene, data: mujoco.MjData | None = None, *, poses: bool) -> list[Rollout]:
+    """Simulate a walk from each start in the settings, as evolution does; the lowest fitness of these counts."""
     starts = range(scene.settings.simulation.n_starts)
-    return [walk(scene, data, nudge=nudge(scene, start), poses=poses) for start in starts]
+    return [walk(scene, data, nudge=draw_nudge(scene, start), poses=poses) for start in starts]
 
 
-def nudge(scene: Scene, number: int) -> Floats | None:
-    """Draw the (nv,) small turns and shifts of a start: of the robot alone; none for the start of number 0."""
-    if not number:
+def draw_nudge(scene: Scene, start: int) -> Floats | None:
+    """Draw the small displacements of a start from the terrain's seed and the number of the start.
+
+    Returns:
+        Displacements of the robot's degrees of freedom, shape (nv,); None for start 0, the exact one.
+    """
+    if not start:
         return None
     model = scene.model
-    scale = np.where(model.body_rootid[model.dof_bodyid] == 1, BEND, 0.0)
-    scale[:6] = 0, SHIFT, 0, TURN, TURN, TURN
-    return scale * stream(scene.settings.terrain.seed, "perturbation", number).standard_normal(model.nv)
+    scale = np.where(model.body_rootid[model.dof_bodyid] == ROBOT_BODY, NUDGE_BEND, 0.0)
+    scale[TRANSLATION] = (0, NUDGE_SHIFT, 0)
+    scale[ROTATION] = NUDGE_TURN
+    return scale * stream(scene.settings.terrain.seed, "perturbation", start).standard_normal(model.nv)
 
 
 @lru_cache(maxsize=16)
-def _moments(n_steps: int, timestep: float) -> Indices:
-    """Name the steps that are recorded: the first of each tick of the gait's clock, and the last of all."""
-    moments = np.union1d(ticks(n_steps, timestep)[0], n_steps - 1)
-    moments.setflags(write=False)
-    return moments
+def _recorded_steps(n_steps: int, timestep: float) -> Indices:
+    """Return the physics steps that are recorded: the first of each control step, and the last of the walk."""
+    recorded = np.union1d(control_steps(n_steps, timestep)[0], n_steps - 1)
+    recorded.setflags(write=False)
+    return recorded
 
 
-def _overlap(scene: Scene, data: mujoco.MjData) -> float:
-    """Return how deep [m] the robot or its sledge is in anything at the start; its own joints do not matter."""
+def _start_overlap(scene: Scene, data: mujoco.MjData) -> float:
+    """Return how deep [m] the robot or its sledge penetrates anything at the start, apart from itself."""
     mujoco.mj_fwdPosition(scene.model, data)
     roots = scene.model.body_rootid[scene.model.geom_bodyid[data.contact.geom]]
-    meets = (roots[:, 0] != roots[:, 1]) & np.isin(roots, scene.roots).any(axis=1)
-    return float(np.max(-data.contact.dist, where=meets, initial=0.0))
+    is_relevant = (roots[:, 0] != roots[:, 1]) & np.isin(roots, scene.roots).any(axis=1)
+    return float(np.max(-data.contact.dist, where=is_relevant, initial=0.0))
 
 
 def _settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float, float]:
-    """Hold the pose of rest until the body is still.
+    """Hold the rest pose until the body is at rest.
 
     Returns:
-        The (1, n_state) state reached, the seconds it took, and the speed [m/s] at the end of them.
+        The state reached, shape (1, n_state); the time that it took [s]; the speed at its end [m/s].
     """
     model, timestep = scene.model, scene.settings.simulation.timestep
     state = np.empty((1, mujoco.mj_stateSize(model, _STATE)))
@@ -203,9 +215,10 @@ def _settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float, float]:
     n_steps = round(SETTLE_CHUNK / timestep)
     hold = np.tile(scene.rest, (1, n_steps, 1))
     settled, speed = 0.0, math.inf
-    while settled < SETTLE_LIMIT and speed > REST_SPEED:
+    while settled < MAX_SETTLE_TIME and speed > REST_SPEED:
         states, sensors = _step(model, data, state, hold)
-        state, com = states[:, -1].copy(), sensors[0, :, COM]
+        state = states[:, -1].copy()
+        com = sensors[0, :, Sensor.COM]
         settled += SETTLE_CHUNK
         middle = n_steps // 2
         speed = float(np.linalg.norm(com[-1] - com[middle])) / ((n_steps - 1 - middle) * timestep)
@@ -213,19 +226,19 @@ def _settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float, float]:
 
 
 def _step(model: mujoco.MjModel, data: mujoco.MjData, state: Floats, controls: Floats) -> tuple[Floats, Floats]:
-    """Step on from a state as if nobody had looked: the solver starts from where it was.
+    """Simulate physics steps from a state, with a warm start of the solver so that the result equals one long run.
 
     Args:
-        model: of the world.
-        data: to step in.
-        state: (1, n_state).
-        controls: (1, n_steps, nu), a row for each step.
+        model: Compiled model.
+        data: Data of the model.
+        state: Initial state, shape (1, n_state).
+        controls: Servo targets of each step, shape (1, n_steps, nu).
 
     Returns:
-        The (1, n_steps, n_state) states after the steps, and the (1, n_steps, n_sensor) readings before them.
+        States after, (1, n_steps, n_state), and sensor readings before each step, (1, n_steps, n_sensor).
     """
     n_steps = controls.shape[1]
-    return step_through(
+    return simulate_steps(
         [model],
         [data],
         state,
@@ -234,26 +247,38 @@ def _step(model: mujoco.MjModel, data: mujoco.MjData, state: Floats, controls: F
         initial_warmstart=data.qacc_warmstart[np.newaxis].copy(),
         state=np.empty((1, n_steps, state.shape[1])),
         sensordata=np.empty((1, n_steps, model.nsensordata)),
-        skip_checks=True,  # of shapes, which takes as long as a hundred steps
+        skip_checks=True,  # the checks take as long as a hundred steps
     )
 
 
-def _work(model: mujoco.MjModel, time: Floats, states: Floats, controls: Floats) -> Floats:
-    """Add up what the servos have done so far, (n,) [J]: torque times speed, whichever way it goes."""
+def _positions(model: mujoco.MjModel, states: Floats) -> Floats:
+    """Return the generalised positions in (n, n_state) states, shape (n, nq)."""
+    return states[:, _POSITIONS_START : _POSITIONS_START + model.nq]
+
+
+def _velocities(model: mujoco.MjModel, states: Floats) -> Floats:
+    """Return the generalised velocities in (n, n_state) states, shape (n, nv)."""
+    start = _POSITIONS_START + model.nq
+    return states[:, start : start + model.nv]
+
+
+def _work(model: mujoco.MjModel, time: Floats, states: Floats, targets: Floats) -> Floats:
+    """Return the work of the servos since the start [J], shape (n,): absolute torque times absolute speed."""
     joint = model.actuator_trnid[:, 0]
-    angle = states[:, 1 + model.jnt_qposadr[joint]]
-    speed = states[:, 1 + model.nq + model.jnt_dofadr[joint]]
-    gain, bias = model.actuator_gainprm[:, 0], model.actuator_biasprm
-    torque = np.clip(gain * controls + bias[:, 1] * angle + bias[:, 2] * speed, *model.actuator_forcerange.T)
+    angle = _positions(model, states)[:, model.jnt_qposadr[joint]]
+    speed = _velocities(model, states)[:, model.jnt_dofadr[joint]]
+    gain = model.actuator_gainprm[:, 0]
+    bias = model.actuator_biasprm
+    torque = np.clip(gain * targets + bias[:, 1] * angle + bias[:, 2] * speed, *model.actuator_forcerange.T)
     power = np.abs(torque * speed).sum(axis=1)
     return np.concatenate([[0.0], np.cumsum(power[:-1] * np.diff(time))])
 
 
-def _drive(time: Floats, controls: Floats) -> float:
-    """Return how often [Hz] the servo target that does so most turns round and back again."""
-    steps = np.diff(controls, axis=0)
-    turns = (steps[:-1] * steps[1:] < 0).sum(axis=0)
-    return float(np.max(turns, initial=0)) / 2 / time[-1]
+def _drive_frequency(time: Floats, targets: Floats) -> float:
+    """Return the frequency [Hz] of the servo target that reverses its direction most often."""
+    steps = np.diff(targets, axis=0)
+    reversals = (steps[:-1] * steps[1:] < 0).sum(axis=0)
+    return float(np.max(reversals, initial=0)) / 2 / time[-1]
 
 
 _thread = threading.local()
@@ -261,25 +286,25 @@ _thread = threading.local()
 
 @contextmanager
 def _warnings_counted_not_printed() -> Generator[None]:
-    """Keep MuJoCo's warnings of this thread's walk off the screen; ``mjData.warning`` counts them all the same."""
-    if mujoco.get_mju_user_warning() is not _hear:
-        _hear.others = mujoco.get_mju_user_warning()
-        mujoco.set_mju_user_warning(_hear)
-    _thread.walks = True
+    """Suppress the output of MuJoCo's warnings about walks in this thread; ``mjData.warning`` still counts them."""
+    if mujoco.get_mju_user_warning() is not _warning_handler:
+        _warning_handler.previous = mujoco.get_mju_user_warning()
+        mujoco.set_mju_user_warning(_warning_handler)
+    _thread.is_walking = True
     try:
         yield
     finally:
-        _thread.walks = False
+        _thread.is_walking = False
 
 
-class _Ear:
-    """MuJoCo has one handler of warnings for all threads: this one passes on what is not about a walk of ours."""
+class _WarningHandler:
+    """MuJoCo's warning handler, one for all threads: passes on every warning that is not about a walk."""
 
-    others: Callable[[str], None] | None = None
+    previous: Callable[[str], None] | None = None  # handler that was installed before
 
     def __call__(self, warning: str) -> None:
-        if not getattr(_thread, "walks", False) and self.others:
-            self.others(warning)
+        if not getattr(_thread, "is_walking", False) and self.previous:
+            self.previous(warning)
 
 
-_hear = _Ear()
+_warning_handler = _WarningHandler()

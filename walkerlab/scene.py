@@ -1,4 +1,4 @@
-"""One world, compiled: a genome and the settings become an ``MjModel`` and the controls that drive it."""
+"""Compiled scenes: the MuJoCo model of an individual in its world, and the controls that drive it."""
 
 import math
 from dataclasses import dataclass
@@ -9,31 +9,40 @@ import numpy as np
 from numpy.typing import NDArray
 
 from walkerlab.arguments import require_settings
-from walkerlab.assembly import describe
+from walkerlab.assembly import ROBOT_BODY, describe_world
 from walkerlab.genes import Floats, Indices
 from walkerlab.genome import Genome
 from walkerlab.ground import slope
 from walkerlab.layout import PIECE_HEIGHT
 from walkerlab.phenotype import Phenotype, express
 from walkerlab.settings import Settings
-from walkerlab.staging import assemble, stage
+from walkerlab.staging import assemble, assemble_in_place
 
-CONTROL_RATE = 50.0  # Hz, at which servos take a new target
-RAMP = 0.5  # s, over which a gait swells from rest to its full swing
-CLEARANCE = 0.005  # m, between the ground and the lowest point of a robot at the start
-SLACK = 0.01  # m by which the rope is not quite taut at the start
-ROPE_ENDS = ("walker/hitch", "sledge/ring")
+CONTROL_RATE = 50.0  # Hz, rate of new servo targets
+RAMP_TIME = 0.5  # s in which the amplitude of the gait grows from 0 to its full value
+START_CLEARANCE = 0.005  # m between the robot and what is below it at the start
+ROPE_SLACK = 0.01  # m by which the rope is slack at the start
+ROPE_ENDS = ("walker/hitch", "sledge/ring")  # names of the sites
+
+# Parts of the coordinates of a free joint; those of the robot come first in ``mjData.qpos``.
+POSITION = slice(0, 3)
+ORIENTATION = slice(3, 7)
+FREE_JOINT_SIZE = 7
+
+# Parts of the degrees of freedom of a free joint; those of the robot come first in ``mjData.qvel``.
+TRANSLATION = slice(0, 3)
+ROTATION = slice(3, 6)
 
 
 @dataclass(frozen=True)
 class Scene:
-    """One compiled world.
+    """The compiled world of one individual.
 
     Attributes:
-        model: ready for ``mj_step``; actuators in the order of ``controls``, the robot's body 1 and what hangs on it.
-        genome: the genome it was built from, within the limits.
-        phenotype: the robot in it.
-        settings: of the world that it is in.
+        model: Compiled model, ready for ``mj_step``; its actuators are in the order of ``controls``.
+        genome: Genome of the robot, within the limits of the settings.
+        phenotype: The robot that it expresses.
+        settings: Settings of the world.
     """
 
     model: mujoco.MjModel
@@ -43,88 +52,90 @@ class Scene:
 
     @property
     def roots(self) -> list[int]:
-        """The bodies by which robot and sledge hang in the world."""
-        return [1, self.model.body("sledge/").id] if self.rope else [1]
+        """Root bodies of the robot and, if there is one, of its sledge."""
+        return [ROBOT_BODY, self.model.body("sledge/").id] if self.rope_length else [ROBOT_BODY]
 
     @property
-    def rope(self) -> float:
-        """The length of the rope on which a sledge is dragged, in m; 0 without one."""
+    def rope_length(self) -> float:
+        """Length of the rope to the sledge, in m; 0 without a sledge."""
         return float(self.model.tendon_range[0, 1]) if self.settings.robot.drag_weight else 0.0
 
     @property
-    def own(self) -> NDArray[np.bool_]:
-        """(ngeom,) whether a geom is part of the robot, its pack included."""
-        return self.model.body_rootid[self.model.geom_bodyid] == 1
+    def is_robot_geom(self) -> NDArray[np.bool_]:
+        """Whether each geom belongs to the robot, including its pack, shape (ngeom,)."""
+        return self.model.body_rootid[self.model.geom_bodyid] == ROBOT_BODY
 
     def controls(self, n_steps: int) -> Floats:
-        """Compute the servo targets of the whole walk; the gait needs no feedback.
+        """Compute the servo targets of the whole walk; the gait uses no feedback.
 
         Returns:
-            (n_steps, nu) in rad, a new value ``CONTROL_RATE`` times a second.
+            Targets [rad], shape (n_steps, nu); they change ``CONTROL_RATE`` times per second.
         """
         amplitude, phase, offset = self.gait
-        first, tick = ticks(n_steps, self.settings.simulation.timestep)
-        time = np.arange(len(first))[:, np.newaxis] / CONTROL_RATE
-        swell = np.minimum(time / RAMP, 1.0)
-        wave = offset + swell * amplitude * np.sin(math.tau * self.phenotype.frequency * time + phase)
-        return wave[tick]
+        first_steps, control_step = control_steps(n_steps, self.settings.simulation.timestep)
+        time = np.arange(len(first_steps))[:, np.newaxis] / CONTROL_RATE
+        ramp = np.minimum(time / RAMP_TIME, 1.0)
+        targets = offset + ramp * amplitude * np.sin(math.tau * self.phenotype.frequency * time + phase)
+        return targets[control_step]
 
     def place(self, data: mujoco.MjData, nudge: Floats | None = None) -> None:
-        """Stand the robot at the start in its pose of rest: belly along the slope, just clear of what lies below it.
+        """Place the robot at the start in its rest pose: parallel to the slope, just clear of what is below it.
 
-        Its foremost point is at x = 0, before all that lies on the ground; its sledge is behind it, the rope all but
-        taut.
+        Its foremost point is at x = 0. A sledge is placed behind it, with the rope almost taut.
 
         Args:
-            data: to be written into.
-            nudge: (nv,) small turns and shifts to start a little differently, in the model's degrees of freedom.
+            data: Data of the model; its positions are overwritten.
+            nudge: Small displacements of the start in the model's degrees of freedom, shape (nv,).
         """
-        model, terrain, pitch = self.model, self.settings.terrain, slope(self.settings.terrain)
+        model, terrain = self.model, self.settings.terrain
+        pitch = slope(terrain)
         data.qpos[model.jnt_qposadr[model.actuator_trnid[:, 0]]] = self.rest
         along_slope = [math.cos(pitch / 2), 0, -math.sin(pitch / 2), 0]
-        data.qpos[3:7] = along_slope
+        data.qpos[ORIENTATION] = along_slope
         if nudge is not None:
             mujoco.mj_integratePos(model, data.qpos, nudge, 1.0)
         mujoco.mj_kinematics(model, data)
-        forward, up = np.array([[math.cos(pitch), 0, math.sin(pitch)], [-math.sin(pitch), 0, math.cos(pitch)]])
+        forward = np.array([math.cos(pitch), 0, math.sin(pitch)])
+        up = np.array([-math.sin(pitch), 0, math.cos(pitch)])
         ends, radii = self._capsules(data)
-        stones = PIECE_HEIGHT * terrain.texture_size * bool(terrain.n_pieces)
-        data.qpos[:3] += (CLEARANCE + stones - np.min(ends @ up - radii[:, np.newaxis])) * up
-        data.qpos[:3] -= max(0.0, np.max(ends @ forward + radii[:, np.newaxis])) * forward
-        if self.rope:
+        pieces_top = PIECE_HEIGHT * terrain.texture_size if terrain.n_pieces else 0.0
+        data.qpos[POSITION] += (START_CLEARANCE + pieces_top - np.min(ends @ up - radii[:, np.newaxis])) * up
+        data.qpos[POSITION] -= max(0.0, np.max(ends @ forward + radii[:, np.newaxis])) * forward
+        if self.rope_length:
             mujoco.mj_kinematics(model, data)
-            sledge, (hitch, ring) = model.body("sledge/").jntadr[0], (model.site(name) for name in ROPE_ENDS)
+            hitch, ring = (model.site(name) for name in ROPE_ENDS)
             tail = data.site_xpos[hitch.id]
-            drop = tail @ up - stones - CLEARANCE - ring.pos[2]
-            back = math.sqrt(max(0.0, self.rope**2 - drop**2)) - SLACK  # a bent body of 8 m may hold its tail too high
-            place = (tail @ forward - back - ring.pos[0]) * forward + (stones + CLEARANCE) * up
-            place[1] = tail[1]
-            start = model.jnt_qposadr[sledge]
-            data.qpos[start : start + 7] = [*place, *along_slope]
+            drop = tail @ up - pieces_top - START_CLEARANCE - ring.pos[2]
+            # The difference is negative if a long, bent body holds its tail higher than the rope is long.
+            back = math.sqrt(max(0.0, self.rope_length**2 - drop**2)) - ROPE_SLACK
+            position = (tail @ forward - back - ring.pos[0]) * forward + (pieces_top + START_CLEARANCE) * up
+            position[1] = tail[1]
+            start = model.jnt_qposadr[model.body("sledge/").jntadr[0]]
+            data.qpos[start : start + FREE_JOINT_SIZE] = [*position, *along_slope]
 
     def _capsules(self, data: mujoco.MjData) -> tuple[Floats, Floats]:
-        """Return the (n, 2, 3) ends of the axis and the (n,) radius of each capsule of the robot, in m."""
+        """Return the ends of the axis, (n, 2, 3), and the radius, (n,), of each capsule of the robot, in m."""
         model = self.model
-        limbs = self.own & (model.geom_type == int(mujoco.mjtGeom.mjGEOM_CAPSULE))
-        half = data.geom_xmat[limbs].reshape(-1, 3, 3)[:, :, 2] * model.geom_size[limbs, 1, np.newaxis]
-        ends = np.stack([data.geom_xpos[limbs] - half, data.geom_xpos[limbs] + half], axis=1)
-        return ends, model.geom_size[limbs, 0].copy()
+        is_capsule = self.is_robot_geom & (model.geom_type == int(mujoco.mjtGeom.mjGEOM_CAPSULE))
+        axes = data.geom_xmat[is_capsule].reshape(-1, 3, 3)[:, :, 2] * model.geom_size[is_capsule, 1, np.newaxis]
+        ends = np.stack([data.geom_xpos[is_capsule] - axes, data.geom_xpos[is_capsule] + axes], axis=1)
+        return ends, model.geom_size[is_capsule, 0].copy()
 
     @property
     def start(self) -> Floats:
-        """(nq,) pose in which it starts to settle."""
+        """Pose in which the robot starts to settle, shape (nq,)."""
         data = mujoco.MjData(self.model)
         self.place(data)
         return data.qpos.copy()
 
     @property
     def rest(self) -> Floats:
-        """(nu,) servo targets of the body at rest."""
+        """Servo targets of the rest pose [rad], shape (nu,)."""
         return self.gait[2]
 
     @property
     def gait(self) -> tuple[Floats, Floats, Floats]:
-        """Amplitude, phase and offset of each servo's sine, (nu,) each [rad]; ``controls`` adds the start."""
+        """Amplitude, phase and offset of the sine of each servo [rad], shape (nu,) each; ``controls`` adds the ramp."""
         rows = [
             (swing.amplitude, swing.phase - lag, swing.offset)
             for segment in self.phenotype.segments
@@ -137,27 +148,32 @@ class Scene:
 
 
 @lru_cache(maxsize=16)
-def ticks(n_steps: int, timestep: float) -> tuple[Indices, Indices]:
-    """Lay the gait's clock over the steps of the physics.
+def control_steps(n_steps: int, timestep: float) -> tuple[Indices, Indices]:
+    """Divide physics steps into control steps, in each of which the servo targets are constant.
+
+    Args:
+        n_steps: Number of physics steps.
+        timestep: Duration of a physics step [s].
 
     Returns:
-        The first step of each tick, (n_ticks,), and the tick of each step, (n_steps,).
+        First physics step of each control step, shape (n_control_steps,), and control step of each physics step,
+        shape (n_steps,).
     """
-    tick = np.floor(np.arange(n_steps) * timestep * CONTROL_RATE + 1e-9).astype(np.intp)
-    return np.unique(tick, return_index=True)[1], tick
+    control_step = np.floor(np.arange(n_steps) * timestep * CONTROL_RATE + 1e-9).astype(np.intp)
+    return np.unique(control_step, return_index=True)[1], control_step
 
 
 def compile_scene(genome: Genome | str | Floats, settings: Settings, *, scenery: bool = False) -> Scene:
-    """Build the world in which one individual walks.
+    """Compile the world of one individual.
 
     Args:
-        genome: a genome, its text or its (n_genes,) values; brought within the robot limits first.
-        settings: of terrain, robot and simulation.
-        scenery: whether to add sky, chequered ground and a sun, which cost more to compile than the rest.
+        genome: Genome, its text or its values, shape (n_genes,); repaired to obey the robot limits.
+        settings: Settings of terrain, robot and simulation.
+        scenery: Whether to add visual-only geometry such as sky and sun, which takes longer to compile than the rest.
 
     Raises:
-        GenomeError: if a text is no genome.
-        ValueError: if values are no genome.
+        GenomeError: If the text is not a valid genome.
+        ValueError: If the values are not a valid genome.
         TypeError: If ``settings`` are not a ``Settings``.
     """
     if scenery:
@@ -167,25 +183,27 @@ def compile_scene(genome: Genome | str | Floats, settings: Settings, *, scenery:
 
 
 def describe_scene(genome: Genome | str | Floats, settings: Settings, *, scenery: bool) -> tuple[mujoco.MjSpec, Scene]:
-    """Build the same world, and hand out its description too; it is good until this thread's next scene."""
-    own = Genome.of(genome)
-    own = own.within(require_settings(settings).robot)
-    phenotype = express(own)
-    spec = describe(phenotype, settings, scenery=scenery)
-    return spec, Scene(spec.compile(), own, phenotype, settings)
+    """Compile the world of one individual and return its specification as well.
+
+    The specification is valid until the next call in the same thread. For the arguments see ``compile_scene``.
+    """
+    repaired = Genome.of(genome).within(require_settings(settings).robot)
+    phenotype = express(repaired)
+    spec = describe_world(phenotype, settings, scenery=scenery)
+    return spec, Scene(spec.compile(), repaired, phenotype, settings)
 
 
 def scene_of(genome: Genome, settings: Settings) -> Scene:
-    """Build the world of a genome that is known to be within the limits."""
+    """Compile the world of a genome that is already within the robot limits."""
     phenotype = express(genome)
     return Scene(assemble(phenotype, settings), genome, phenotype, settings)
 
 
-def scene_on_stage(genome: Genome, settings: Settings) -> tuple[Scene, mujoco.MjData]:
-    """Build the same world where others have walked before, which is quicker, and hand out its state too.
+def reusable_scene_of(genome: Genome, settings: Settings) -> tuple[Scene, mujoco.MjData]:
+    """Return the same scene as ``scene_of`` in a reused model, which is faster, and the model's data.
 
-    Both are good until this thread's next robot of the same body plan.
+    Both are overwritten by the next call in the same thread for a robot with the same body plan.
     """
     phenotype = express(genome)
-    model, data = stage(phenotype, settings)
+    model, data = assemble_in_place(phenotype, settings)
     return Scene(model, genome, phenotype, settings), data

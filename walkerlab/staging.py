@@ -1,9 +1,9 @@
-"""The compiled world: robots of one body plan walk on one stage, one after the other.
+"""Fast compilation: one compiled model per body plan and terrain, into which each robot is written.
 
-    body plan, loads, terrain  --described, compiled once--------->  the stage: ground, pieces, obstacles, a robot
-    phenotype                  --described, compiled alone-------->  a robot  --its rows-->  the stage
+    body plan, loads, terrain  -- compiled once ------------------------->  model of the whole world
+    phenotype                  -- compiled without terrain: robot model ->  its values are copied into that model
 
-So nothing of the ground is compiled again for each robot, however much lies on it.
+So the ground is not compiled again for each robot, however many pieces and obstacles are on it.
 """
 
 import copy
@@ -13,7 +13,7 @@ from functools import lru_cache
 import mujoco
 import numpy as np
 
-from walkerlab.assembly import each_thread_its_own, nominal, plan_of, write_measures
+from walkerlab.assembly import ROBOT_BODY, cache_per_thread, composer_arguments, nominal_spec, write_individual
 from walkerlab.entities.walker import BodyPlan
 from walkerlab.genes import Floats
 from walkerlab.phenotype import Phenotype
@@ -21,36 +21,41 @@ from walkerlab.settings import Settings, Terrain
 
 
 def assemble(phenotype: Phenotype, settings: Settings) -> mujoco.MjModel:
-    """Compile one world: what ``describe`` without scenery would compile to, but quicker."""
-    return copy.copy(stage(phenotype, settings)[0])
+    """Return a new compiled model, equal to that of ``describe_world`` without scenery, but faster to compute."""
+    return copy.copy(assemble_in_place(phenotype, settings)[0])
 
 
-def stage(phenotype: Phenotype, settings: Settings) -> tuple[mujoco.MjModel, mujoco.MjData]:
-    """Compile one world where others of its body plan have walked, which spares making room for it and its state.
+def assemble_in_place(phenotype: Phenotype, settings: Settings) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """Write a robot into the compiled model of its body plan, which saves the allocation of a model and its data.
 
     Returns:
-        The model, and a state to be started anew: good until this thread's next robot of the same body plan.
+        The model, and data that must be reset before use. Both are overwritten by the next call in the same thread
+        for a robot with the same body plan.
     """
-    here = _stage(*plan_of(phenotype, settings.robot), settings.terrain)
-    write_measures(here.alone, phenotype, settings.robot)
-    here.model.opt.timestep = settings.simulation.timestep
-    _transplant(here.alone.compile(), here)
-    return here.model, here.data
+    world = _compiled_world(*composer_arguments(phenotype, settings.robot), settings.terrain)
+    write_individual(world.robot_spec, phenotype, settings.robot)
+    world.model.opt.timestep = settings.simulation.timestep
+    _copy_robot(world.robot_spec.compile(), world)
+    return world.model, world.data
 
 
-KINDS = ("body", "jnt", "dof", "geom", "site", "actuator", "tendon")
-"""Of what a model has rows, as its arrays are called: ``body_mass``, ``dof_armature``."""
+OBJECT_TYPES = ("body", "jnt", "dof", "geom", "site", "actuator", "tendon")
+"""Prefixes of the arrays of a model that have a row per object, as in ``body_mass`` and ``dof_armature``."""
 
-FLAGS = ("sameframe", "simple", "simplenum")
-"""Whole numbers that follow from measures: which frames coincide, and which inertias are diagonal."""
+DERIVED_FLAGS = ("sameframe", "simple", "simplenum")
+"""Integer arrays that depend on sizes: which frames coincide, and which inertias are diagonal."""
 
 
 @lru_cache(maxsize=1)
-def _measured() -> tuple[tuple[str, str], ...]:
-    """Name every array of a model that holds measures of something, or follows from them, and of what kind."""
+def _individual_arrays() -> tuple[tuple[str, str], ...]:
+    """Return name and object type of each array of a model whose values can differ between individuals."""
     model = mujoco.MjSpec().compile()
     arrays = ((name, *name.partition("_")[::2], getattr(model, name)) for name in dir(model))
-    return tuple((name, kind) for name, kind, of, it in arrays if kind in KINDS and (of in FLAGS or _is_real(it)))
+    return tuple(
+        (name, object_type)
+        for name, object_type, field, array in arrays
+        if object_type in OBJECT_TYPES and (field in DERIVED_FLAGS or _is_real(array))
+    )
 
 
 def _is_real(array: object) -> bool:
@@ -58,57 +63,69 @@ def _is_real(array: object) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class _Stage:
-    """One world in which robots of one body plan walk, one after the other.
+class _CompiledWorld:
+    """The compiled world of one body plan and terrain, into which robots are written.
 
     Attributes:
-        alone: the robot on a bare plane, described.
-        model: the world with the robot in it, compiled.
-        data: its state.
-        rows: for each array with measures, which rows of the robot that is compiled alone go where in the model's.
-        mass: of what else there is in the world, kg.
-        inertia: what else there is adds so much to the mean inertia.
-        share: of the degrees of freedom are the robot's.
+        robot_spec: Specification of the robot on a bare plane.
+        model: Compiled model of the whole world.
+        data: Data of that model.
+        rows: For each array to copy: its name, the robot's first row in the model compiled from ``robot_spec``, and
+            the view of the robot's rows in ``model``.
+        other_mass: Mass of everything but the robot, kg.
+        other_inertia: Contribution of everything but the robot to the mean inertia.
+        dof_share: Share of the degrees of freedom that belong to the robot.
     """
 
-    alone: mujoco.MjSpec
+    robot_spec: mujoco.MjSpec
     model: mujoco.MjModel
     data: mujoco.MjData
     rows: tuple[tuple[str, int, Floats], ...]
-    mass: float
-    inertia: float
-    share: float
+    other_mass: float
+    other_inertia: float
+    dof_share: float
 
 
-@each_thread_its_own
-def _stage(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain) -> _Stage:
-    """Set a stage, the robot on it in nominal measures.
+@cache_per_thread
+def _compiled_world(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain) -> _CompiledWorld:
+    """Compile the world of a body plan, with the robot in nominal sizes.
 
-    A robot comes first in a model: after what is of the world itself, and before what lies about in it.
+    In every array the robot's rows come after those of the world body and before those of the obstacles.
     """
-    alone = nominal(plan, carry_weight, drag_weight, Terrain())
-    robot, model = alone.compile(), nominal(plan, carry_weight, drag_weight, terrain).compile()
-    here = {"body": 1, "geom": int(robot.body_geomnum[0])}
-    there = {"body": 1, "geom": int(model.body_geomnum[0])}
-    ends = {name: there.get(kind, 0) - here.get(kind, 0) + len(getattr(robot, name)) for name, kind in _measured()}
-    places = [(name, here.get(kind, 0), slice(there.get(kind, 0), ends[name])) for name, kind in _measured()]
-    boxes, box = robot.body_bvhadr[1], model.body_bvhadr[1]  # by which contacts are looked for
-    places.append(("bvh_aabb", boxes, slice(box, box + len(robot.bvh_aabb) - boxes)))
-    share = robot.nv / model.nv
-    return _Stage(
-        alone=alone,
+    robot_spec = nominal_spec(plan, carry_weight, drag_weight, Terrain())
+    robot = robot_spec.compile()
+    model = nominal_spec(plan, carry_weight, drag_weight, terrain).compile()
+    robot_start = _first_robot_rows(robot)
+    model_start = _first_robot_rows(model)
+    rows: list[tuple[str, int, Floats]] = []
+    for name, object_type in _individual_arrays():
+        start = robot_start.get(object_type, 0)
+        target = model_start.get(object_type, 0)
+        n_rows = len(getattr(robot, name)) - start
+        rows.append((name, start, getattr(model, name)[target : target + n_rows]))
+    start, target = robot.body_bvhadr[ROBOT_BODY], model.body_bvhadr[ROBOT_BODY]
+    n_boxes = len(robot.bvh_aabb) - start
+    rows.append(("bvh_aabb", start, model.bvh_aabb[target : target + n_boxes]))  # bounding boxes for collisions
+    dof_share = robot.nv / model.nv
+    return _CompiledWorld(
+        robot_spec=robot_spec,
         model=model,
         data=mujoco.MjData(model),
-        rows=tuple((name, start, getattr(model, name)[place]) for name, start, place in places),
-        mass=model.body_subtreemass[0] - robot.body_subtreemass[0],
-        inertia=model.stat.meaninertia - robot.stat.meaninertia * share,
-        share=share,
+        rows=tuple(rows),
+        other_mass=model.body_subtreemass[0] - robot.body_subtreemass[0],
+        other_inertia=model.stat.meaninertia - robot.stat.meaninertia * dof_share,
+        dof_share=dof_share,
     )
 
 
-def _transplant(robot: mujoco.MjModel, stage: _Stage) -> None:
-    """Write the rows of a robot that was compiled alone into the world of a stage."""
-    for name, start, rows in stage.rows:
+def _first_robot_rows(model: mujoco.MjModel) -> dict[str, int]:
+    """Return the robot's first row in the arrays of each object type; 0 if not listed."""
+    return {"body": ROBOT_BODY, "geom": int(model.body_geomnum[0])}
+
+
+def _copy_robot(robot: mujoco.MjModel, world: _CompiledWorld) -> None:
+    """Copy the values of a robot that was compiled without terrain into the model of the whole world."""
+    for name, start, rows in world.rows:
         rows[:] = getattr(robot, name)[start:]
-    stage.model.body_subtreemass[0] = robot.body_subtreemass[0] + stage.mass
-    stage.model.stat.meaninertia = robot.stat.meaninertia * stage.share + stage.inertia
+    world.model.body_subtreemass[0] = robot.body_subtreemass[0] + world.other_mass
+    world.model.stat.meaninertia = robot.stat.meaninertia * world.dof_share + world.other_inertia

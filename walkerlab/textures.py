@@ -1,14 +1,14 @@
-"""What the ground can be made of: how it grips, and how it looks.
+"""Materials of the ground: friction and colours.
 
-Friction is that of a rubber foot, kept simple: one number for sliding, and two lengths that follow from a foot 4 cm
-wide. A foot that sinks in touches with a larger patch, and turns on it less easily; what rolls has to climb out of
-the dent that it makes.
+Friction is that of a rubber foot in a simple model: one coefficient for sliding, and two lengths for a foot 4 cm wide.
+On soft ground the foot sinks in and touches with a larger patch, which resists turning; a rolling body has to climb
+out of the dent that it makes.
 
     sliding                  µ
     torsional [m]            ⅔ · µ · a, with a the radius of the patch: √(2·R·d − d²) at a depth d, 1 cm on hard ground
-    rolling [m]              c · R, with c the rolling resistance, and R the radius of what rolls, 2 cm for a foot
+    rolling [m]              c · R, with c the rolling resistance and R the radius of the rolling body, 2 cm for a foot
 
-µ and c of tyres and soles scatter by a third and more from one handbook to the next; these lie within what is found.
+Published values of µ and c for tyres and soles differ by a third and more; those below lie within the published range.
 """
 
 from dataclasses import dataclass
@@ -17,38 +17,38 @@ from walkerlab.choices import Texture
 
 RGB = tuple[float, float, float]
 
-FOOT = 0.02  # m, radius of a foot
+FOOT_RADIUS = 0.02  # m
 
 
 @dataclass(frozen=True)
 class Material:
-    """One kind of ground.
+    """Friction and colours of one kind of ground.
 
     Attributes:
-        sliding: friction coefficient µ.
-        patch: radius of the patch on which a foot turns, m.
-        rolling: rolling resistance c.
-        light: colour of one square of its chequer.
-        dark: colour of the other.
-        piece: colour of the pieces strewn on it.
-        speckle: colour of its grain.
-        grain: share of the ground that is speckled.
-        source: where the figures are from.
+        sliding: Friction coefficient µ.
+        patch_radius: Radius of the contact patch of a foot, m.
+        rolling: Rolling resistance c.
+        light: Colour of the light squares of the chequer pattern.
+        dark: Colour of the dark squares.
+        piece: Colour of the texture pieces.
+        speckle: Colour of the speckles.
+        speckle_share: Share of the ground that is speckled, 0 to 1.
+        source: Source of the values.
     """
 
     sliding: float
-    patch: float
+    patch_radius: float
     rolling: float
     light: RGB
     dark: RGB
     piece: RGB
     speckle: RGB
-    grain: float
+    speckle_share: float
     source: str
 
-    def friction(self, radius: float = FOOT) -> tuple[float, float, float]:
-        """Sliding, torsional [m] and rolling [m] friction, of what rolls on this radius [m]."""
-        return self.sliding, 2 / 3 * self.sliding * self.patch, self.rolling * radius
+    def friction(self, radius: float = FOOT_RADIUS) -> tuple[float, float, float]:
+        """Return sliding, torsional [m] and rolling [m] friction for a body that rolls on the given radius [m]."""
+        return self.sliding, 2 / 3 * self.sliding * self.patch_radius, self.rolling * radius
 
 
 _ROLLING = "c: The Engineering Toolbox, Rolling Resistance"
@@ -101,4 +101,4 @@ MATERIALS: dict[Texture, Material] = {
         "c: ERDC/CRREL TR-01-16, table 11 (mostly 0.05 to 0.08)",
     ),
 }  # fmt: skip
-"""Every texture. "Chosen" marks a figure for which no measurement was found, and between what it lies."""
+"""Material of each texture. "Chosen" marks an estimate without a measurement, and the values between which it lies."""

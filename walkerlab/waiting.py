@@ -1,4 +1,4 @@
-"""Waiting for workers: their answers in the order of the questions, or words when none comes any more."""
+"""Waiting for results of an executor, with a time limit for workers that do not answer."""
 
 import warnings
 from collections.abc import Generator, Sequence
@@ -7,55 +7,59 @@ from contextlib import suppress
 from typing import TypeVar
 
 from walkerlab.time_limit import VARIABLE, patience
-from walkerlab.workers import FEWER_WORKERS, WorkerLostWarning, WorkersLostError, renewed
+from walkerlab.workers import LOAD_ADVICE, WorkerLostWarning, WorkersLostError, replace_hung_workers
 
-START_UP = 10.0  # s that workers are given to begin, whatever patience people have
-TICK = 1.0  # s at most between two looks at whether anything has come back
+MIN_TIME_LIMIT = 10.0  # s; workers need some time to start, whatever limit the user sets
+POLL_INTERVAL = 1.0  # s, greatest time between two checks for results
 
 _T = TypeVar("_T")
 
-_limits: list[float] = []
-"""The limits [s] of all who wait now: they may wait for each other's work, so the largest holds for all of them."""
+_active_limits: list[float] = []
+"""Time limits [s] of all callers that wait now; the largest applies to all, as they may wait for each other's tasks."""
 
 
-def in_turn(futures: Sequence[Future[_T]], executor: Executor, limit: float) -> Generator[_T]:
-    """Yield what comes back, in the order in which it was sent, for as long as anything does.
+def results_in_order(futures: Sequence[Future[_T]], executor: Executor, limit: float) -> Generator[_T]:
+    """Yield the results of tasks in the order of the tasks.
 
-    Time is counted in small pieces: a gate that is shut stops the clock, and so does a computer that sleeps. When the
-    limit is over, processes of ours are replaced, and do their work again.
+    The time without a result is counted in small steps, so that neither a pause of the executor nor a computer in
+    standby counts. After the time limit, worker processes of this package are replaced and repeat their tasks.
 
     Args:
-        futures: of all the work.
-        executor: to which it was sent.
-        limit: for how long nothing may come back, s.
+        futures: Futures of all tasks.
+        executor: Executor that computes them.
+        limit: Greatest time without any result, s.
 
     Raises:
-        WorkersLostError: if nothing comes back from another executor, or a worker has no memory left.
+        WorkersLostError: If another executor exceeds the time limit, or a worker runs out of memory.
     """
-    limit = max(START_UP, patience(limit))
-    n_back, silence, losses = 0, 0.0, getattr(executor, "losses", [])
-    n_told = len(losses)
-    _limits.append(limit)
+    limit = max(MIN_TIME_LIMIT, patience(limit))
+    interval = min(POLL_INTERVAL, limit / 10)
+    n_done = 0
+    silence = 0.0
+    losses: list[str] = getattr(executor, "losses", [])
+    n_reported = len(losses)
+    _active_limits.append(limit)
     try:
         for future in futures:
-            while not is_done(future, tick := min(TICK, limit / 10)):
-                before, n_back = n_back, sum(future.done() for future in futures)
-                is_due = n_back == before and getattr(executor, "is_open", True)
-                silence = silence + tick if is_due else 0.0
-                if silence >= max(_limits):
-                    if not renewed(executor, silence) and any(future.running() for future in futures):
+            while not wait_for(future, interval):
+                n_before = n_done
+                n_done = sum(future.done() for future in futures)
+                is_silent = n_done == n_before and not getattr(executor, "is_paused", False)
+                silence = silence + interval if is_silent else 0.0
+                if silence >= max(_active_limits):
+                    if not replace_hung_workers(executor, silence) and any(future.running() for future in futures):
                         raise WorkersLostError(_no_answer(silence))
                     silence = 0.0
-            for loss in losses[n_told:]:
+            for loss in losses[n_reported:]:
                 warnings.warn(WorkerLostWarning(loss), stacklevel=2)
-            n_told = len(losses)
-            yield _answer(future)
+            n_reported = len(losses)
+            yield _result(future)
     finally:
-        _limits.remove(limit)
+        _active_limits.remove(limit)
 
 
-def is_done(future: Future[_T], seconds: float) -> bool:
-    """Wait for some work for so long at most, and tell whether it is done; some begin only when they are asked."""
+def wait_for(future: Future[_T], seconds: float) -> bool:
+    """Wait for a future for a limited time and return whether it is done; some start only when they are waited for."""
     with suppress(Exception):
         future.result(seconds)
     return future.done()
@@ -63,16 +67,16 @@ def is_done(future: Future[_T], seconds: float) -> bool:
 
 def _no_answer(silence: float) -> str:
     return (
-        f"the executor has given no answer for {silence:.0f} s: its workers hang, or are far too slow for their work. "
-        "Mend: another executor, or none, for all cores of this computer; or, by the environment variable "
-        f"{VARIABLE}, more seconds of patience."
+        f"the executor has given no answer for {silence:.0f} s: its workers hang or are far too slow for their tasks. "
+        "To fix it, use another executor, or none for all cores of this computer; or set the environment variable "
+        f"{VARIABLE} to a greater number of seconds."
     )
 
 
-def _answer(future: Future[_T]) -> _T:
+def _result(future: Future[_T]) -> _T:
     try:
         return future.result()
     except Exception as error:
-        if isinstance(error, MemoryError) or "allocate memory" in str(error):  # MuJoCo has errors of its own for it
-            raise WorkersLostError(f"a worker had no memory left for a walk. Mend: {FEWER_WORKERS}") from error
+        if isinstance(error, MemoryError) or "allocate memory" in str(error):  # MuJoCo raises errors of its own
+            raise WorkersLostError(f"a worker ran out of memory during a walk. To fix it, {LOAD_ADVICE}.") from error
         raise

@@ -1,4 +1,4 @@
-"""The workers: loky's processes on all cores of this computer, replaced when one of them is lost."""
+"""The default executor: loky's worker processes on all cores, replaced when one of them is lost."""
 
 import os
 import re
@@ -15,75 +15,79 @@ from typing import Any
 from walkerlab.faults import Fault
 from walkerlab.interrupts import interrupts_held
 
-IDLE_TIMEOUT = 300  # s without work after which loky's workers go home
-KILL = getattr(signal, "SIGKILL", signal.SIGTERM)  # on Windows the latter is no weaker
-TRIES = 3  # how many pools may be lost in a row before anything is done
+IDLE_TIMEOUT = 300  # s without work after which worker processes end
+KILL_SIGNAL = getattr(signal, "SIGKILL", signal.SIGTERM)  # on Windows, SIGTERM has the same effect
+MAX_LOST_POOLS = 3  # in a row without any result, after which tasks fail
+PARENT_CHECK_INTERVAL = 1.0  # s between two checks of a worker whether its parent process still exists
 
 
-FEWER_WORKERS = (
-    "close other programs, make the world smaller, or let fewer robots walk at once: executor=ThreadPoolExecutor(1) "
-    "or, on the command line, LOKY_MAX_CPU_COUNT=1 before the command"
+LOAD_ADVICE = (
+    "close other programs, choose a world with less in it, or use fewer workers: executor=ThreadPoolExecutor(1), or on "
+    "the command line LOKY_MAX_CPU_COUNT=1 before the command"
 )
-"""The mend where memory is short."""
+"""How to reduce the load on a computer that is short of memory."""
 
 
 class WorkersLostError(Fault, RuntimeError):
-    """Those who should do some work did not: they ended time and again, gave no answer, or had no memory left."""
+    """The workers did not complete their tasks: they ended repeatedly, gave no answer, or ran out of memory."""
 
 
 class WorkerLostWarning(UserWarning):
-    """Worker processes were lost; others do their work, and nothing else is."""
+    """Worker processes were lost and replaced; their tasks are repeated and the results do not change."""
 
     def __init__(self, loss: str) -> None:
-        """Say it of a loss, as the workers tell it."""
+        """Create the warning.
+
+        Args:
+            loss: How the processes were lost, as in ``losses`` of the default executor.
+        """
         super().__init__(
-            f"The worker processes had to be replaced: {loss}. Their robots walk again in new ones, and nothing is "
-            f"lost. If it happens often: {FEWER_WORKERS}"
+            f"The worker processes had to be replaced: {loss}. Their robots walk again in new ones, and no result is "
+            f"lost. If it happens often, {LOAD_ADVICE}."
         )
 
 
 def n_cores() -> int:
-    """How many cores this process may use: on a shared machine, or in a container, fewer than there are."""
+    """Return the number of cores that this process may use, which containers and shared computers can limit."""
     from loky import cpu_count
 
     return cpu_count()
 
 
 def n_workers(executor: Executor) -> int:
-    """How many pieces of work an executor does at once, now; if it does not tell, as many as there are cores here.
+    """Return the number of tasks that an executor computes at once now; the number of cores if it is unknown.
 
-    The pools of the standard library and of loky tell it, a gate asks whoever is inside, and Dask's executor its
-    cluster, where workers join and leave.
+    Known are the executors of the standard library, loky and Dask, and ``PausableExecutor``.
 
     Raises:
-        RuntimeError: if it is Dask's, and its client is closed.
+        RuntimeError: If the executor belongs to a Dask client that is closed.
     """
     if count := getattr(executor, "n_workers", None):
         return count()
     if client := getattr(executor, "_client", None):
         check_open(executor)
-        return sum(client.nthreads().values()) or n_cores()  # nobody is there yet
+        return sum(client.nthreads().values()) or n_cores()  # no worker has joined yet
     return getattr(executor, "_max_workers", n_cores())
 
 
-def check(executor: object) -> None:
-    """Make sure that work can be handed to it, or that it is None.
+def check_executor(executor: object) -> None:
+    """Check that a value is an executor or None.
 
     Raises:
-        TypeError: if not; it names the mend.
+        TypeError: If it is neither.
     """
     if executor is not None and (isinstance(executor, type) or not hasattr(executor, "submit")):
         raise TypeError(
-            "executor must be a concurrent.futures.Executor, as ThreadPoolExecutor(4) or, of a Dask cluster, "
-            f"Client(cluster).get_executor(); or None, for all cores of this computer; got {executor!r:.80}"
+            "executor must be a concurrent.futures.Executor such as ThreadPoolExecutor(4) or, for a Dask cluster, "
+            f"Client(cluster).get_executor(); or None for all cores of this computer; got {executor!r:.80}"
         )
 
 
 def check_open(executor: object) -> None:
-    """Check that an executor still accepts work, as far as it can be known.
+    """Check that an executor still accepts tasks, as far as this can be known.
 
     Raises:
-        RuntimeError: if it is closed.
+        RuntimeError: If it is closed.
     """
     if getattr(getattr(executor, "_client", None), "status", "") == "closed":
         raise RuntimeError("this executor's Dask client is closed; make another: Client(cluster).get_executor()")
@@ -95,170 +99,176 @@ def check_open(executor: object) -> None:
         )
 
 
-def innermost(executor: Executor) -> Executor:
-    """Return who does the work behind a gate; an executor that is none, itself."""
-    inside = getattr(executor, "inside", None)
-    return inside() if inside else executor
+def unwrap(executor: Executor) -> Executor:
+    """Return the executor inside a ``PausableExecutor``; any other executor unchanged."""
+    wrapped = getattr(executor, "wrapped", None)
+    return wrapped() if wrapped else executor
 
 
-def renewed(executor: Executor, patience: float) -> bool:
-    """Have processes that do not answer replaced; tell whether the executor sees to that.
+def replace_hung_workers(executor: Executor, silence: float) -> bool:
+    """Replace worker processes that do not answer.
 
     Args:
-        executor: that was silent.
-        patience: for so long, s.
+        executor: Executor that computes the tasks.
+        silence: Time without any result, s.
+
+    Returns:
+        Whether the executor replaces lost workers; if not, its tasks will never be done.
     """
-    executor = innermost(executor)
-    if isinstance(executor, _Workers):
-        executor.renew(patience)
+    executor = unwrap(executor)
+    if isinstance(executor, _WorkerProcesses):
+        executor.replace_hung(silence)
         return True
-    return hasattr(executor, "_client")  # Dask waits for workers that are to join, and replaces those that it lost
+    return hasattr(executor, "_client")  # Dask waits for workers to join, and replaces lost ones
 
 
 @cache
-def default_executor() -> "_Workers":
-    """Return the workers of this process: they start with the first work, and are kept for the next."""
-    return _Workers()
+def default_executor() -> "_WorkerProcesses":
+    """Return the default executor of this process; its workers start with the first task and are reused."""
+    return _WorkerProcesses()
 
 
-if hasattr(os, "register_at_fork"):  # a process that is split off has none of the threads, and hires workers of its own
+if hasattr(os, "register_at_fork"):  # a forked process has none of the executor's threads and needs an executor itself
     os.register_at_fork(after_in_child=default_executor.cache_clear)
 
 
-class _Workers(Executor):
-    """Passes work on to loky's pool, and once more to a new one if a process of the pool was lost.
+class _WorkerProcesses(Executor):
+    """Passes tasks on to a loky pool, and again to a new pool if a process of the first was lost.
 
-    That happens: a system that is short of memory kills whoever has most. loky then gives up all that its pool had
-    to do; none of it is lost here, and as a walk is worth the same whoever steps it, nothing is changed.
+    An operating system that runs out of memory kills the process that uses most of it; loky then cancels all tasks of
+    the pool. Here these tasks are repeated, which does not change their results.
 
     Attributes:
-        losses: what befell each pool that was lost so far, in words for people.
+        losses: How each of the pools lost so far was lost.
     """
 
     def __init__(self) -> None:
-        """Hire nobody yet."""
-        # loky keeps a pool for each thread that asks for one, so a single thread asks, whoever wants work done.
-        self._keeper = ThreadPoolExecutor(1, "walkerlab pool")
+        """Create an executor without processes."""
+        # loky keeps one pool per thread that requests one, so all requests are made in one thread.
+        self._pool_thread = ThreadPoolExecutor(1, "walkerlab pool")
         self._pool: Executor | None = None
-        self._lost, self._n_lost = self._pool, 0  # the pool that was lost last, and how many were in a row
-        self._hung: Executor | None = None
-        self._answered = time.monotonic()
+        self._last_lost: Executor | None = None
+        self._n_lost_in_row = 0
+        self._hung_pool: Executor | None = None
+        self._last_result_time = time.monotonic()
         self.losses: list[str] = []
-        # Were Ctrl-C to break off loky's own farewell, Python would wait for its processes for ever.
-        Finalize(None, self._kill, exitpriority=1000)
+        # If Ctrl-C interrupted loky's own cleanup at exit, Python would wait for its processes forever.
+        Finalize(None, self._kill_processes, exitpriority=1000)
 
     def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """Have some work done by one of the processes.
+        """Compute a task in one of the processes.
 
-        The future raises ``WorkersLostError`` if ``TRIES`` pools in a row were lost before anything was done.
+        The future raises ``WorkersLostError`` after ``MAX_LOST_POOLS`` pools in a row were lost without any result.
         """
         outer = Future[Any]()
-        self._keeper.submit(self._send, outer, partial(fn, *args, **kwargs))
+        self._pool_thread.submit(self._submit_to_pool, outer, partial(fn, *args, **kwargs))
         return outer
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002
-        """Send the processes home; others come with the next work."""
-        gone = self._keeper.submit(self._dismiss)
+        """End the processes when they are idle; new ones start with the next task."""
+        done = self._pool_thread.submit(self._shut_down_pool)
         if wait:
-            gone.result()
+            done.result()
 
-    def renew(self, patience: float) -> None:
-        """End the processes if none has answered for so long [s]; their work is done again by others."""
-        if self._pool and time.monotonic() - self._answered >= patience:
-            self._hung, self._answered = self._pool, time.monotonic()
-            self._kill()
+    def replace_hung(self, silence: float) -> None:
+        """Kill the processes if there was no result for this time [s]; their tasks are repeated in new ones."""
+        if self._pool and time.monotonic() - self._last_result_time >= silence:
+            self._hung_pool = self._pool
+            self._last_result_time = time.monotonic()
+            self._kill_processes()
 
     def end(self) -> None:
-        """End the processes at once and for good, as Python is about to end; nobody waits for what they do."""
-        self._kill()
-        self._keeper.shutdown(cancel_futures=True)
-        self._kill()  # those that were being started
+        """Kill the processes and reject further tasks, before Python exits."""
+        self._kill_processes()
+        self._pool_thread.shutdown(cancel_futures=True)
+        self._kill_processes()  # those that were just being started
 
-    def _kill(self) -> None:
+    def _kill_processes(self) -> None:
         for pid in list(getattr(self._pool, "_processes", ())):
-            with suppress(OSError):  # it has ended already
-                os.kill(pid, KILL)
+            with suppress(OSError):  # it has already ended
+                os.kill(pid, KILL_SIGNAL)
 
-    def _dismiss(self) -> None:
+    def _shut_down_pool(self) -> None:
         if self._pool:
             self._pool.shutdown(wait=False)
 
-    def _send(self, outer: Future[Any], work: Callable[[], Any]) -> None:
-        """Hand work to the pool, on the keeper's thread."""
+    def _submit_to_pool(self, outer: Future[Any], work: Callable[[], Any]) -> None:
+        """Pass a task on to the pool; runs in the pool thread."""
         if outer.done():
             return
         from loky import get_reusable_executor
 
         try:
-            with interrupts_held():  # processes that are started now inherit it
+            with interrupts_held():  # inherited by the processes that are started now
                 self._pool = get_reusable_executor(
                     n_cores(), timeout=IDLE_TIMEOUT, initializer=_prepare_worker, initargs=(os.getpid(),)
                 )
                 inner: Future[Any] = self._pool.submit(work)
         except BrokenExecutor as error:
-            self._again(outer, work, str(error), self._pool)
+            self._resubmit(outer, work, str(error), self._pool)
         except Exception as error:
             outer.set_exception(error)
         else:
             outer.add_done_callback(lambda _: inner.cancel())
-            inner.add_done_callback(partial(self._answer, outer, work, self._pool))
+            inner.add_done_callback(partial(self._forward_result, outer, work, self._pool))
 
-    def _answer(self, outer: Future[Any], work: Callable[[], Any], pool: Executor, inner: Future[Any]) -> None:
-        """Pass an answer on, on a thread of loky's."""
-        with suppress(InvalidStateError):  # given up just now
+    def _forward_result(self, outer: Future[Any], work: Callable[[], Any], pool: Executor, inner: Future[Any]) -> None:
+        """Pass a result on; runs in a thread of loky."""
+        with suppress(InvalidStateError):  # it has just been cancelled
             if inner.cancelled():
                 outer.cancel()
             elif isinstance(error := inner.exception(), BrokenExecutor):
-                with suppress(RuntimeError):  # Python ends
-                    self._keeper.submit(self._again, outer, work, str(error), pool)
+                with suppress(RuntimeError):  # Python is shutting down
+                    self._pool_thread.submit(self._resubmit, outer, work, str(error), pool)
             else:
-                self._answered = time.monotonic()
+                self._last_result_time = time.monotonic()
                 if error:
                     outer.set_exception(error)
                 else:
-                    self._n_lost = 0
+                    self._n_lost_in_row = 0
                     outer.set_result(inner.result())
 
-    def _again(self, outer: Future[Any], work: Callable[[], Any], why: str, lost: Executor | None) -> None:
-        """Send work that was in a pool that was lost to the next one, or say why not, on the keeper's thread."""
+    def _resubmit(self, outer: Future[Any], work: Callable[[], Any], why: str, lost: Executor | None) -> None:
+        """Pass a task of a lost pool on to a new pool, or fail it after too many losses; runs in the pool thread."""
         if outer.done():
             return
-        if lost is not self._lost:
-            self._lost, self._n_lost = lost, self._n_lost % TRIES + 1
-            self.losses.append(_in_words(why, hung=lost is self._hung))
-        if self._n_lost < TRIES:
-            self._send(outer, work)
+        if lost is not self._last_lost:
+            self._last_lost = lost
+            self._n_lost_in_row = self._n_lost_in_row % MAX_LOST_POOLS + 1
+            self.losses.append(_describe_loss(why, hung=lost is self._hung_pool))
+        if self._n_lost_in_row < MAX_LOST_POOLS:
+            self._submit_to_pool(outer, work)
             return
-        with suppress(InvalidStateError):  # given up just now
+        with suppress(InvalidStateError):  # it has just been cancelled
             outer.set_exception(
                 WorkersLostError(
-                    f"{TRIES} times in a row the worker processes ended before anything was done; the last time, "
-                    f"{self.losses[-1]}. Mend: {FEWER_WORKERS}"
+                    f"{MAX_LOST_POOLS} times in a row the worker processes ended before any task was done; the last "
+                    f"time, {self.losses[-1]}. To fix it, {LOAD_ADVICE}."
                 )
             )
 
 
-def _in_words(why: str, *, hung: bool) -> str:
-    """Say how a pool was lost, from what loky says of it."""
+def _describe_loss(why: str, *, hung: bool) -> str:
+    """Describe how a pool was lost, from the message of loky's error."""
     if hung:
         return "they gave no answer any more"
     if "SIGKILL" in why:
-        return "one was killed (SIGKILL), as a system does that is short of memory"
+        return "one was killed (SIGKILL), probably by the operating system because memory was short"
     code = re.search(r"[A-Z]+\(-?\d+\)", why)
     return f"one ended with {code[0]}" if code else "one ended"
 
 
-def _prepare_worker(caller: int) -> None:
-    """Make a worker leave Ctrl-C to its caller, and follow it when it is gone.
+def _prepare_worker(parent: int) -> None:
+    """Make a worker process ignore Ctrl-C and end with its parent process.
 
-    Ctrl-C reaches every process of a terminal; one of them is enough to stop a run in good order. And a caller that
-    is killed, as a notebook's kernel is when it is restarted, can't send its workers home.
+    A terminal sends Ctrl-C to every process, but only the parent should react. A parent that is killed, such as the
+    kernel of a notebook that is restarted, cannot end its workers.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    threading.Thread(target=_leave_with, args=(caller,), daemon=True).start()
+    threading.Thread(target=_exit_with_parent, args=(parent,), daemon=True).start()
 
 
-def _leave_with(caller: int) -> None:
-    while os.getppid() == caller:  # on Windows this stays as it is, and the idle timeout has to do
-        time.sleep(1)
+def _exit_with_parent(parent: int) -> None:
+    while os.getppid() == parent:  # never changes on Windows, where the idle timeout ends the process
+        time.sleep(PARENT_CHECK_INTERVAL)
     os._exit(0)

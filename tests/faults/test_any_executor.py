@@ -19,7 +19,7 @@ from loky import get_reusable_executor
 import walkerlab as wl
 from tests.faults import number
 from tests.test_cluster import started
-from walkerlab.gate import Gate
+from walkerlab.gate import PausableExecutor
 from walkerlab.workers import n_workers
 
 WORLDS = {
@@ -88,13 +88,13 @@ def spawned(n):
 
 @contextmanager
 def gated(n):
-    with ThreadPoolExecutor(n) as pool, Gate(lambda: pool, n_workers) as gate:
+    with ThreadPoolExecutor(n) as pool, PausableExecutor(lambda: pool, n_workers) as gate:
         yield gate
 
 
 @contextmanager
 def gated_and_shuffled(n):
-    with Shuffled(n) as pool, Gate(lambda: pool, lambda _: 8 * n) as gate:
+    with Shuffled(n) as pool, PausableExecutor(lambda: pool, lambda _: 8 * n) as gate:
         yield gate
 
 

@@ -1,4 +1,4 @@
-"""Workers that hang, that have no memory left, or that the system kills: the run goes on, or ends in words."""
+"""Workers that hang, run out of memory or are killed: the run continues or ends with a helpful error."""
 
 import os
 import signal
@@ -15,74 +15,78 @@ import pytest
 
 import walkerlab as wl
 from tests.faults import number
-from tests.test_workers import SETTINGS, UNIX, lost, processes, undisturbed, workers  # noqa: F401
+from tests.test_workers import SETTINGS, UNIX, expected, lost, processes, workers  # noqa: F401
 from walkerlab import evaluation, waiting
 from walkerlab.__main__ import main
 from walkerlab.live import LiveRun, State
-from walkerlab.waiting import is_done
-from walkerlab.workers import WorkerLostWarning, WorkersLostError, renewed
+from walkerlab.waiting import wait_for
+from walkerlab.workers import WorkerLostWarning, WorkersLostError, replace_hung_workers
 
 ALL = None
 
 
 @UNIX
 @pytest.mark.parametrize("n_stopped", number([ALL], [ALL, 1, ALL, 1]))
-def test_workers_that_hang_are_replaced_and_nothing_is_changed(n_stopped, workers, undisturbed, monkeypatch):  # noqa: F811
-    def walked(_):
+def test_workers_that_hang_are_replaced_and_the_records_do_not_change(n_stopped, workers, expected, monkeypatch):  # noqa: F811
+    def on_walks(_):
         if len(walks) == 9:
             stopped.extend(sorted(processes(workers))[:n_stopped])
             for pid in stopped:
                 os.kill(pid, signal.SIGSTOP)
         walks.append(None)
 
-    def look(future, seconds):
-        hurries = stopped and {*stopped} & processes(workers)
-        return is_done(future, seconds / 1000 if hurries else seconds)
+    def wait_briefly(future, seconds):
+        is_hanging = stopped and {*stopped} & processes(workers)
+        return wait_for(future, seconds / 1000 if is_hanging else seconds)
 
     walks, stopped = [], []
-    evolution = wl.Evolution(SETTINGS, on_walks=walked)
-    monkeypatch.setattr(waiting, "is_done", look)
-    monkeypatch.setattr(waiting, "renewed", lambda executor, silence: renewed(executor, silence / 200))
+    evolution = wl.Evolution(SETTINGS, on_walks=on_walks)
+    monkeypatch.setattr(waiting, "wait_for", wait_briefly)
+    monkeypatch.setattr(
+        waiting, "replace_hung_workers", lambda executor, silence: replace_hung_workers(executor, silence / 200)
+    )
     with pytest.warns(WorkerLostWarning, match="they gave no answer any more"):
         for _ in evolution:
             pass
-    pd.testing.assert_frame_equal(evolution.run.records, undisturbed, check_exact=True)
+    pd.testing.assert_frame_equal(evolution.run.records, expected, check_exact=True)
     assert stopped
     assert not {*stopped} & processes(workers)
 
 
 @pytest.fixture
-def ticks(monkeypatch):
-    """Each look at whether anything has come back, which take a thousandth of their time."""
-    looks = []
+def waits(monkeypatch):
+    """Duration of each wait for a result; the waits take a thousandth of it."""
+    durations = []
 
-    def look(future, seconds):
-        looks.append(seconds)
-        return is_done(future, seconds / 1000)
+    def wait_briefly(future, seconds):
+        durations.append(seconds)
+        return wait_for(future, seconds / 1000)
 
-    monkeypatch.setattr(waiting, "is_done", look)
-    return looks
+    monkeypatch.setattr(waiting, "wait_for", wait_briefly)
+    return durations
 
 
-def test_a_thread_that_never_comes_back_ends_the_run_in_words_and_what_is_done_is_kept(monkeypatch, tmp_path):
-    def walk(*given, walk=evaluation._walk_all):
+def test_a_thread_that_hangs_ends_the_run_and_keeps_its_generations(monkeypatch, tmp_path):
+    def walk(*args, walk=evaluation._walk_all):
         if path.exists() and wl.load(path).n_generations:
-            assert let_go.wait(60)
-        return walk(*given)
+            assert released.wait(60)
+        return walk(*args)
 
-    let_go, path = threading.Event(), tmp_path / "run.walk"
+    released, path = threading.Event(), tmp_path / "run.walk"
     monkeypatch.setattr(evaluation, "_walk_all", walk)
-    monkeypatch.setattr(waiting, "START_UP", 3)
+    monkeypatch.setattr(waiting, "MIN_TIME_LIMIT", 3)
     monkeypatch.setenv("WALKERLAB_PATIENCE", "3")
     with ThreadPoolExecutor(2) as threads:
-        with pytest.raises(WorkersLostError, match=r"no answer for \d+ s: .* Mend: another executor") as told:
+        with pytest.raises(
+            WorkersLostError, match=r"no answer for \d+ s: .* To fix it, use another executor"
+        ) as raised:
             wl.evolve(SETTINGS, path, threads, progress=False)
-        let_go.set()
-    assert str(path) in "".join(told.value.__notes__)
+        released.set()
+    assert str(path) in "".join(raised.value.__notes__)
     assert wl.load(path).n_generations == 1
 
 
-def test_a_live_run_that_is_paused_for_longer_than_the_limit_goes_on(ticks, monkeypatch):
+def test_a_live_run_continues_after_a_pause_longer_than_the_time_limit(waits, monkeypatch):
     monkeypatch.setenv("WALKERLAB_PATIENCE", "1000")
     over, settings = threading.Event(), SETTINGS.with_(population_size=200, generations=1, duration=1)
     with ThreadPoolExecutor(1) as threads:
@@ -90,8 +94,8 @@ def test_a_live_run_that_is_paused_for_longer_than_the_limit_goes_on(ticks, monk
         live.go_on()
         until(lambda: live.n_done)
         live.pause()
-        enough = len(ticks) + 1200
-        until(lambda: len(ticks) > enough)
+        enough = len(waits) + 1200
+        until(lambda: len(waits) > enough)
         live.go_on()
         assert over.wait(60)
         assert live.state == State.finished
@@ -104,15 +108,15 @@ def until(holds):
         time.sleep(0.001)
 
 
-class Busy(Executor):
-    """Has begun nothing yet."""
+class Queueing(Executor):
+    """Has not started any task."""
 
     def submit(self, fn, /, *args, **kwargs):
         return Future()
 
 
-class Cluster(Busy):
-    """Says that everything is being done, as Dask's, whose workers may be still to come."""
+class Cluster(Queueing):
+    """Reports every task as running, as Dask's executor does even if no worker has joined."""
 
     _client = SimpleNamespace(status="running", nthreads=dict)
 
@@ -122,34 +126,34 @@ class Cluster(Busy):
         return future
 
 
-@pytest.mark.parametrize("executor", [Busy(), Cluster()])
-def test_who_waits_for_others_is_not_said_to_hang(executor, ticks):
+@pytest.mark.parametrize("executor", [Queueing(), Cluster()])
+def test_an_executor_that_waits_for_workers_does_not_count_as_hanging(executor, waits):
     future = executor.submit(abs, -1)
-    answers = waiting.in_turn([future], executor, limit=20)
-    answerer = threading.Thread(target=lambda: (until(lambda: len(ticks) > 100), future.set_result(1)), daemon=True)
-    answerer.start()
-    assert list(answers) == [1]
-    answerer.join()
+    results = waiting.results_in_order([future], executor, limit=20)
+    thread = threading.Thread(target=lambda: (until(lambda: len(waits) > 100), future.set_result(1)), daemon=True)
+    thread.start()
+    assert list(results) == [1]
+    thread.join()
 
 
-def test_of_two_who_wait_the_more_patient_one_counts(ticks):
+def test_the_greatest_time_limit_of_all_waiting_callers_applies(waits):
     hanging, *both = Future(), Future(), Future()
     hanging.set_running_or_notify_cancel()
     both[0].set_running_or_notify_cancel()
     both[0].set_result(1)
-    patient = waiting.in_turn(both, Busy(), limit=100)
-    assert next(patient) == 1, "it has begun"
+    patient = waiting.results_in_order(both, Queueing(), limit=100)
+    assert next(patient) == 1, "it is waiting now"
     with pytest.raises(WorkersLostError, match="100 s"):
-        next(waiting.in_turn([hanging], Busy(), limit=10))
+        next(waiting.results_in_order([hanging], Queueing(), limit=10))
     patient.close()
     with pytest.raises(WorkersLostError, match="10 s"):
-        next(waiting.in_turn([hanging], Busy(), limit=10))
+        next(waiting.results_in_order([hanging], Queueing(), limit=10))
 
 
-def test_a_task_of_a_heavy_world_is_of_one_robot_and_one_of_a_usual_world_of_many(monkeypatch):
+def test_tasks_have_one_robot_in_a_slow_world_and_many_in_a_usual_one(monkeypatch):
     sent = []
 
-    class Executed(ThreadPoolExecutor):
+    class Recording(ThreadPoolExecutor):
         def submit(self, fn, /, robots, world, asked):
             sent.append(len(robots))
             future = Future()
@@ -158,7 +162,7 @@ def test_a_task_of_a_heavy_world_is_of_one_robot_and_one_of_a_usual_world_of_man
 
     genomes = 200 * [wl.generate_robot_gene(wl.Robot(), rng=np.random.default_rng(0))]
     for settings, most in ((wl.Settings(), 16), (wl.Settings().with_(duration=120, timestep=0.0005, n_starts=20), 1)):
-        with Executed(1) as executor, pytest.raises(ZeroDivisionError):
+        with Recording(1) as executor, pytest.raises(ZeroDivisionError):
             wl.evaluate(genomes, settings, executor)
         assert max(sent) == most
         sent.clear()
@@ -169,29 +173,30 @@ def test_a_task_of_a_heavy_world_is_of_one_robot_and_one_of_a_usual_world_of_man
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits the memory of one process")
 @pytest.mark.parametrize("spare", number([0], [0, 1, 2, 4, 8, 12, 16, 20, 24, 28, 32]))
-def test_a_worker_without_memory_ends_the_run_in_words(spare, workers, monkeypatch):  # noqa: F811
+def test_a_worker_without_memory_ends_the_run_with_advice(spare, workers, monkeypatch):  # noqa: F811
     monkeypatch.setattr(evaluation, "_walk_all", Starved(spare))
     settings = SETTINGS.with_(texture_size=0.06, texture_density=0.05)
-    with pytest.raises(WorkersLostError, match="Mend: close other programs") as told:
+    with pytest.raises(WorkersLostError, match="To fix it, close other programs") as raised:
         wl.evaluate(wl.generate_robot_population(settings.robot, 4, seed=0), settings)
-    assert told.value.__cause__ or "3 times in a row" in str(told.value)
+    assert raised.value.__cause__ or "3 times in a row" in str(raised.value)
 
 
 class Starved:
-    """Lets robots walk in a process that has only some MiB left."""
+    """Simulates walks with only a few MiB of memory left."""
 
     def __init__(self, spare):
-        self.spare, self.walk = spare, evaluation._walk_all
+        self.spare = spare
+        self.walk = evaluation._walk_all
 
-    def __call__(self, *given):
+    def __call__(self, *args):
         import resource
         from pathlib import Path
 
-        has = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
         limits = resource.getrlimit(resource.RLIMIT_AS)
-        resource.setrlimit(resource.RLIMIT_AS, (has + self.spare * 2**20, limits[1]))
+        resource.setrlimit(resource.RLIMIT_AS, (used + self.spare * 2**20, limits[1]))
         try:
-            return self.walk(*given)
+            return self.walk(*args)
         finally:
             resource.setrlimit(resource.RLIMIT_AS, limits)
 
@@ -201,15 +206,15 @@ class Starved:
 
 @pytest.fixture
 def evolving(tmp_path, monkeypatch):
-    """Runs ``walkerlab evolve``, in which something happens when two generations are done."""
+    """Function that runs ``walkerlab evolve`` and calls an action after two generations."""
 
     threads = ThreadPoolExecutor(1)
 
-    def evolve(happens):
+    def evolve(action):
         monkeypatch.setattr("walkerlab.outputs.write", lambda *_: None)
-        monkeypatch.setattr("walkerlab.evolution.evaluate", lambda *given, **more: (
-            happens() if (tmp_path / "run.walk").exists() and wl.load(tmp_path).n_generations == 2 else None,
-            evaluation.evaluate(*given, **{**more, "executor": threads}),
+        monkeypatch.setattr("walkerlab.evolution.evaluate", lambda *args, **kwargs: (
+            action() if (tmp_path / "run.walk").exists() and wl.load(tmp_path).n_generations == 2 else None,
+            evaluation.evaluate(*args, **{**kwargs, "executor": threads}),
         )[1])  # fmt: skip
         flags = ["--population-size", "4", "--n-elites", "0", "--generations", "4", "--duration", "1"]
         return main(["evolve", "--out", str(tmp_path), "--quiet", *flags])
@@ -218,7 +223,7 @@ def evolving(tmp_path, monkeypatch):
     threads.shutdown()
 
 
-def test_the_command_line_tells_of_workers_that_were_replaced(evolving, capsys):
+def test_the_command_line_reports_replaced_workers(evolving, capsys):
     with warnings.catch_warnings():
         warnings.simplefilter("always")
         assert evolving(lambda: warnings.warn(WorkerLostWarning("one was killed (SIGKILL)"), stacklevel=1)) == 0
@@ -227,7 +232,7 @@ def test_the_command_line_tells_of_workers_that_were_replaced(evolving, capsys):
     assert ".py" not in said
 
 
-def test_the_command_line_tells_of_workers_that_are_lost_and_how_to_go_on(evolving, tmp_path, capsys):
+def test_the_command_line_reports_lost_workers_and_how_to_resume(evolving, tmp_path, capsys):
     def lose():
         raise WorkersLostError("nobody answers")
 

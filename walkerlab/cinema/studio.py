@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from walkerlab.cameras import FIELD_OF_VIEW, aim
+from walkerlab.cameras import FIELD_OF_VIEW, aim_camera
 from walkerlab.cinema.job import Act, Job
 from walkerlab.cinema.titles import Picture, Titles
 from walkerlab.fitness import poorest_walk
@@ -17,7 +17,7 @@ from walkerlab.genes import Floats
 from walkerlab.ground import slope
 from walkerlab.rollout import Rollout
 from walkerlab.scene import Scene, compile_scene
-from walkerlab.shapes import n_sound
+from walkerlab.shapes import n_valid_poses
 
 SHAPE = 4 / 3  # width over height of a picture in which a camera's distance is right; from narrower ones it steps back
 SHORTEST = 1.0  # s of a walk that settings allow
@@ -102,12 +102,12 @@ def pose_at(model: mujoco.MjModel, time: Floats, poses: Floats, moment: float) -
 
 def lasting(scene: Scene, rollout: Rollout) -> Rollout:
     """Hold the last moment of a walk before its numbers ran away, if they did; the start, if there was none."""
-    n = n_sound(scene, rollout.poses)
+    n = n_valid_poses(scene, rollout.poses)
     if n == len(rollout.poses):
         return rollout
     poses, com, load = (rollout.poses[:n], rollout.com[:n], rollout.load[:n]) if n else _start(scene)
     held = np.minimum(np.arange(len(rollout.time)), max(n, 1) - 1)
-    return replace(rollout, poses=poses[held], com=com[held], load=load[held] if scene.rope else rollout.load)
+    return replace(rollout, poses=poses[held], com=com[held], load=load[held] if scene.rope_length else rollout.load)
 
 
 def _start(scene: Scene) -> tuple[Floats, Floats, Floats]:
@@ -133,7 +133,7 @@ def cameras_at(moments: Floats, scene: Scene, rollout: Rollout, shape: float) ->
     """
     paths = [rollout.com, *([rollout.load] if len(rollout.load) else [])]  # its sledge is in the picture as well
     simulation, pitch = scene.settings.simulation, slope(scene.settings.terrain)
-    shot = aim(simulation.camera, rollout.time, np.array(paths), scene.phenotype.body_length, pitch)
+    shot = aim_camera(simulation.camera, rollout.time, np.array(paths), scene.phenotype.body_length, pitch)
     rows = np.column_stack([shot.target, shot.distance, shot.azimuth, shot.elevation])
     cameras: list[Any] = []
     for row in np.column_stack([np.interp(moments, rollout.time, column) for column in rows.T]):

@@ -19,7 +19,7 @@ from walkerlab.plots.style import QUIET, describe, with_unit
 from walkerlab.quantity import count
 from walkerlab.scene import Scene, compile_scene, scene_of
 from walkerlab.settings import Settings
-from walkerlab.shapes import ROPE, outline, skins, sound_poses
+from walkerlab.shapes import ROPE_POINTS, outline, skins, valid_poses
 
 MARGIN = 0.2  # m of ground that is seen before and behind all that stands on it
 MOST, APART = 5, 1.3  # times at most that a robot is drawn on its way; body lengths between two of them at least
@@ -85,7 +85,7 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     axes = ax or new_axes()
     scene = compile_scene(genome, settings)
     rollout = poorest_walk(genome, settings)
-    poses = sound_poses(scene, rollout.poses)
+    poses = valid_poses(scene, rollout.poses)
     time, com = rollout.time[: len(poses)], np.nan_to_num(rollout.com[: len(poses)])
     way, length = float(com[-1, 0] - com[0, 0]), rollout.phenotype.body_length
     n_caught = min(len(time), 2 + int(np.clip(abs(way) / (APART * length) - 1, 0, MOST - 2)))
@@ -177,7 +177,7 @@ def add_body(
     outlines = [outline(points @ view) * scale + at for points, _ in ordered]
     ground = np.array(ink(axes, 0))
     fills = [ground + strength * (colour[:3] - ground) for _, colour in ordered]
-    is_rope = [len(points) == ROPE for points, _ in ordered]
+    is_rope = [len(points) == ROPE_POINTS for points, _ in ordered]
     edge = ink(axes, strength)
     edges = [fill if rope else edge for fill, rope in zip(fills, is_rope, strict=True)]
     widths = [1.0 if rope else 0.4 for rope in is_rope]

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from walkerlab.fitness import poorest_walk
-from walkerlab.footfalls import feet, footfalls
+from walkerlab.footfalls import find_footfalls, foot_names
 from walkerlab.genome import Genome
 from walkerlab.judge import VERDICTS
 from walkerlab.plots.look import ink, new_axes, picture
@@ -100,8 +100,8 @@ def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Ax
         GenomeError: if a text is no genome.
     """
     scene = compile_scene(genome, settings)
-    rollout, names = poorest_walk(genome, settings), feet(scene)
-    down = footfalls(scene, rollout.poses)
+    rollout, names = poorest_walk(genome, settings), foot_names(scene)
+    down = find_footfalls(scene, rollout.poses)
     axes = ax or new_axes(height=1.3 + 0.32 * len(names))
     duty = down.mean(axis=0)
     until = np.append(rollout.time[1:], rollout.time[-1])

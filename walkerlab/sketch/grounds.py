@@ -6,9 +6,9 @@ from itertools import groupby
 import numpy as np
 
 from walkerlab.choices import Structure
-from walkerlab.entities.scenery import GRAINS
+from walkerlab.entities.scenery import PATTERNS
 from walkerlab.genes import Floats
-from walkerlab.ground import ARENA_LENGTH, CELLS_OF_A_HILL, LANDING, TRENCH, gaps
+from walkerlab.ground import ARENA_LENGTH, CELLS_PER_HILL, LANDING, TRENCH_DEPTH, gaps
 from walkerlab.markup import Html
 from walkerlab.settings import Terrain
 from walkerlab.sketch.lens import lit
@@ -46,7 +46,7 @@ def _cells(terrain: Terrain, stage: Stage) -> tuple[Floats, Floats]:
     """Return where the ground is divided: along the way, both sides of each edge; and across it, from near to far."""
     start, end = stage.reach
     sides, (near, far) = np.array(stage.sides), stage.sides
-    along, across = GRAINS[terrain.texture].square
+    along, across = PATTERNS[terrain.texture].square
     match terrain.structure:
         case Structure.stairs:
             edges = np.arange(LANDING, end, terrain.step_depth)
@@ -54,7 +54,7 @@ def _cells(terrain: Terrain, stage: Stage) -> tuple[Floats, Floats]:
         case Structure.gaps:
             return _both_sides(start, end, gaps(terrain).ravel()), sides
         case Structure.rough:
-            cell = max(terrain.hill_length / CELLS_OF_A_HILL, stage.width / CELLS)
+            cell = max(terrain.hill_length / CELLS_PER_HILL, stage.width / CELLS)
             last = min(end, LANDING + ARENA_LENGTH)
             x = np.concatenate([[start], np.arange(LANDING, last, cell), [last, end]])
             return np.unique(x), np.linspace(near, far, 1 + min(ROWS, max(2, round(np.ptp(sides) / cell))))
@@ -75,7 +75,7 @@ def _multiples(start: float, end: float, step: float) -> Floats:
 
 def _row(terrain: Terrain, x: Floats, near: float, far: float) -> tuple[Floats, Floats]:
     """Return (n, 4, 3) corners [m] and (n, 3) colours of the faces of one row of the ground, from left to right."""
-    material, (along, across) = MATERIALS[terrain.texture], GRAINS[terrain.texture].square
+    material, (along, across) = MATERIALS[terrain.texture], PATTERNS[terrain.texture].square
     front, back = surface(terrain, x, near), surface(terrain, x, far)
     corners = np.stack([front[:-1], front[1:], back[1:], back[:-1]], axis=1)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0])
@@ -88,14 +88,14 @@ def _row(terrain: Terrain, x: Floats, near: float, far: float) -> tuple[Floats, 
     colours = np.where(dark[:, np.newaxis], material.dark, material.light)
     light = lit(normals)
     if terrain.structure == Structure.gaps:  # less light comes into a trench the deeper it is
-        light = light * (1 + 0.9 * np.minimum(0.0, middle[:, 2:]) / TRENCH)
+        light = light * (1 + 0.9 * np.minimum(0.0, middle[:, 2:]) / TRENCH_DEPTH)
     return corners, np.clip(colours * light, 0, 1)
 
 
 def _specks(terrain: Terrain, stage: Stage, near: float, far: float) -> Html:
     """Draw the grain of the ground, evenly strewn."""
     material, (start, end) = MATERIALS[terrain.texture], stage.reach
-    number = np.arange(round(SPECKS * material.grain))
+    number = np.arange(round(SPECKS * material.speckle_share))
     x = start + (end - start) * scattered(number, 0)
     y = stage.sides[0] + (stage.sides[1] - stage.sides[0]) * scattered(number, 1)
     here = (near <= y) & (y < far)

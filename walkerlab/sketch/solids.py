@@ -7,7 +7,7 @@ import numpy as np
 
 from walkerlab.genes import Floats
 from walkerlab.markup import Html, tag
-from walkerlab.shapes import CUBE, ROPE, outline
+from walkerlab.shapes import CUBE, ROPE_POINTS, outline
 from walkerlab.sketch.lens import Lens, lit
 from walkerlab.sketch.pen import hue, shape
 
@@ -26,7 +26,7 @@ def figure(parts: Sequence[tuple[Floats, Floats]], lens: Lens) -> Html:
 
 
 def _part(points: Floats, colour: Floats, lens: Lens) -> Html:
-    if len(points) == ROPE:
+    if len(points) == ROPE_POINTS:
         return shape([lens.at(points)], closed=False, stroke=hue(colour), stroke_width=1.5)
     if len(points) == len(CUBE):
         return box(points, colour, lens)

@@ -7,13 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from walkerlab.choices import Obstacle
-from walkerlab.entities.obstacle import COLOUR, LOG, ROCKS, axes_of
-from walkerlab.entities.scenery import HEARTWOOD, LID
+from walkerlab.entities.obstacle import COLOURS, LOG_ASPECT, ROCKS, body_axes
+from walkerlab.entities.scenery import HEARTWOOD_COLOUR, LID_COLOUR
 from walkerlab.genes import Floats
-from walkerlab.layout import PIECE_HEIGHT, lay_out
+from walkerlab.layout import PIECE_HEIGHT, compute_layout
 from walkerlab.markup import Html, tag
 from walkerlab.settings import Terrain
-from walkerlab.shapes import AROUND, BALL, CUBE, RING, outline
+from walkerlab.shapes import BALL, CUBE, N_AROUND, RING, outline
 from walkerlab.sketch.lens import RAISED, Lens
 from walkerlab.sketch.pen import hue, shape
 from walkerlab.sketch.solids import EDGE, box
@@ -26,7 +26,7 @@ BANDS = 12  # from far to near, in which pieces are drawn
 
 def pieces(terrain: Terrain, stage: Stage) -> Iterator[Item]:
     """Draw the pieces of the texture that are in sight."""
-    spots = lay_out(terrain).pieces
+    spots = compute_layout(terrain).pieces
     shades = np.arange(len(spots)) % SHADES
     seen = _in_sight(spots, stage)
     spots, shades = spots[seen], shades[seen]
@@ -49,16 +49,16 @@ def pieces(terrain: Terrain, stage: Stage) -> Iterator[Item]:
 
 def obstacles(terrain: Terrain, stage: Stage) -> Iterator[Item]:
     """Draw what lies about in sight, each with its shadow."""
-    layout = lay_out(terrain)
+    layout = compute_layout(terrain)
     for number in np.flatnonzero(_in_sight(layout.obstacles, stage)).tolist():
-        up, size = layout.upright[number], float(layout.sizes[number])
-        frame = axes_of(up, float(layout.turns[number])).reshape(2, 3)
+        up, size = layout.obstacle_normals[number], float(layout.obstacle_sizes[number])
+        frame = body_axes(up, float(layout.obstacle_angles[number])).reshape(2, 3)
         turn = np.stack([*frame, up])
         corners = _corners(terrain.obstacle, number + 1) * size
         low = corners[:, 2].min()
         middle = layout.obstacles[number] - low * up
         points = middle + corners @ turn
-        colour = np.array(COLOUR[terrain.obstacle]) * (1 + 0.12 * math.sin(2.4 * (number + 1)))
+        colour = np.array(COLOURS[terrain.obstacle]) * (1 + 0.12 * math.sin(2.4 * (number + 1)))
         drawn = tag("g", *_drawn(terrain.obstacle, points, colour, size, stage.lens), **EDGE)
         yield float(points[:, 1].min()), tag("g", shadow(terrain, points, stage), drawn)
 
@@ -87,7 +87,7 @@ def _corners(kind: Obstacle, number: int) -> Floats:
         case Obstacle.cylinder:
             return _ENDS * (0.4, 0.4, 0.5)
         case Obstacle.log:
-            return (_ENDS * (0.5, 0.5, LOG / 2))[:, [2, 1, 0]]
+            return (_ENDS * (0.5, 0.5, LOG_ASPECT / 2))[:, [2, 1, 0]]
         case Obstacle.rock:
             return 0.5 * ROCKS[number % len(ROCKS)]
         case _:
@@ -103,10 +103,10 @@ def _drawn(kind: Obstacle, points: Floats, colour: Floats, size: float, lens: Le
         case Obstacle.box:
             return (box(points, colour, lens),)
         case Obstacle.cylinder:
-            return whole, shape([seen[:AROUND]], fill=hue(LID))
+            return whole, shape([seen[:N_AROUND]], fill=hue(LID_COLOUR))
         case Obstacle.log:
-            nearer = int(points[:AROUND].mean(axis=0) @ lens.eye < points[AROUND:].mean(axis=0) @ lens.eye)
-            return whole, shape([seen[nearer * AROUND :][:AROUND]], fill=hue(HEARTWOOD))
+            nearer = int(points[:N_AROUND].mean(axis=0) @ lens.eye < points[N_AROUND:].mean(axis=0) @ lens.eye)
+            return whole, shape([seen[nearer * N_AROUND :][:N_AROUND]], fill=hue(HEARTWOOD_COLOUR))
         case Obstacle.rock:
             top = middle + 0.62 * (outline(seen) - middle) - (0, 0.2 * radius)
             return whole, shape([top], fill="#fff", fill_opacity=0.16, stroke="none")

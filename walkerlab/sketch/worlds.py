@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from walkerlab.assembly import ROPE_LENGTH
-from walkerlab.entities.load import half_length
+from walkerlab.entities.load import half_sledge_length
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome
 from walkerlab.ground import LANDING, height
@@ -106,7 +106,7 @@ def _sledge(robot: Robot) -> float:
     """Return how far behind a robot its sledge ends at most, in m; 0 without one."""
     if not robot.drag_weight:
         return 0.0
-    return ROPE_LENGTH + 1.2 * robot.segment_length[1] + 2 * half_length(robot.drag_weight)
+    return ROPE_LENGTH + 1.2 * robot.segment_length[1] + 2 * half_sledge_length(robot.drag_weight)
 
 
 def _line(settings: Settings, stage: Stage) -> Html:

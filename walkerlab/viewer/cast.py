@@ -10,7 +10,7 @@ from matplotlib.colors import to_rgb
 from walkerlab.choices import Structure
 from walkerlab.fitness import poorest_walk
 from walkerlab.genome import Genome
-from walkerlab.ground import bounds
+from walkerlab.ground import arena_bounds
 from walkerlab.markup import printable
 from walkerlab.plots.style import RUNS
 from walkerlab.quantity import brief
@@ -95,7 +95,7 @@ def _lanes(reaches: Sequence[float], terrain: Terrain) -> list[float]:
         return [0.0] * len(reaches)
     widths = 2 * np.array(reaches) + GAP
     middles = np.cumsum(widths) - widths / 2
-    (_, right), (_, left) = bounds(terrain)
+    (_, right), (_, left) = arena_bounds(terrain)
     squeeze = min(1.0, (left - right) / float(widths.sum()))
     return (squeeze * (middles[::-1] - widths.sum() / 2)).tolist()
 

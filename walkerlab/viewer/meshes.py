@@ -18,7 +18,7 @@ from walkerlab.genes import Floats
 from walkerlab.ground import height
 from walkerlab.scene import Scene
 from walkerlab.settings import Terrain
-from walkerlab.shapes import Surface, paint, rotate
+from walkerlab.shapes import Surface, material_image, rotate
 
 RGB = tuple[float, float, float]
 
@@ -139,7 +139,7 @@ def _painted(scene: Scene, parts: list[Surface], material: int) -> Any:
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     axes = np.array([(1, 2), (0, 2), (0, 1)])[np.repeat(np.argmax(np.abs(normal), axis=1), 3)]
     corners = corners.reshape(-1, 3)  # not shared: one between two sides has two places in the picture
-    picture, repeat = paint(scene.model, material)
+    picture, repeat = material_image(scene.model, material)
     file = io.BytesIO()
     Image.fromarray(picture).quantize(PAINTS).save(file, "png", optimize=True)
     return _mesh(

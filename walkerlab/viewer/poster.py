@@ -11,7 +11,7 @@ from walkerlab.plots.bodies import add_body, stride
 from walkerlab.plots.look import own_look, paper
 from walkerlab.plots.style import literal
 from walkerlab.settings import Settings
-from walkerlab.shapes import skins, sound_poses
+from walkerlab.shapes import skins, valid_poses
 from walkerlab.viewer.meshes import tint
 from walkerlab.viewer.stage import Walk
 
@@ -39,7 +39,7 @@ def _finish(axes: Axes, walks: Sequence[Walk]) -> None:
     ranked = sorted(walks, key=lambda walk: -np.nan_to_num(walk.rollout.distance, nan=-np.inf))[:ROWS]
     floor, levels, words = 0.0, list[float](), list[str]()
     for walk in ranked:
-        parts = skins(walk.scene, sound_poses(walk.scene, walk.rollout.poses)[-1])
+        parts = skins(walk.scene, valid_poses(walk.scene, walk.rollout.poses)[-1])
         low, high = (float(end([end(skin[:, 2]) for skin, _ in parts])) for end in (min, max))
         floor -= 1.25 * (high - low)
         painted = [(skin, tint(colour, walk.colour)) if walk.colour else (skin, colour) for skin, colour in parts]

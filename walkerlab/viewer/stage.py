@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from anywidget import AnyWidget
 
-from walkerlab.cameras import aim
+from walkerlab.cameras import aim_camera
 from walkerlab.choices import Camera
 from walkerlab.genes import Floats
 from walkerlab.ground import height, slope
 from walkerlab.rollout import Rollout
 from walkerlab.scene import Scene
-from walkerlab.shapes import ENDLESS, Surface, rotate, surfaces
+from walkerlab.shapes import PLANE_EXTENT, Surface, rotate, surfaces
 from walkerlab.viewer import meshes
 from walkerlab.viewer.tracks import FINEST, Tracks, follow, moments
 
@@ -88,7 +88,7 @@ def set_up(walks: list[Walk], name: str) -> Stage:
     ]
     far = float(np.abs(paths).max())
     plot = meshes.empty_plot(first, name)
-    for mesh in meshes.scenery(first, surfaces(first.model, bodies=False, far=far + ENDLESS)):
+    for mesh in meshes.scenery(first, surfaces(first.model, bodies=False, far=far + PLANE_EXTENT)):
         plot += mesh
     edges, metres = edges_of(walks), _metres(paths)
     plot += meshes.lines(terrain, edges, metres[:1], *meshes.START)
@@ -103,7 +103,7 @@ def set_up(walks: list[Walk], name: str) -> Stage:
                 channels.append(_lasting(places, len(time)).T)
                 channels[-1][1] += walk.lane
     size = max(walk.scene.phenotype.body_length for walk in walks)
-    shots = {camera: aim(camera, time, np.array([*paths, *loads]), size, slope(terrain)) for camera in Camera}
+    shots = {camera: aim_camera(camera, time, np.array([*paths, *loads]), size, slope(terrain)) for camera in Camera}
     for shot in shots.values():
         channels += [shot.eye.T, shot.target.T]
     channels += [path.T for path in paths]

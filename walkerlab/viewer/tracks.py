@@ -8,7 +8,7 @@ import numpy as np
 from walkerlab.genes import Floats
 from walkerlab.rollout import Rollout
 from walkerlab.scene import Scene
-from walkerlab.shapes import placements, rope_ends, sound_poses
+from walkerlab.shapes import placements, rope_ends, valid_poses
 
 TICK = 0.02  # s from one moment of a replay to the next: that of the gait's clock
 FINEST = (1e-4,) * 3 + (1 / 30000,) * 4 + (1e-4,)  # m, parts of a unit quaternion, m: to what tracks are rounded
@@ -43,7 +43,7 @@ def moments(duration: float) -> Floats:
 
 def follow(scene: Scene, rollout: Rollout) -> Tracks:
     """Follow every body of a walk, its rope and its centre of mass, at even moments."""
-    poses = sound_poses(scene, rollout.poses)
+    poses = valid_poses(scene, rollout.poses)
     sound, time = len(poses), rollout.time[: len(poses)]
     grid = moments(float(rollout.time[-1]))
     grid = grid[: max(1, int(np.searchsorted(grid, time[-1] + 1e-9)))]
@@ -61,7 +61,7 @@ def follow(scene: Scene, rollout: Rollout) -> Tracks:
         rope=_rod(ends),
         still=placed[0],
         com=resample(grid, time, np.nan_to_num(rollout.com[:sound])),
-        load=resample(grid, time, np.nan_to_num(rollout.load[:sound])) if scene.rope else np.empty((0, 3)),
+        load=resample(grid, time, np.nan_to_num(rollout.load[:sound])) if scene.rope_length else np.empty((0, 3)),
     )
 
 

@@ -39,7 +39,7 @@ from walkerlab.widgets.robot import RobotRoom
 from walkerlab.widgets.runs import RunsRoom
 from walkerlab.widgets.transport import Transport
 from walkerlab.widgets.world import World
-from walkerlab.workers import check
+from walkerlab.workers import check_executor
 
 OFTEN = 0.2  # s between two words on how far a run has come
 
@@ -90,7 +90,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         )
         rooms.add_class("wl-rooms")
         super().__init__([rooms])
-        check(executor)  # now that there is a whole panel, which can be thrown away
+        check_executor(executor)  # now that there is a whole panel, which can be thrown away
         self.add_class("wl-lab")
         self.form.observe(self._form_changed, ["settings", "fault"])
         self.population.observe(self._robot_chosen, "selected")
