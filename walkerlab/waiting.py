@@ -6,7 +6,7 @@ from concurrent.futures import Executor, Future
 from contextlib import suppress
 from typing import TypeVar
 
-from walkerlab.time_limit import VARIABLE, patience
+from walkerlab.time_limit import LIMIT_VARIABLE, effective_limit
 from walkerlab.workers import FEWER_WORKERS, WorkerLostWarning, WorkersLostError, renewed
 
 START_UP = 10.0  # s that workers are given to begin, whatever patience people have
@@ -32,7 +32,7 @@ def in_turn(futures: Sequence[Future[_T]], executor: Executor, limit: float) -> 
     Raises:
         WorkersLostError: if nothing comes back from another executor, or a worker has no memory left.
     """
-    limit = max(START_UP, patience(limit))
+    limit = max(START_UP, effective_limit(limit))
     n_back, silence, losses = 0, 0.0, getattr(executor, "losses", [])
     n_told = len(losses)
     _limits.append(limit)
@@ -65,7 +65,7 @@ def _no_answer(silence: float) -> str:
     return (
         f"the executor has given no answer for {silence:.0f} s: its workers hang, or are far too slow for their work. "
         "Mend: another executor, or none, for all cores of this computer; or, by the environment variable "
-        f"{VARIABLE}, more seconds of patience."
+        f"{LIMIT_VARIABLE}, more seconds of patience."
     )
 
 

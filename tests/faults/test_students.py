@@ -134,7 +134,7 @@ def same(left, right):
 
 
 def none_goes_on():
-    guests = [thread for thread in threading.enumerate() if thread.name == "walkerlab guest"]
+    guests = [thread for thread in threading.enumerate() if thread.name == "walkerlab user function"]
     for guest in guests:
         guest.join(0.5)
     return not any(guest.is_alive() for guest in guests)

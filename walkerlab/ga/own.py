@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 
 from walkerlab.faults import Fault
-from walkerlab.time_limit import VARIABLE, Overdue, in_time, patience
+from walkerlab.time_limit import LIMIT_VARIABLE, TimeLimitExceeded, call_with_limit, effective_limit
 
 IN_A_RUN, IN_A_CHECK = 60.0, 10.0  # s that one call may take
 
@@ -87,7 +87,7 @@ def ask(slot: Slot, function: Callable[..., object], call: Callable[[], Any], se
     """
     if _is_ours(function):
         return _in_words(slot, function, call)
-    attempt = partial(_in_words, slot, function, partial(in_time, call, patience(seconds)))
+    attempt = partial(_in_words, slot, function, partial(call_with_limit, call, effective_limit(seconds)))
     before = _shared_chance()
     answer = attempt()
     used = {name for name, state in _shared_chance().items() if state != before.get(name)}
@@ -112,12 +112,12 @@ def _in_words(slot: Slot, function: Callable[..., object], call: Callable[[], An
     who = slot.who(function)
     try:
         return call()
-    except Overdue as error:
+    except TimeLimitExceeded as error:
         stays = "" if error.is_stopped else " It could not be stopped, and goes on until Python is restarted."
         raise OperatorError(
             f"{who} had not returned after {error.seconds:g} s{_line_of(error, function)}",
-            f"Is there a loop that never ends? If it needs longer: os.environ[{VARIABLE!r}] = '600' before the run."
-            f"{stays}",
+            "Is there a loop that never ends? "
+            f"If it needs longer: os.environ[{LIMIT_VARIABLE!r}] = '600' before the run.{stays}",
         ) from error
     except Fault:  # which has its words
         raise
