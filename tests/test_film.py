@@ -249,9 +249,7 @@ def test_a_walk_without_valid_poses_is_frozen_at_its_start(loads):
     for name in ("com", *(["load"] if loads else [])):
         shown = getattr(frozen, name)
         assert not np.ptp(shown, axis=0).any()
-        np.testing.assert_allclose(
-            shown[0], getattr(rollout, name)[0], atol=0.2
-        )  # recorded once settled
+        np.testing.assert_allclose(shown[0], getattr(rollout, name)[0], atol=0.2)  # recorded once settled
 
 
 def test_robot_and_camera_stay_close_when_a_walk_diverges(rendered_states, monkeypatch):

@@ -1,7 +1,7 @@
 """Off-screen OpenGL: which backend is available, and how to install one on this system.
 
 MuJoCo reads its OpenGL backend from the environment variable ``MUJOCO_GL`` when it is first imported, and a broken
-driver can crash the process. Therefore each attempt to use OpenGL runs in a process of its own.
+driver can crash the process. Therefore each attempt to use OpenGL runs in a separate process.
 """
 
 from __future__ import annotations  # the doctor imports this module also in a Python that is too old for walkerlab
@@ -55,7 +55,7 @@ def backend_environment(backend: str) -> dict[str, str]:
 
 
 def find_backend() -> tuple[str, str] | None:
-    """Try the candidate backends, each in a process of its own.
+    """Try the candidate backends, each in a separate process.
 
     Returns:
         The first available backend and the name of its renderer; None if no backend is available.
@@ -114,7 +114,7 @@ def _os_release() -> Mapping[str, str]:
 
 
 def run_python(program: str, environment: Mapping[str, str] | None = None) -> tuple[bool, str]:
-    """Run a Python program in a process of its own.
+    """Run a Python program in a separate process.
 
     Args:
         program: Source code.

@@ -4,7 +4,7 @@
     wl.timelapse(run, "evolution.mp4")
 
 MuJoCo selects its OpenGL backend when it is first imported, which a notebook has usually done by then, so a film is
-rendered in a process of its own. That process imports this module too, which therefore must not import MuJoCo.
+rendered in a separate process. That process imports this module too, which therefore must not import MuJoCo.
 """
 
 from itertools import groupby

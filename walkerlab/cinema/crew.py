@@ -1,4 +1,4 @@
-"""Rendering of a film in a process of its own, which has an OpenGL context and may crash without harm."""
+"""Rendering of a film in a child process, which has an OpenGL context; a crash there does not end the caller."""
 
 import os
 import subprocess

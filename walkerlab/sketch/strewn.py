@@ -39,7 +39,7 @@ def draw_pieces(terrain: Terrain, window: Window) -> Iterator[DrawnItem]:
     nearest, farthest = window.y_range
     bands = np.floor((bases[:, 1] - nearest) / (farthest - nearest) * N_DEPTH_BANDS)
     for band in np.unique(bands).tolist():
-        y = nearest + (farthest - nearest) * band / N_DEPTH_BANDS
+        band_y = nearest + (farthest - nearest) * band / N_DEPTH_BANDS
         for shade in range(N_SHADES):
             centres = window.projection.project(bases[(bands == band) & (shades == shade)])
             fill = np.clip(np.array(MATERIALS[terrain.texture].piece) * (0.88 + 0.12 * shade), 0, 1)
@@ -48,7 +48,8 @@ def draw_pieces(terrain: Terrain, window: Window) -> Iterator[DrawnItem]:
                 f"a{radius:.1f},{base_height:.1f} 0 0 1 {-2 * radius:.1f},0"
                 for x, y in centres.tolist()
             )
-            yield y, tag("path", d=domes, fill=hex_colour(fill), stroke="#000", stroke_opacity=0.25, stroke_width=0.5)
+            style = {"fill": hex_colour(fill), "stroke": "#000", "stroke_opacity": 0.25, "stroke_width": 0.5}
+            yield band_y, tag("path", d=domes, **style)
 
 
 def draw_obstacles(terrain: Terrain, window: Window) -> Iterator[DrawnItem]:
