@@ -25,10 +25,8 @@ from walkerlab.sketch.words import describe_world
 
 TRUNK_COLOUR = hex_colour(np.float32(TRUNK))  # MuJoCo stores colours as float32
 SVG = "{http://www.w3.org/2000/svg}"
-NEAR_SHARE, SHIFT = (
-    0.13,
-    0.24,
-)  # of the near edge of the ground: its distance over the width, its shift over the distance
+NEAR_SHARE = 0.13  # distance of the near edge of the ground from y = 0, over the visible width
+SHIFT = 0.24  # horizontal shift in the drawing for each metre of depth
 few_examples = settings(max_examples=15)
 
 
