@@ -29,7 +29,7 @@ def only(findings):
 
 
 def tried(monkeypatch, done, answer):
-    monkeypatch.setattr(graphics, "try_out", lambda code, environment=None: (done, answer))
+    monkeypatch.setattr(graphics, "run_python", lambda code, environment=None: (done, answer))
 
 
 def test_a_machine_on_which_these_tests_run_can_evolve(tmp_path, monkeypatch, capsys):
@@ -65,7 +65,7 @@ import sys
 sys.modules[sys.argv[1]] = None
 from walkerlab import graphics
 from walkerlab.__main__ import main
-graphics.try_out = lambda *_: (False, "not tried")
+graphics.run_python = lambda *_: (False, "not tried")
 sys.exit(main(["doctor"]))
 """
 
@@ -119,7 +119,8 @@ def test_letters_that_a_terminal_has_not_end_nothing(tmp_path):
     there = tmp_path / "Ωmega"
     there.mkdir()
     code = (
-        "from walkerlab import graphics; graphics.try_out = lambda *_: (True, ''); graphics.find_gl = lambda: ('', '');"
+        "from walkerlab import graphics; graphics.run_python = lambda *_: (True, '');"
+        "graphics.find_backend = lambda: ('', '');"
         "from walkerlab.__main__ import main; main(['doctor'])"
     )
     environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
@@ -191,7 +192,7 @@ def test_the_package_that_is_broken_is_named_and_mended(monkeypatch, broken, men
 
 def test_a_variable_that_keeps_robots_from_walking_is_to_be_taken_away(monkeypatch):
     monkeypatch.setenv("MUJOCO_GL", "bogus")
-    monkeypatch.setattr(graphics, "try_out", lambda code, environment=None: (bool(environment), "no such GL"))
+    monkeypatch.setattr(graphics, "run_python", lambda code, environment=None: (bool(environment), "no such GL"))
     finding = only(software.walk())
     assert finding.level == "fault"
     assert finding.mend == mends.unset("MUJOCO_GL")
@@ -325,7 +326,7 @@ def test_workers_that_cannot_start_are_a_fault_with_the_mend(monkeypatch, died_o
 
 
 def test_missing_gl_is_a_note_that_films_need_it(monkeypatch):
-    monkeypatch.setattr(graphics, "find_gl", lambda: None)
+    monkeypatch.setattr(graphics, "find_backend", lambda: None)
     finding = only(hardware.drawing())
     assert finding.level == "note"
     assert "only films and 3D pictures need it" in finding.says
@@ -333,7 +334,7 @@ def test_missing_gl_is_a_note_that_films_need_it(monkeypatch):
 
 
 def test_a_gl_is_named_with_what_to_set(monkeypatch):
-    monkeypatch.setattr(graphics, "find_gl", lambda: ("egl", "some GL"))
+    monkeypatch.setattr(graphics, "find_backend", lambda: ("egl", "some GL"))
     finding = only(hardware.drawing())
     assert finding.level == "ok"
     assert "some GL" in finding.says
@@ -344,16 +345,16 @@ def test_a_gl_is_named_with_what_to_set(monkeypatch):
 def test_root_needs_no_sudo_and_who_has_none_must_ask(monkeypatch):
     command = "sudo apt-get update && sudo apt-get install x"
     monkeypatch.setattr(graphics.os, "geteuid", lambda: 0)
-    assert graphics.allowed(command) == "apt-get update && apt-get install x"
+    assert graphics.adapt_sudo(command) == "apt-get update && apt-get install x"
     monkeypatch.setattr(graphics.os, "geteuid", lambda: 1000)
     monkeypatch.setattr(graphics.shutil, "which", lambda _: "/usr/bin/sudo")
-    assert graphics.allowed(command) == command
+    assert graphics.adapt_sudo(command) == command
     monkeypatch.setattr(graphics.shutil, "which", lambda _: None)
-    assert graphics.allowed(command).startswith("ask whoever runs this computer for: apt-get update")
-    assert graphics.allowed("update the driver") == "update the driver"
+    assert graphics.adapt_sudo(command).startswith("ask the administrator of this computer to run: apt-get update")
+    assert graphics.adapt_sudo("update the driver") == "update the driver"
 
 
 def test_the_advice_of_environment_md_is_the_doctors():
     text = (Path(__file__).parents[1] / "environment.md").read_text(encoding="utf-8")
     for family in ("debian", "fedora"):
-        assert graphics.GL_PACKAGES[family].rpartition("sudo ")[2] in text
+        assert graphics.INSTALL_COMMANDS[family].rpartition("sudo ")[2] in text

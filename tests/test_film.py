@@ -1,3 +1,5 @@
+"""Films show the walks that evolution judges, in correct colours and at the correct speed, and never leave debris."""
+
 import json
 import os
 import signal
@@ -17,10 +19,18 @@ import pytest
 from walkerlab import graphics, records
 from walkerlab.choices import Camera
 from walkerlab.cinema import Film, FilmError, crew, film, timelapse
-from walkerlab.cinema.job import Act, Job
-from walkerlab.cinema.reel import record
-from walkerlab.cinema.studio import Pieces, cameras_at, frames, lasting, pose_at
-from walkerlab.cinema.titles import Titles
+from walkerlab.cinema.job import Clip, Job
+from walkerlab.cinema.reel import encode
+from walkerlab.cinema.studio import (
+    HIDDEN_GROUP,
+    VISIBLE_GROUP,
+    TexturePieces,
+    cameras_at,
+    freeze_when_diverged,
+    interpolate_pose,
+    render_frames,
+)
+from walkerlab.cinema.titles import CaptionOverlay
 from walkerlab.commands.worlds import GENOME
 from walkerlab.fitness import distance, poorest_walk
 from walkerlab.rollout import simulate
@@ -30,86 +40,90 @@ from walkerlab.settings import Settings
 
 SHORT = Settings().with_(duration=1)
 SMALL = {"size": (128, 96), "fps": 10, "progress": False}
-JOB = Job((Act("", 1.0),), SHORT, (128, 96), 10, ".mp4")
+JOB = Job((Clip("", 1.0),), SHORT, (128, 96), 10, ".mp4")
+SUFFIXES = [".mp4", ".webm", ".gif"]
+TRUNK_BODY = 1
+POSITION, QUATERNION = slice(0, 3), slice(3, 7)  # of the trunk, in a pose
 
 
-def missing(what):
-    """Skip, or fail where nothing may be missing."""
-    (pytest.fail if os.environ.get("CI") else pytest.skip)(f"needs {what}")
+def skip_or_fail(requirement):
+    """Skip a test whose requirement is missing; fail in CI, where everything must be installed."""
+    (pytest.fail if os.environ.get("CI") else pytest.skip)(f"needs {requirement}")
 
 
 @pytest.fixture(scope="session")
-def gl():
-    if not (found := graphics.find_gl()):
-        missing(f"a GL that draws without a screen: {graphics.mend()}")
+def backend():
+    if not (found := graphics.find_backend()):
+        skip_or_fail(f"off-screen OpenGL: {graphics.how_to_fix()}")
     return found[0]
 
 
 @pytest.fixture(scope="module")
-def made(gl, tmp_path_factory):
+def rendered_film(backend, tmp_path_factory):
     return film(GENOME, SHORT, tmp_path_factory.mktemp("films") / "walk.mp4", **SMALL)
 
 
-def pictures(path):
+def decode(path):
+    """Return the frames of a film, shape (n, height, width, 3)."""
     with av.open(str(path)) as file:
         return np.array([frame.to_ndarray(format="rgb24") for frame in file.decode(video=0)]).astype(int)
 
 
-def is_of_the_robot(picture):
-    """Say of each pixel whether it has the orange of the trunk or the blues of the limbs."""
+def is_robot(picture):
+    """Return for each pixel whether it has the orange of the trunk or a blue of the limbs, shape (height, width)."""
     red, green, blue = np.moveaxis(np.asarray(picture).astype(int), -1, 0)
     return ((red > 2 * blue + 40) & (red > green + 20)) | ((blue > 2 * red + 10) & (blue > 1.15 * green))
 
 
-# ----------------------------------------------------------------------------------------------- what is filmed
+# ---------------------------------------------------------------------------------------------------- rendered films
 
 
-def test_a_film_has_its_size_its_frames_and_its_length(made):
-    with av.open(str(made.path)) as file:
+def test_a_film_has_the_requested_size_frames_and_duration(rendered_film):
+    with av.open(str(rendered_film.path)) as file:
         stream = file.streams.video[0]
-        assert (stream.width, stream.height) == made.size == (128, 96)
+        assert (stream.width, stream.height) == rendered_film.size == (128, 96)
         assert stream.codec_context.name == "h264"
         assert stream.pix_fmt == "yuv420p"
         assert float(stream.duration * stream.time_base) == pytest.approx(1.0)
-        assert made.seconds == 1.0
-    assert len(pictures(made.path)) == made.n_frames == 10
-    box = made.path.read_bytes()
-    assert box.index(b"moov") < box.index(b"mdat")  # it plays before it is all there
+        assert rendered_film.seconds == 1.0
+    assert len(decode(rendered_film.path)) == rendered_film.n_frames == 10
+    content = rendered_film.path.read_bytes()
+    assert content.index(b"moov") < content.index(b"mdat")  # so that it plays while it downloads
 
 
-def test_what_it_shows_moves(made):
-    frames = pictures(made.path)
-    still = np.abs(np.diff(frames, axis=0)).max(axis=(1, 2, 3)) < 30
-    assert not still.any()
-    assert is_of_the_robot(frames[-1]).mean() > 0.01
+def test_each_frame_differs_from_the_last_and_shows_the_robot(rendered_film):
+    frames = decode(rendered_film.path)
+    is_still = np.abs(np.diff(frames, axis=0)).max(axis=(1, 2, 3)) < 30
+    assert not is_still.any()
+    assert is_robot(frames[-1]).mean() > 0.01
 
 
-LOOK = """
+RENDER_WORLDS = """
 import json, sys
 import numpy as np
-from walkerlab.cinema.job import Act, Job
-from walkerlab.cinema.reel import record
-from walkerlab.cinema.studio import frames
+from walkerlab.cinema.job import Clip, Job
+from walkerlab.cinema.studio import render_frames
 from walkerlab.settings import Settings
 genome, worlds, path = json.loads(sys.argv[1])
-shown = {}
+rendered = {}
 for name, world in worlds.items():
     settings = Settings().with_(duration=1, **world)
-    job = Job((Act(genome, 2.0),), settings, (160, 120), 1, ".mp4")
-    shown[name] = np.array(list(frames(job, sketch=True)))
-np.savez(path, **shown)
+    job = Job((Clip(genome, 2.0),), settings, (160, 120), 1, ".mp4")
+    rendered[name] = np.array(list(render_frames(job, software=True)))
+np.savez(path, **rendered)
 """
 
 
-def test_every_camera_has_the_whole_robot_in_the_picture_and_not_small(gl, tmp_path):
+def test_every_camera_shows_the_whole_robot_at_a_reasonable_size(backend, tmp_path):
     worlds = {camera.name: {"camera": camera.name} for camera in Camera}
-    order = json.dumps([GENOME, worlds, str(tmp_path / "shown.npz")])
-    subprocess.run([sys.executable, "-c", LOOK, order], check=True, env={**os.environ, **graphics.variables(gl)})
-    with np.load(tmp_path / "shown.npz") as shown:
-        for camera, views in shown.items():
-            for view in views:
-                rows, columns = np.nonzero(is_of_the_robot(view))
-                assert 0.005 < len(rows) / view[..., 0].size < 0.25, camera
+    arguments = json.dumps([GENOME, worlds, str(tmp_path / "rendered.npz")])
+    environment = {**os.environ, **graphics.backend_environment(backend)}
+    subprocess.run([sys.executable, "-c", RENDER_WORLDS, arguments], check=True, env=environment)
+    with np.load(tmp_path / "rendered.npz") as rendered:
+        for camera, pictures in rendered.items():
+            for picture in pictures:
+                rows, columns = np.nonzero(is_robot(picture))
+                assert 0.005 < len(rows) / picture[..., 0].size < 0.25, camera
                 assert rows.min() > 8, camera
                 assert rows.max() < 112, camera
                 assert columns.min() > 8, camera
@@ -117,43 +131,46 @@ def test_every_camera_has_the_whole_robot_in_the_picture_and_not_small(gl, tmp_p
                 assert max(np.ptp(rows), np.ptp(columns)) > 24, camera
 
 
+# ------------------------------------------------------------------------------------------------- poses and cameras
+
+
 @pytest.mark.parametrize(
     "changes", [{}, {"carry_weight": 2, "drag_weight": 3, "obstacle": "rock"}, {"wind": (5, 1, 0)}]
 )
-def test_scenery_changes_nothing_that_a_pose_is_of(changes):
+def test_scenery_does_not_change_the_bodies_joints_and_geoms_of_a_model(changes):
     settings = SHORT.with_(**changes)
-    bare, dressed = compile_scene(GENOME, settings).model, compile_scene(GENOME, settings, scenery=True).model
-    for of in ("nq", "nv", "nbody", "ngeom", "njnt", "ntendon"):
-        assert getattr(bare, of) == getattr(dressed, of)
-    for of in ("jnt_type", "jnt_qposadr", "body_parentid", "geom_type", "geom_bodyid"):
-        np.testing.assert_array_equal(getattr(bare, of), getattr(dressed, of))
-    for of in ("body_pos", "body_quat", "geom_pos", "geom_size", "jnt_pos", "jnt_axis"):
-        np.testing.assert_allclose(getattr(bare, of), getattr(dressed, of), atol=1e-9)
+    bare, with_scenery = compile_scene(GENOME, settings).model, compile_scene(GENOME, settings, scenery=True).model
+    for name in ("nq", "nv", "nbody", "ngeom", "njnt", "ntendon"):
+        assert getattr(bare, name) == getattr(with_scenery, name)
+    for name in ("jnt_type", "jnt_qposadr", "body_parentid", "geom_type", "geom_bodyid"):
+        np.testing.assert_array_equal(getattr(bare, name), getattr(with_scenery, name))
+    for name in ("body_pos", "body_quat", "geom_pos", "geom_size", "jnt_pos", "jnt_axis"):
+        np.testing.assert_allclose(getattr(bare, name), getattr(with_scenery, name), atol=1e-9)
 
 
-def test_at_25_frames_a_second_every_second_recorded_pose_is_shown_as_it_was():
+def test_at_25_frames_per_second_every_second_recorded_pose_is_shown_unchanged():
     scene, rollout = compile_scene(GENOME, SHORT), simulate(GENOME, SHORT)
-    shown = [pose_at(scene.model, rollout.time, rollout.poses, k / 25) for k in range(25)]
+    shown = [interpolate_pose(scene.model, rollout.time, rollout.poses, k / 25) for k in range(25)]
     np.testing.assert_array_equal(shown, rollout.poses[:50:2])
 
 
-def test_between_two_recorded_poses_things_are_on_their_way():
+def test_poses_between_two_recorded_ones_are_interpolated():
     scene, rollout = compile_scene(GENOME, SHORT), simulate(GENOME, SHORT)
     first, second = rollout.poses[20:22]
     for share in (0.25, 0.5):
-        pose = pose_at(scene.model, rollout.time, rollout.poses, rollout.time[20] + 0.02 * share)
-        np.testing.assert_allclose(
-            np.delete(pose, range(3, 7)), np.delete(first + share * (second - first), range(3, 7))
-        )
-        assert np.linalg.norm(pose[3:7]) == pytest.approx(1)
-        np.testing.assert_allclose(pose[3:7], first[3:7] + share * (second - first)[3:7], atol=1e-4)
-    np.testing.assert_array_equal(pose_at(scene.model, rollout.time, rollout.poses, 99.0), rollout.poses[-1])
+        pose = interpolate_pose(scene.model, rollout.time, rollout.poses, rollout.time[20] + 0.02 * share)
+        linear = first + share * (second - first)
+        np.testing.assert_allclose(np.delete(pose, QUATERNION), np.delete(linear, QUATERNION))
+        assert np.linalg.norm(pose[QUATERNION]) == pytest.approx(1)
+        np.testing.assert_allclose(pose[QUATERNION], linear[QUATERNION], atol=1e-4)
+    last = interpolate_pose(scene.model, rollout.time, rollout.poses, 99.0)
+    np.testing.assert_array_equal(last, rollout.poses[-1])
 
 
 @pytest.fixture
-def drawn(monkeypatch):
-    """Have nothing drawn, but see what would be: the pose, and the camera, of each frame."""
-    seen = []
+def rendered_states(monkeypatch):
+    """Replace the renderer, and record the pose, the robot's centre of mass and the camera of each frame."""
+    states = []
 
     class Renderer:
         def __init__(self, model, height, width):
@@ -166,262 +183,270 @@ def drawn(monkeypatch):
             return None
 
         def update_scene(self, data, camera):
-            seen.append((data.qpos.copy(), data.subtree_com[1].copy(), camera))
+            states.append((data.qpos.copy(), data.subtree_com[TRUNK_BODY].copy(), camera))
 
         def render(self):
             return self._picture
 
     monkeypatch.setattr(mujoco, "Renderer", Renderer)
-    return seen
+    return states
 
 
-def draw(genome, settings, *, fps=10, seconds=1.0):
-    """Go through the frames of a film of one walk."""
-    for _ in frames(Job((Act(genome, seconds),), settings, (128, 96), fps, ".mp4"), sketch=True):
+def render_walk(genome, settings, *, fps=10, seconds=1.0):
+    """Render all frames of a film of one walk."""
+    for _ in render_frames(Job((Clip(genome, seconds),), settings, (128, 96), fps, ".mp4"), software=True):
         pass
 
 
 @pytest.mark.parametrize("fps", [10, 24, 25, 50, 60])
-def test_at_any_rate_a_frame_shows_the_robot_where_it_was_at_its_moment(drawn, fps):
-    draw(GENOME, SHORT, fps=fps)
+def test_at_any_frame_rate_a_frame_shows_the_robot_at_its_time(rendered_states, fps):
+    render_walk(GENOME, SHORT, fps=fps)
     rollout = simulate(GENOME, SHORT)
-    assert len(drawn) == fps
+    assert len(rendered_states) == fps
     recorded = [np.interp(np.arange(fps) / fps, rollout.time, column) for column in rollout.com.T]
-    np.testing.assert_allclose([com for _, com, _ in drawn], np.transpose(recorded), atol=2e-3)
-    assert np.linalg.norm(drawn[-1][1] - drawn[0][1]) > 0.02  # it went on, by much more than that
+    np.testing.assert_allclose([com for _, com, _ in rendered_states], np.transpose(recorded), atol=2e-3)
+    assert np.linalg.norm(rendered_states[-1][1] - rendered_states[0][1]) > 0.02  # far more than the tolerance
 
 
 @pytest.mark.parametrize("seconds", [0.5, 2.0])
-def test_a_film_shows_the_poorest_of_several_starts(drawn, seconds):
+def test_a_film_shows_the_poorest_walk_of_several_starts(rendered_states, seconds):
     settings = SHORT.with_(n_starts=4, duration=2, wind=(3, 1, 0))
-    counted = poorest_walk(GENOME, settings)
-    assert distance(counted) < distance(simulate(GENOME, settings)) - 1e-6  # it is another walk
-    draw(GENOME, settings, seconds=seconds)
-    np.testing.assert_array_equal([pose for pose, _, _ in drawn], counted.poses[: int(50 * seconds) : 5])
+    poorest = poorest_walk(GENOME, settings)
+    assert distance(poorest) < distance(simulate(GENOME, settings)) - 1e-6  # it differs from that of the first start
+    render_walk(GENOME, settings, seconds=seconds)
+    np.testing.assert_array_equal([pose for pose, _, _ in rendered_states], poorest.poses[: int(50 * seconds) : 5])
 
 
-def broken(rollout, at, bad):
-    """Have the numbers of a walk run away from a moment on."""
+def diverge(rollout, index, value):
+    """Return a rollout whose positions along x have a bad value from an index on."""
     poses, com, load = rollout.poses.copy(), rollout.com.copy(), rollout.load.copy()
-    poses[at:, 0] = com[at:, 0] = bad
+    poses[index:, 0] = value
+    com[index:, 0] = value
     if len(load):
-        load[at:, 0] = bad
+        load[index:, 0] = value
     return replace(rollout, poses=poses, com=com, load=load)
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e9])
+@pytest.mark.parametrize("value", [np.nan, np.inf, 1e9])
 @pytest.mark.parametrize("loads", [{}, {"drag_weight": 3}])
-def test_a_walk_that_breaks_down_is_held_as_it_was_last_seen(bad, loads):
+def test_a_diverged_walk_is_frozen_at_its_last_valid_pose(value, loads):
     scene, rollout = compile_scene(GENOME, SHORT.with_(**loads)), simulate(GENOME, SHORT.with_(**loads))
-    assert lasting(scene, rollout) is rollout
-    held = lasting(scene, broken(rollout, 20, bad))
-    for of in ("poses", "com", *(["load"] if loads else [])):
-        shown, recorded = getattr(held, of), getattr(rollout, of)
+    assert freeze_when_diverged(scene, rollout) is rollout
+    frozen = freeze_when_diverged(scene, diverge(rollout, 20, value))
+    for name in ("poses", "com", *(["load"] if loads else [])):
+        shown, recorded = getattr(frozen, name), getattr(rollout, name)
         np.testing.assert_array_equal(shown[:20], recorded[:20])
         np.testing.assert_array_equal(shown[20:], np.tile(recorded[19], (len(recorded) - 20, 1)))
-    assert len(held.load) == len(rollout.load)
+    assert len(frozen.load) == len(rollout.load)
 
 
 @pytest.mark.parametrize("loads", [{}, {"drag_weight": 3}])
-def test_a_walk_that_never_held_is_its_start(loads):
+def test_a_walk_without_valid_poses_is_frozen_at_its_start(loads):
     settings = SHORT.with_(**loads)
     scene, rollout = compile_scene(GENOME, settings), simulate(GENOME, settings)
-    held = lasting(scene, broken(rollout, 0, np.nan))
-    assert (held.poses == scene.start).all()
-    for of in ("com", *(["load"] if loads else [])):
-        shown = getattr(held, of)
+    frozen = freeze_when_diverged(scene, diverge(rollout, 0, np.nan))
+    assert (frozen.poses == scene.start).all()
+    for name in ("com", *(["load"] if loads else [])):
+        shown = getattr(frozen, name)
         assert not np.ptp(shown, axis=0).any()
-        np.testing.assert_allclose(shown[0], getattr(rollout, of)[0], atol=0.2)  # it has yet to settle
+        np.testing.assert_allclose(shown[0], getattr(rollout, name)[0], atol=0.2)  # recorded once settled
 
 
-def test_neither_robot_nor_camera_leaves_when_the_numbers_run_away(drawn, monkeypatch):
-    monkeypatch.setattr("walkerlab.cinema.studio.poorest_walk", lambda *given: broken(poorest_walk(*given), 20, 1e9))
-    draw(GENOME, SHORT)
-    for pose, _, camera in drawn:
-        assert np.abs(pose[:3]).max() < 5
+def test_robot_and_camera_stay_close_when_a_walk_diverges(rendered_states, monkeypatch):
+    def diverging_walk(*arguments):
+        return diverge(poorest_walk(*arguments), 20, 1e9)
+
+    monkeypatch.setattr("walkerlab.cinema.studio.poorest_walk", diverging_walk)
+    render_walk(GENOME, SHORT)
+    for pose, _, camera in rendered_states:
+        assert np.abs(pose[POSITION]).max() < 5
         assert np.abs(camera.lookat).max() < 5
         assert 1 < camera.distance < 10
 
 
 @pytest.mark.parametrize("timestep", [0.0005, 0.0013, 0.003, 0.007, 0.009, 0.01])
-def test_the_camera_is_the_same_at_any_timestep(timestep):
+def test_the_camera_does_not_depend_on_the_timestep(timestep):
     scene, rollout = compile_scene(GENOME, SHORT), simulate(GENOME, SHORT)
-    moments = np.arange(0, 2, 0.04)
+    frame_times = np.arange(0, 2, 0.04)
 
-    def cameras(step):
-        """Film a robot that walks and bobs, recorded as ``walk`` does."""
+    def camera_path(step):
+        """Return the camera's parameters for a robot that moves along a curve, recorded as in a simulation."""
         n_steps = round(2 / step) + 1
-        time = np.union1d(control_steps(n_steps, step)[0], n_steps - 1) * step
-        com = np.stack([0.5 * time, 0.1 * np.sin(3 * time), 0.3 + 0.02 * np.sin(12 * time)], axis=1)
-        shot = cameras_at(moments, scene, replace(rollout, time=time, com=com), 4 / 3)
-        return np.array([[*one.lookat, one.distance, one.azimuth, one.elevation] for one in shot])
+        recorded = np.union1d(control_steps(n_steps, step)[0], n_steps - 1) * step
+        com = np.stack([0.5 * recorded, 0.1 * np.sin(3 * recorded), 0.3 + 0.02 * np.sin(12 * recorded)], axis=1)
+        cameras = cameras_at(frame_times, scene, replace(rollout, time=recorded, com=com), 4 / 3)
+        return np.array([[*camera.lookat, camera.distance, camera.azimuth, camera.elevation] for camera in cameras])
 
-    np.testing.assert_allclose(cameras(timestep), cameras(0.005), atol=3e-3)
-
-
-def test_a_sledge_is_in_the_picture_and_a_narrow_picture_is_taken_from_farther_away():
-    alone, loaded = SHORT, SHORT.with_(drag_weight=3)
-    moments = np.array([0.0, 0.5])
-
-    def cameras(settings, shape):
-        return cameras_at(moments, compile_scene(GENOME, settings), simulate(GENOME, settings), shape)
-
-    assert cameras(loaded, 4 / 3)[0].distance > cameras(alone, 4 / 3)[0].distance + 0.5
-    assert cameras(loaded, 4 / 3)[0].lookat[0] < cameras(alone, 4 / 3)[0].lookat[0] - 0.3
-    assert cameras(alone, 2 / 3)[0].distance == pytest.approx(2 * cameras(alone, 4 / 3)[0].distance)
-    assert cameras(alone, 2)[0].distance == cameras(alone, 4 / 3)[0].distance
+    np.testing.assert_allclose(camera_path(timestep), camera_path(0.005), atol=3e-3)
 
 
-def test_pieces_in_the_picture_are_drawn_and_those_behind_are_not():
+def test_the_camera_shows_the_sledge_and_is_farther_away_for_narrow_pictures():
+    with_sledge = SHORT.with_(drag_weight=3)
+
+    def first_camera(settings, aspect_ratio):
+        scene, rollout = compile_scene(GENOME, settings), simulate(GENOME, settings)
+        return cameras_at(np.array([0.0, 0.5]), scene, rollout, aspect_ratio)[0]
+
+    alone = first_camera(SHORT, 4 / 3)
+    assert first_camera(with_sledge, 4 / 3).distance > alone.distance + 0.5
+    assert first_camera(with_sledge, 4 / 3).lookat[0] < alone.lookat[0] - 0.3
+    assert first_camera(SHORT, 2 / 3).distance == pytest.approx(2 * alone.distance)
+    assert first_camera(SHORT, 2).distance == alone.distance
+
+
+def test_visible_texture_pieces_are_drawn_and_those_behind_the_camera_are_hidden():
     settings = SHORT.with_(texture="gravel", texture_density=0.1, texture_size=0.1, camera="side")
     scene, rollout = compile_scene(GENOME, settings), simulate(GENOME, settings)
-    (camera,), pieces = cameras_at(np.array([0.5]), scene, rollout, 4 / 3), Pieces(scene, 4 / 3, sketch=True)
+    [camera] = cameras_at(np.array([0.5]), scene, rollout, 4 / 3)
+    pieces = TexturePieces(scene, 4 / 3, software=True)
     assert len(pieces) > 100
-    pieces.show(camera)
-    eye = camera.lookat[1] - camera.distance * np.cos(np.radians(camera.elevation))
-    shown = scene.model.geom_pos[scene.model.geom_group == 0][:, 1]
-    hidden = scene.model.geom_pos[scene.model.geom_group == 5]
+    pieces.hide_outside(camera)
+    camera_y = camera.lookat[1] - camera.distance * np.cos(np.radians(camera.elevation))
+    visible = scene.model.geom_pos[scene.model.geom_group == VISIBLE_GROUP]
+    hidden = scene.model.geom_pos[scene.model.geom_group == HIDDEN_GROUP]
     assert len(hidden) > 100
-    assert shown[1:].min() > eye  # the first is the ground
-    near = np.linalg.norm(hidden[:, :2] - camera.lookat[:2], axis=1)
-    assert near.min() > 0.8
+    assert visible[1:, 1].min() > camera_y  # the first geom is the ground
+    distances = np.linalg.norm(hidden[:, :2] - camera.lookat[:2], axis=1)
+    assert distances.min() > 0.8
 
 
-@pytest.mark.parametrize("suffix", [".mp4", ".webm", ".gif"])
-def test_every_kind_of_film_has_all_its_frames_in_their_colours(tmp_path, suffix):
+# ---------------------------------------------------------------------------------------------------------- encoding
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_every_format_preserves_frames_and_colours(tmp_path, suffix):
     colours = [(240, 150, 0), (20, 110, 180), (190, 190, 175), (60, 60, 60)]
-    drawn = [np.full((96, 128, 3), colour, dtype=np.uint8) for colour in colours]
-    drawn[0][48:] = colours[1]
-    record(iter(drawn), tmp_path / "film", suffix, (128, 96), 10)
-    shown = pictures(tmp_path / "film")
-    assert shown.shape == (4, 96, 128, 3)
-    for one, other in zip(shown, drawn, strict=True):
-        np.testing.assert_allclose(one[8:40, 8:120].mean(axis=(0, 1)), other[8:40, 8:120].mean(axis=(0, 1)), atol=8)
+    pictures = [np.full((96, 128, 3), colour, dtype=np.uint8) for colour in colours]
+    pictures[0][48:] = colours[1]
+    encode(iter(pictures), tmp_path / "film", suffix, (128, 96), 10)
+    decoded = decode(tmp_path / "film")
+    assert decoded.shape == (4, 96, 128, 3)
+    inside = np.s_[8:40, 8:120]
+    for frame, picture in zip(decoded, pictures, strict=True):
+        np.testing.assert_allclose(frame[inside].mean(axis=(0, 1)), picture[inside].mean(axis=(0, 1)), atol=8)
 
 
-def test_what_stands_still_in_a_gif_does_not_flicker(tmp_path):
-    ground = np.random.default_rng(0).integers(0, 255, (96, 128, 3), dtype=np.uint8)  # more colours than it can have
-    drawn = [ground.copy() for _ in range(5)]
-    for number, picture in enumerate(drawn):
+def test_still_areas_of_a_gif_do_not_flicker(tmp_path):
+    background = np.random.default_rng(0).integers(0, 255, (96, 128, 3), dtype=np.uint8)  # more colours than a palette
+    pictures = [background.copy() for _ in range(5)]
+    for number, picture in enumerate(pictures):
         picture[40:60, 20 * number : 20 * number + 20] = 250, 0, 0
-    record(iter(drawn), tmp_path / "film", ".gif", (128, 96), 10)
-    shown = pictures(tmp_path / "film")
-    assert not np.ptp(shown[:, :40], axis=0).any()
+    encode(iter(pictures), tmp_path / "film", ".gif", (128, 96), 10)
+    assert not np.ptp(decode(tmp_path / "film")[:, :40], axis=0).any()
 
 
 @pytest.mark.parametrize("fps", [10, 25, 50])
-@pytest.mark.parametrize("suffix", [".mp4", ".webm", ".gif"])
-def test_every_kind_of_film_plays_at_its_speed(tmp_path, suffix, fps):
-    drawn = np.random.default_rng(0).integers(0, 255, (fps // 2, 96, 128, 3), dtype=np.uint8)
-    record(iter(drawn), tmp_path / "film", suffix, (128, 96), fps)
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_every_format_plays_at_the_requested_frame_rate(tmp_path, suffix, fps):
+    pictures = np.random.default_rng(0).integers(0, 255, (fps // 2, 96, 128, 3), dtype=np.uint8)
+    encode(iter(pictures), tmp_path / "film", suffix, (128, 96), fps)
     with av.open(str(tmp_path / "film")) as file:
-        shown = [frame.time for frame in file.decode(video=0)]
-    np.testing.assert_allclose(shown, np.arange(fps // 2) / fps, atol=2e-3)
+        times = [frame.time for frame in file.decode(video=0)]
+    np.testing.assert_allclose(times, np.arange(fps // 2) / fps, atol=2e-3)
 
 
-# -------------------------------------------------------------------------------------------------- what is written
+# ---------------------------------------------------------------------------------------------- captions and timeline
 
 
-def test_a_caption_and_a_ruler_can_be_read_and_leave_the_middle_alone():
-    job = replace(JOB, acts=(Act("", 1, "generation 3 · 2.10 m", 3),), size=(480, 360), ruler=(0, 12))
-    ground = np.full((360, 480, 3), 230, dtype=np.uint8)  # snow
-    written = Titles(job.acts[0], job).over(ground).astype(int)
-    changed = np.nonzero(np.abs(written - 230).max(axis=(1, 2)) > 5)[0]
-    assert changed.min() < 30
-    assert changed.max() > 330
-    assert not np.any((changed > 40) & (changed < 320))
-    plate = written[10:30, 10:150]
-    assert plate.max() - np.median(plate) > 100  # white on dark, whatever the ground
-    np.testing.assert_array_equal(Titles(JOB.acts[0], JOB).over(ground), ground)
+def test_caption_and_timeline_are_legible_and_leave_the_middle_of_the_picture_free():
+    clip = Clip("", 1, "generation 3 · 2.10 m", 3)
+    job = replace(JOB, clips=(clip,), size=(480, 360), generation_range=(0, 12))
+    snow = np.full((360, 480, 3), 230, dtype=np.uint8)
+    captioned = CaptionOverlay(clip, job).draw_on(snow).astype(int)
+    changed_rows = np.nonzero(np.abs(captioned - 230).max(axis=(1, 2)) > 5)[0]
+    assert changed_rows.min() < 30
+    assert changed_rows.max() > 330
+    assert not np.any((changed_rows > 40) & (changed_rows < 320))
+    caption = captioned[10:30, 10:150]
+    assert caption.max() - np.median(caption) > 100  # white on dark, also on a bright picture
+    np.testing.assert_array_equal(CaptionOverlay(JOB.clips[0], JOB).draw_on(snow), snow)
 
 
-def test_the_ruler_points_at_the_generation():
-    def place(generation):
-        act = Act("", 1, "", generation)
-        job = replace(JOB, acts=(act,), size=(480, 360), ruler=(0, 10))
-        row = (
-            Titles(act, job).over(np.zeros((360, 480, 3), dtype=np.uint8))[330:355, 40:440].astype(int).sum(axis=(0, 2))
-        )
-        return int(np.argmax(np.convolve(row, np.ones(9), "same")))
+def test_the_timeline_marks_the_generation():
+    def marked_column(generation):
+        clip = Clip("", 1, "", generation)
+        job = replace(JOB, clips=(clip,), size=(480, 360), generation_range=(0, 10))
+        picture = CaptionOverlay(clip, job).draw_on(np.zeros((360, 480, 3), dtype=np.uint8))
+        brightness = picture[330:355, 40:440].astype(int).sum(axis=(0, 2))
+        return int(np.argmax(np.convolve(brightness, np.ones(9), "same")))
 
-    places = [place(generation) for generation in (1, 5, 9)]
-    assert places == sorted(places)
-    assert places[2] - places[1] == pytest.approx(places[1] - places[0], abs=3)
-
-
-def test_a_caption_that_is_too_long_is_made_to_fit():
-    act = Act("", 1, "ein sehr langer Titel\nin zwei Zeilen " * 9)
-    written = Titles(act, JOB).over(np.full((96, 128, 3), 230, dtype=np.uint8))
-    assert (written[:, -4:] == 230).all()
+    columns = [marked_column(generation) for generation in (1, 5, 9)]
+    assert columns == sorted(columns)
+    assert columns[2] - columns[1] == pytest.approx(columns[1] - columns[0], abs=3)
 
 
-# ------------------------------------------------------------------------------------------------------ time-lapse
+def test_a_long_caption_is_shortened_to_fit():
+    clip = Clip("", 1, "a very long caption\non two lines " * 9)
+    captioned = CaptionOverlay(clip, JOB).draw_on(np.full((96, 128, 3), 230, dtype=np.uint8))
+    assert (captioned[:, -4:] == 230).all()
 
 
-def run_of(champions, settings=SHORT):
-    """Make a run whose generation i has this champion, and a poorer robot beside it."""
+# --------------------------------------------------------------------------------------------------------- time-lapse
+
+
+def run_with_champions(champions, settings=SHORT):
+    """Make a run in which generation i has the i-th champion and a poorer individual."""
     rows = [
         {"generation": i, "individual": number, "born": 0, "parents": "", "operators": "random", "fitness": fitness,
          "verdict": "ok", "reason": "", "distance": 0, "velocity": 0, "n_segments": 3, "n_legs": 6, "weight": 6,
          "body_length": 0.8, "genome": GENOME}
-        for i, best in enumerate(champions)
-        for number, fitness in ((best, 1.0 + best), (10_000 + i, 0.5))
+        for i, champion in enumerate(champions)
+        for number, fitness in ((champion, 1.0 + champion), (10_000 + i, 0.5))
     ]  # fmt: skip
     return Run(settings, records.tidy(pd.DataFrame(rows)))
 
 
 @pytest.fixture
 def jobs(monkeypatch):
-    """Have no film made, but see what was asked for."""
-    asked = []
-    monkeypatch.setattr("walkerlab.cinema.make", lambda job, path, *, progress: asked.append(job))
-    return asked
+    """Record the requested films instead of rendering them."""
+    requested = []
+    monkeypatch.setattr("walkerlab.cinema.render_film", lambda job, path, *, progress: requested.append(job))
+    return requested
 
 
 def test_a_time_lapse_shows_each_champion_once_with_its_generations(jobs):
-    made = timelapse(run_of([1, 2, 2, 2, 3]), "lapse.mp4", seconds=0.5, fps=10)
-    (job,) = jobs
-    said = [act.caption for act in job.acts]
-    assert said == [
+    made = timelapse(run_with_champions([1, 2, 2, 2, 3]), "lapse.mp4", seconds=0.5, fps=10)
+    [job] = jobs
+    assert [clip.caption for clip in job.clips] == [
         "generation 0 · robot 1 · 2.00 m",
         "generations 1–3 · robot 2 · 3.00 m",
         "generation 4 · robot 3 · 4.00 m",
     ]
-    assert job.ruler == (0, 4)
+    assert job.generation_range == (0, 4)
     assert made.n_frames == 15
 
 
 @pytest.mark.parametrize(("n", "at_most"), [(50, 7), (50, 2), (3, 20), (1, 2)])
-def test_a_thinned_time_lapse_keeps_the_first_and_the_last_and_is_even(jobs, n, at_most):
-    timelapse(run_of(range(n)), "lapse.mp4", at_most=at_most)
-    shown = [act.generation for act in jobs[0].acts]
+def test_a_selection_of_champions_is_even_and_has_the_first_and_the_last(jobs, n, at_most):
+    timelapse(run_with_champions(range(n)), "lapse.mp4", at_most=at_most)
+    shown = [clip.generation for clip in jobs[0].clips]
     assert len(shown) == min(n, at_most)
     assert (shown[0], shown[-1]) == (0, n - 1)
     assert np.ptp(np.diff(shown)) <= 1 if len(shown) > 1 else shown == [0]
 
 
-def test_a_champion_walks_no_longer_than_it_did(jobs):
-    timelapse(run_of([1, 2]), "lapse.mp4", seconds=30)
-    assert [act.seconds for act in jobs[0].acts] == [1.0, 1.0]
+def test_a_champion_is_shown_no_longer_than_its_walk(jobs):
+    timelapse(run_with_champions([1, 2]), "lapse.mp4", seconds=30)
+    assert [clip.seconds for clip in jobs[0].clips] == [1.0, 1.0]
 
 
-def test_a_walk_that_does_not_count_says_so(jobs):
-    run = run_of([1])
+def test_the_caption_of_a_disqualified_walk_says_so(jobs):
+    run = run_with_champions([1])
     run.records["verdict"] = "fell"
     timelapse(run, "lapse.mp4")
-    assert jobs[0].acts[0].caption.endswith("does not count: fell")
+    assert jobs[0].clips[0].caption.endswith("does not count: fell")
 
 
-def test_a_time_lapse_is_made(gl, tmp_path):
-    made = timelapse(run_of([1, 2]), tmp_path / "lapse.mp4", seconds=0.3, **SMALL)
-    assert len(pictures(made.path)) == made.n_frames == 6
+def test_a_time_lapse_is_rendered(backend, tmp_path):
+    made = timelapse(run_with_champions([1, 2]), tmp_path / "lapse.mp4", seconds=0.3, **SMALL)
+    assert len(decode(made.path)) == made.n_frames == 6
 
 
-# -------------------------------------------------------------------------------------------------- what goes wrong
+# ------------------------------------------------------------------------------------------------------------- errors
 
 
 @pytest.mark.parametrize(
-    ("wrong", "words"),
+    ("arguments", "phrases"),
     [
         ({"size": (481, 360)}, ["size is (481, 360)", "even", "64 to 4096 pixels", "width and height"]),
         ({"size": (480, 10_000)}, ["size is (480, 10000)"]),
@@ -435,67 +460,75 @@ def test_a_time_lapse_is_made(gl, tmp_path):
         ({"path": "walk"}, ["path ends in ''"]),
     ],
 )
-def test_what_no_film_can_be_is_refused_before_anything_starts(jobs, wrong, words):
+def test_invalid_arguments_of_a_film_are_rejected_before_rendering(jobs, arguments, phrases):
     with pytest.raises(ValueError) as error:  # noqa: PT011
-        film(GENOME, SHORT, **{"path": "walk.mp4", **wrong})
-    assert all(word in str(error.value) for word in words)
+        film(GENOME, SHORT, **{"path": "walk.mp4", **arguments})
+    assert all(phrase in str(error.value) for phrase in phrases)
     assert not jobs
 
 
 @pytest.mark.parametrize(
-    ("wrong", "word"),
+    ("arguments", "message"),
     [
-        ({"seconds": 0}, "seconds is 0; it must be a number over 0"),
-        ({"seconds": "2"}, "seconds is '2'; it must be a number over 0"),
-        ({"seconds": None}, "seconds is None; it must be a number over 0"),
-        ({"seconds": float("nan")}, "seconds is nan; it must be a number over 0"),
+        ({"seconds": 0}, "seconds is 0; it must be a number above 0"),
+        ({"seconds": "2"}, "seconds is '2'; it must be a number above 0"),
+        ({"seconds": None}, "seconds is None; it must be a number above 0"),
+        ({"seconds": float("nan")}, "seconds is nan; it must be a number above 0"),
         ({"at_most": 1}, "at_most is 1; it must be a whole number, 2 to 1000"),
         ({"at_most": 2.5}, "at_most is 2.5; it must be a whole number, 2 to 1000"),
         ({"at_most": "7"}, "at_most is '7'; it must be a whole number, 2 to 1000"),
     ],
 )
-def test_what_no_time_lapse_can_be_is_refused(jobs, wrong, word):
-    with pytest.raises(ValueError, match=word):
-        timelapse(run_of([1]), "lapse.mp4", **wrong)
+def test_invalid_arguments_of_a_time_lapse_are_rejected(jobs, arguments, message):
+    with pytest.raises(ValueError, match=message):
+        timelapse(run_with_champions([1]), "lapse.mp4", **arguments)
+    assert not jobs
+
+
+def test_a_time_lapse_of_an_empty_run_is_rejected():
     with pytest.raises(ValueError, match="no robot has walked"):
         timelapse(Run(SHORT, records.join([])), "lapse.mp4")
 
 
-def test_numbers_of_numpy_are_numbers(jobs):
+def test_numpy_numbers_are_accepted(jobs):
     size, fps = (np.int64(128), np.int32(96)), np.int16(10)
     film(GENOME, SHORT, "walk.mp4", size=size, fps=fps)
-    timelapse(run_of([1, 2]), "lapse.mp4", size=size, fps=fps, seconds=np.float32(0.5), at_most=np.int64(2))
+    run = run_with_champions([1, 2])
+    timelapse(run, "lapse.mp4", size=size, fps=fps, seconds=np.float32(0.5), at_most=np.int64(2))
     for job in jobs:
         assert Job.from_json(job.to_json(Path("film.mp4")))[0] == job
         assert (job.size, job.fps) == ((128, 96), 10)
 
 
-def test_a_champion_is_filmed_as_its_genome_is(jobs):
-    run = run_of([1])
+def test_an_individual_is_accepted_in_place_of_its_genome(jobs):
+    run = run_with_champions([1])
     film(run.champion, SHORT, "walk.mp4")
     film(GENOME, SHORT, "walk.mp4")
-    assert jobs[0].acts == jobs[1].acts
+    assert jobs[0].clips == jobs[1].clips
     with pytest.raises(TypeError, match=r"give run\.champion"):
         film(run, SHORT, "walk.mp4")
     with pytest.raises(TypeError, match="its column genome"):
         film(run.records, SHORT, "walk.mp4")
 
 
-def test_a_name_as_long_as_names_can_be_will_do_and_a_longer_one_is_refused_at_once(monkeypatch, tmp_path):
-    monkeypatch.setattr(crew, "_draw", lambda job, part, on_frame: part.write_bytes(b"film"))
+def test_a_file_name_of_maximum_length_is_accepted_and_a_longer_one_rejected(monkeypatch, tmp_path):
+    def write_film(job, path, on_frame):
+        path.write_bytes(b"film")
+
+    monkeypatch.setattr(crew, "_render_with_first_backend", write_film)
     for length in (244, 255):
         made = film(GENOME, SHORT, tmp_path / f"{'w' * (length - 4)}.mp4", progress=False)
         assert made.path.read_bytes() == b"film"
     assert len(list(tmp_path.iterdir())) == 2
-    monkeypatch.setattr(crew, "_draw", None)
+    monkeypatch.setattr(crew, "_render_with_first_backend", None)
     with pytest.raises(FilmError, match="cannot be written to"):
         film(GENOME, SHORT, tmp_path / f"{'w' * 252}.mp4", progress=False)
     assert len(list(tmp_path.iterdir())) == 2
 
 
-def test_a_place_where_nothing_can_be_written_is_refused_before_anything_starts(monkeypatch, tmp_path):
-    monkeypatch.setattr(crew, "_draw", None)
-    with pytest.raises(FilmError, match="there is no folder"):
+def test_a_path_that_is_not_writable_is_rejected_before_rendering(monkeypatch, tmp_path):
+    monkeypatch.setattr(crew, "_render_with_first_backend", None)
+    with pytest.raises(FilmError, match=r"the folder .*missing of the film walk\.mp4 does not exist"):
         film(GENOME, SHORT, tmp_path / "missing" / "walk.mp4")
     (tmp_path / "folder.mp4").mkdir()
     with pytest.raises(FilmError, match="is a folder"):
@@ -504,54 +537,62 @@ def test_a_place_where_nothing_can_be_written_is_refused_before_anything_starts(
         film(GENOME, SHORT, tmp_path / f"{'long' * 80}.mp4")
 
 
+@pytest.fixture
+def existing_film(tmp_path):
+    path = tmp_path / "walk.mp4"
+    path.write_bytes(b"existing")
+    return path
+
+
+def assert_only_unchanged_film(path):
+    assert path.read_bytes() == b"existing"
+    assert list(path.parent.iterdir()) == [path]
+
+
 @pytest.mark.parametrize("chosen", ["disabled", "no such backend"])
-def test_without_a_gl_the_mend_is_named_and_an_older_film_survives(monkeypatch, tmp_path, chosen):
-    older = tmp_path / "walk.mp4"
-    older.write_bytes(b"older")
+def test_without_opengl_the_error_explains_the_fix_and_an_existing_film_is_kept(monkeypatch, existing_film, chosen):
     monkeypatch.setenv("MUJOCO_GL", chosen)
     with pytest.raises(FilmError) as error:
-        film(GENOME, SHORT, older, progress=False)
-    for words in (f"no GL that draws without a screen with MUJOCO_GL={chosen}", "wl.replay", graphics.mend()):
-        assert words in str(error.value)
-    assert older.read_bytes() == b"older"
-    assert list(tmp_path.iterdir()) == [older]
+        film(GENOME, SHORT, existing_film, progress=False)
+    for phrase in (f"OpenGL is not available with MUJOCO_GL={chosen}", "wl.replay", graphics.how_to_fix()):
+        assert phrase in str(error.value)
+    assert_only_unchanged_film(existing_film)
 
 
-def test_a_crash_in_the_midst_is_an_error_and_an_older_film_survives(monkeypatch, tmp_path):
-    older = tmp_path / "walk.mp4"
-    older.write_bytes(b"older")
-    monkeypatch.setattr(crew, "START", "print('gl x', flush=True); input(); print('frame', flush=True); 1 / 0")
-    with pytest.raises(FilmError, match="could not be made: ZeroDivisionError"):
-        film(GENOME, SHORT, older, progress=False)
-    assert older.read_bytes() == b"older"
-    assert list(tmp_path.iterdir()) == [older]
+def test_a_crash_while_rendering_is_an_error_and_an_existing_film_is_kept(monkeypatch, existing_film):
+    crashing = "print('gl x', flush=True); input(); print('frame', flush=True); 1 / 0"
+    monkeypatch.setattr(crew, "CHILD_PROGRAM", crashing)
+    with pytest.raises(FilmError, match="could not be rendered: ZeroDivisionError"):
+        film(GENOME, SHORT, existing_film, progress=False)
+    assert_only_unchanged_film(existing_film)
 
 
 def test_ctrl_c_leaves_no_process_and_no_file(monkeypatch, tmp_path):
     started = []
-    start = subprocess.Popen
+    popen = subprocess.Popen
 
-    def watched(*args, **kwargs):
-        started.append(start(*args, **kwargs))
+    def recording_popen(*args, **kwargs):
+        started.append(popen(*args, **kwargs))
         return started[-1]
 
-    monkeypatch.setattr(crew.subprocess, "Popen", watched)
+    monkeypatch.setattr(crew.subprocess, "Popen", recording_popen)
+    hanging = "import time; print('gl x', flush=True); print('frame', flush=True); time.sleep(99)"
+    monkeypatch.setattr(crew, "CHILD_PROGRAM", hanging)
+    main_thread = threading.main_thread().ident
     monkeypatch.setattr(
-        crew, "START", "import time; print('gl x', flush=True); print('frame', flush=True); time.sleep(99)"
+        crew, "tqdm", lambda **_: _InterruptingBar(lambda: signal.pthread_kill(main_thread, signal.SIGINT))
     )
-    main = threading.main_thread().ident
-    monkeypatch.setattr(crew, "tqdm", lambda **_: _Interrupting(lambda: signal.pthread_kill(main, signal.SIGINT)))
     with pytest.raises(KeyboardInterrupt):
         film(GENOME, SHORT, tmp_path / "walk.mp4", progress=False)
     assert started[0].poll() is not None
     assert not list(tmp_path.iterdir())
 
 
-class _Interrupting:
-    """A bar at whose first step the user presses Ctrl-C."""
+class _InterruptingBar:
+    """Progress bar that sends Ctrl-C at its first update."""
 
-    def __init__(self, press):
-        self.update = lambda _: press()
+    def __init__(self, press_ctrl_c):
+        self.update = lambda _: press_ctrl_c()
 
     def __enter__(self):
         return self
@@ -560,76 +601,76 @@ class _Interrupting:
         return None
 
 
-@pytest.mark.skipif(os.name == "nt", reason="kills as POSIX does")
-def test_when_the_kernel_is_killed_its_film_is_given_up(gl, tmp_path):
+@pytest.mark.skipif(os.name == "nt", reason="kills a process as on POSIX")
+def test_when_the_kernel_is_killed_rendering_ends_and_the_temporary_file_is_removed(backend, tmp_path):
     code = (
         "from walkerlab.cinema import film; from walkerlab.settings import Settings; from walkerlab.commands.worlds "
         f"import GENOME; film(GENOME, Settings(), {str(tmp_path / 'walk.mp4')!r}, size=(128, 96), fps=60)"
     )
     with subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True) as kernel:
-        started = any(sign in "▏▎▍▌▋▊▉█" for sign in iter(lambda: kernel.stderr.read(1), ""))
-        left = list(tmp_path.iterdir())
+        is_rendering = any(character in "▏▎▍▌▋▊▉█" for character in iter(lambda: kernel.stderr.read(1), ""))
+        files_while_rendering = list(tmp_path.iterdir())
         kernel.kill()
-    assert started
-    assert len(left) == 1
-    patience = time.monotonic() + 20
-    while list(tmp_path.iterdir()) and time.monotonic() < patience:
+    assert is_rendering
+    assert len(files_while_rendering) == 1
+    deadline = time.monotonic() + 20
+    while list(tmp_path.iterdir()) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert not list(tmp_path.iterdir())
 
 
-def test_functions_of_the_users_own_do_not_matter():
+def test_user_functions_in_the_settings_are_not_sent_to_the_child():
     settings = SHORT.with_(fitness=lambda rollout: 0.0)
     job, path = Job.from_json(replace(JOB, settings=settings).to_json(Path("walk.mp4")))
     assert path == Path("walk.mp4")
     assert job == JOB
 
 
-# -------------------------------------------------------------------------------------------------------- the answer
+# ---------------------------------------------------------------------------------------------- display in a notebook
 
 
-def test_a_film_is_shown_in_a_notebook_with_words_for_those_who_cannot_see_it(tmp_path):
+def test_a_film_plays_in_a_notebook_and_has_a_description(tmp_path):
     path = tmp_path / "a <b> & c.mp4"
     path.write_bytes(b"film")
     shown = Film(path, 'A "walk"', (480, 360), 25, 200)
     html = shown._repr_html_()
     assert html.startswith('<video src="data:video/mp4;base64,ZmlsbQ=="')
-    for part in ('aria-label="A &quot;walk&quot;"', 'width="480"', "controls", "loop", "muted", "a &lt;b&gt; &amp; c"):
-        assert part in html
+    for text in ('aria-label="A &quot;walk&quot;"', 'width="480"', "controls", "loop", "muted", "a &lt;b&gt; &amp; c"):
+        assert text in html
     assert repr(shown) == f"Film({path}: 8.0 s, 480 × 360, 0 kB)"
     path.unlink()
-    assert "no longer there" in repr(shown)
-    assert "no longer there" in shown._repr_html_()
+    assert "file not found" in repr(shown)
+    assert "file not found" in shown._repr_html_()
 
 
-def test_a_large_film_is_linked_to_and_a_gif_is_a_picture(tmp_path, monkeypatch):
+def test_a_gif_is_embedded_as_an_image_and_a_large_film_is_linked(tmp_path, monkeypatch):
     path = tmp_path / "walk.gif"
     path.write_bytes(b"film")
     shown = Film(path, "A walk", (480, 360), 25, 200)
     assert '<img src="data:image/gif;base64' in shown._repr_html_()
-    monkeypatch.setattr("walkerlab.cinema.result.MOST", 1)
+    monkeypatch.setattr("walkerlab.cinema.result.MAX_EMBEDDED_BYTES", 1)
     assert "base64" not in shown._repr_html_()
     assert f'href="{path.as_posix()}"' in shown._repr_html_()
 
 
-def test_it_plays_in_a_browser(made, page, tmp_path):
-    page.set_default_timeout(120_000)  # ms: the machine may be busy
+def test_a_film_plays_to_its_end_in_a_browser(rendered_film, page, tmp_path):
+    page.set_default_timeout(120_000)  # ms; the machine may be busy
     page_file = tmp_path / "film.html"
-    page_file.write_text(f"<!doctype html><meta charset=utf-8>{made._repr_html_()}", encoding="utf-8")
+    page_file.write_text(f"<!doctype html><meta charset=utf-8>{rendered_film._repr_html_()}", encoding="utf-8")
     page.goto(page_file.as_uri())
     page.evaluate(PLAY)
-    assert page.wait_for_function("window.cameTo").json_value() == "its end"
-    seen = page.evaluate("(v => [v.currentTime, v.videoWidth, v.videoHeight])(document.querySelector('video'))")
-    assert seen == [pytest.approx(1.0, abs=0.05), 128, 96]
+    assert page.wait_for_function("window.playResult").json_value() == "ended"
+    state = page.evaluate("(v => [v.currentTime, v.videoWidth, v.videoHeight])(document.querySelector('video'))")
+    assert state == [pytest.approx(1.0, abs=0.05), 128, 96]
 
 
 PLAY = """() => {
     const video = document.querySelector("video");
-    const fail = (error) => { window.cameTo ??= String(error?.message ?? video.error?.message ?? error); };
+    const fail = (error) => { window.playResult ??= String(error?.message ?? video.error?.message ?? error); };
     video.loop = false;
-    video.addEventListener("ended", () => { window.cameTo ??= "its end"; });
+    video.addEventListener("ended", () => { window.playResult ??= "ended"; });
     video.addEventListener("error", () => fail(video.error));
     if (video.error) fail(video.error);
     video.play().catch(fail);
 }"""
-"""Returns at once, and leaves in ``cameTo`` what it came to: nothing waits without a limit."""
+"""Starts the video and returns at once; sets ``playResult`` to "ended" or to an error message."""

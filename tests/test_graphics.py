@@ -1,3 +1,5 @@
+"""An OpenGL backend is found without risk to the calling process, and otherwise the user learns how to install one."""
+
 import subprocess
 
 import pytest
@@ -6,29 +8,29 @@ from walkerlab import graphics
 
 
 @pytest.mark.parametrize(
-    ("code", "verdict", "answer"),
+    ("program", "expected_success", "expected_output"),
     [
         ("print('first'); print('last')", True, "last"),
         ("raise ValueError('why')", False, "ValueError: why"),
-        ("import os; os.abort()", False, "it ended with code"),
+        ("import os; os.abort()", False, "the process ended with code"),
     ],
 )
-def test_what_crashes_when_it_is_tried_out_hurts_nobody(code, verdict, answer):
-    done, said = graphics.try_out(code)
-    assert done is verdict
-    assert answer in said
+def test_a_program_that_crashes_is_reported_as_failed(program, expected_success, expected_output):
+    succeeded, output = graphics.run_python(program)
+    assert succeeded is expected_success
+    assert expected_output in output
 
 
-def test_what_hangs_is_given_up(monkeypatch):
+def test_a_program_that_hangs_is_reported_as_failed(monkeypatch):
     def hang(command: list[str], **_: object) -> None:
         raise subprocess.TimeoutExpired(command, 1)
 
     monkeypatch.setattr(subprocess, "run", hang)
-    assert graphics.try_out("") == (False, f"gave up after {graphics.PATIENCE} s")
+    assert graphics.run_python("") == (False, f"no answer within {graphics.MAX_CHILD_SECONDS} s")
 
 
 @pytest.mark.parametrize(
-    ("chosen", "system", "tried"),
+    ("chosen", "system", "candidates"),
     [
         (None, "Linux", ["egl", "osmesa"]),
         (None, "Windows", [""]),
@@ -37,31 +39,31 @@ def test_what_hangs_is_given_up(monkeypatch):
         ("", "Linux", ["egl", "osmesa"]),
     ],
 )
-def test_what_the_user_has_chosen_is_tried_alone(monkeypatch, chosen, system, tried):
+def test_a_backend_set_by_the_user_is_the_only_candidate(monkeypatch, chosen, system, candidates):
     monkeypatch.setattr(graphics.platform, "system", lambda: system)
     monkeypatch.delenv("MUJOCO_GL", raising=False)
     if chosen is not None:
         monkeypatch.setenv("MUJOCO_GL", chosen)
-    assert graphics.backends() == tried
+    assert graphics.candidate_backends() == candidates
 
 
-def test_backends_are_tried_until_one_draws(monkeypatch):
-    monkeypatch.setattr(graphics, "backends", lambda: ["first", "egl", "never"])
-    draws = {"first": (False, "ImportError"), "egl": (True, "some GL")}
-    monkeypatch.setattr(graphics, "try_out", lambda _, variables: draws[variables["MUJOCO_GL"]])
-    assert graphics.find_gl() == ("egl", "some GL")
-    monkeypatch.setattr(graphics, "try_out", lambda *_: (False, "no"))
-    assert graphics.find_gl() is None
+def test_backends_are_tried_until_one_succeeds(monkeypatch):
+    monkeypatch.setattr(graphics, "candidate_backends", lambda: ["first", "egl", "never tried"])
+    results = {"first": (False, "ImportError"), "egl": (True, "a renderer")}
+    monkeypatch.setattr(graphics, "run_python", lambda _, environment: results[environment["MUJOCO_GL"]])
+    assert graphics.find_backend() == ("egl", "a renderer")
+    monkeypatch.setattr(graphics, "run_python", lambda *_: (False, "no"))
+    assert graphics.find_backend() is None
 
 
-def test_mujoco_and_pyopengl_are_told_the_same():
-    assert graphics.variables("egl") == {"MUJOCO_GL": "egl", "PYOPENGL_PLATFORM": "egl"}
-    assert graphics.variables("glfw") == {"MUJOCO_GL": "glfw"}
-    assert graphics.variables("") == {}
+def test_mujoco_and_pyopengl_use_the_same_backend():
+    assert graphics.backend_environment("egl") == {"MUJOCO_GL": "egl", "PYOPENGL_PLATFORM": "egl"}
+    assert graphics.backend_environment("glfw") == {"MUJOCO_GL": "glfw"}
+    assert graphics.backend_environment("") == {}
 
 
 @pytest.mark.parametrize(
-    ("system", "release", "word"),
+    ("system", "release", "phrase"),
     [
         ("Linux", {"ID": "debian"}, "apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri"),
         ("Linux", {"ID": "ubuntu", "ID_LIKE": "debian"}, "apt-get"),
@@ -75,13 +77,13 @@ def test_mujoco_and_pyopengl_are_told_the_same():
         ("Darwin", {}, "SSH"),
     ],
 )
-def test_each_system_gets_its_own_mend(system, release, word):
-    assert word in graphics.mend_for_gl(system, release)
+def test_the_install_advice_fits_the_system(system, release, phrase):
+    assert phrase in graphics.install_advice(system, release)
 
 
-def test_a_choice_that_does_not_draw_is_to_be_taken_back(monkeypatch):
+def test_a_chosen_backend_that_fails_is_to_be_unset(monkeypatch):
     monkeypatch.setenv("MUJOCO_GL", "glfw")
-    assert graphics.mend().startswith("unset MUJOCO_GL, which is 'glfw' here")
-    assert graphics.missing_gl().endswith("with MUJOCO_GL=glfw")
+    assert graphics.how_to_fix().startswith("unset MUJOCO_GL, which is 'glfw' here")
+    assert graphics.unavailable_message().endswith("with MUJOCO_GL=glfw")
     monkeypatch.delenv("MUJOCO_GL")
-    assert "MUJOCO_GL" not in graphics.missing_gl()
+    assert "MUJOCO_GL" not in graphics.unavailable_message()

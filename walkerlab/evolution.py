@@ -35,7 +35,7 @@ from walkerlab.rerating import Recorded, changed_operators, confirm_ratings, fun
 from walkerlab.run import Run, check_storable, load, own_slots, with_functions
 from walkerlab.settings import Settings
 from walkerlab.store import DamagedError, RunFileError
-from walkerlab.time_limit import patience
+from walkerlab.time_limit import effective_limit
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +107,7 @@ class Evolution(ReadOnlyProperties):
         fitness.check_own(settings.algorithm.fitness)
         workers.check_executor(executor)
         workers.check_open(executor)
-        patience(1.0)  # a wrong environment variable raises before the file is created
+        effective_limit(1.0)  # a wrong environment variable raises before the file is created
         check_storable(settings)
         self._settings = settings
         self._path = None if path is None else store.new_path(path)

@@ -1,15 +1,18 @@
-"""Errors that say in words what is wrong: a notebook shows the words, and not the way through these rooms."""
+"""Base class of errors that users can fix: a notebook shows the message without walkerlab's own traceback."""
 
 from traceback import extract_tb
 
-CELLS = ("ipykernel_", "<ipython-input")  # by which the names of cells, as files, are known
+CELL_FILE_PATTERNS = ("ipykernel_", "<ipython-input")  # parts of the file names that IPython gives to cells
 
 
 class Fault(Exception):
-    """Something that whoever asked can mend; it says how."""
+    """An error that the user can fix; the message explains how."""
 
     def _render_traceback_(self) -> list[str]:
-        """Show the line of the cell that asked, and the words: what IPython prints in place of a traceback."""
-        asked = [step for step in extract_tb(self.__traceback__) if any(cell in step.filename for cell in CELLS)]
-        lines = [f"In line {step.lineno} of the cell: {step.line}" for step in asked]
-        return [*lines, f"{type(self).__name__}: {self}", *getattr(self, "__notes__", [])]
+        """Return the lines that IPython prints instead of a traceback: those of the cell, the message and the notes."""
+        cell_lines = [
+            f"In line {frame.lineno} of the cell: {frame.line}"
+            for frame in extract_tb(self.__traceback__)
+            if any(pattern in frame.filename for pattern in CELL_FILE_PATTERNS)
+        ]
+        return [*cell_lines, f"{type(self).__name__}: {self}", *getattr(self, "__notes__", [])]

@@ -1,119 +1,139 @@
-"""A GL that draws without a screen: where to look for one, and how this system gets it where there is none.
+"""Off-screen OpenGL: which backend is available, and how to install one on this system.
 
-MuJoCo chooses its GL once, by the variable ``MUJOCO_GL``, when it is first imported, and a broken driver can end the
-whole process. So all drawing is done, or tried, in a process of its own.
+MuJoCo reads its OpenGL backend from the environment variable ``MUJOCO_GL`` when it is first imported, and a broken
+driver can crash the process. Therefore each attempt to use OpenGL runs in a separate process.
 """
 
-from __future__ import annotations  # for the doctor, whom a Python that is too old must be able to read
+from __future__ import annotations  # the doctor imports this module also in a Python that is too old for walkerlab
 
 import os
 import platform
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
-PATIENCE = 120  # s for something tried out, after which it counts as failed
+MAX_CHILD_SECONDS = 120  # after which a child process is considered to hang
 
-DRAW = """
+RENDERER_PROGRAM = """
 import mujoco
 context = mujoco.GLContext(64, 64)
 context.make_current()
 from OpenGL import GL
 print(GL.glGetString(GL.GL_RENDERER).decode())
 """
+"""Program that creates an OpenGL context and prints the name of its renderer."""
 
-GL_PACKAGES = {
+INSTALL_COMMANDS = {
     "debian": "sudo apt-get update && sudo apt-get install libegl1 libegl-mesa0 libgl1-mesa-dri",
     "fedora": "sudo dnf install mesa-libEGL mesa-libGL mesa-dri-drivers",
     "suse": "sudo zypper install Mesa-libEGL1 Mesa-dri",
     "arch": "sudo pacman -S mesa",
     "alpine": "use a Linux with glibc, such as Debian: there is no MuJoCo for Alpine's musl",
 }
-"""How each family of Linux distributions gets a GL that needs no screen."""
+"""How to install off-screen OpenGL, for each family of Linux distributions."""
 
 
-def backends() -> list[str]:
-    """Name what ``MUJOCO_GL`` can be here, the likeliest first; "" leaves the choice to MuJoCo.
+def candidate_backends() -> list[str]:
+    """Return the values of ``MUJOCO_GL`` to try, the most likely first; "" is MuJoCo's default.
 
-    What the user has set comes first, and alone.
+    If the user has set the variable, its value is the only candidate.
     """
     if chosen := os.environ.get("MUJOCO_GL"):
         return [chosen]
     return ["egl", "osmesa"] if platform.system() == "Linux" else [""]
 
 
-def variables(backend: str) -> dict[str, str]:
-    """Return the environment variables with which a process draws by this backend."""
-    is_named_alike = backend in ("egl", "osmesa")  # by MuJoCo and by PyOpenGL, and both must mean the same
-    return ({"MUJOCO_GL": backend} if backend else {}) | ({"PYOPENGL_PLATFORM": backend} if is_named_alike else {})
+def backend_environment(backend: str) -> dict[str, str]:
+    """Return the environment variables that select a backend."""
+    environment: dict[str, str] = {}
+    if backend:
+        environment["MUJOCO_GL"] = backend
+    if backend in ("egl", "osmesa"):  # MuJoCo and PyOpenGL must use the same backend
+        environment["PYOPENGL_PLATFORM"] = backend
+    return environment
 
 
-def find_gl() -> tuple[str, str] | None:
-    """Try one backend after the other, each in a process of its own.
+def find_backend() -> tuple[str, str] | None:
+    """Try the candidate backends, each in a separate process.
 
     Returns:
-        The first with which something can be drawn, and what it is that draws; None if there is none.
+        The first available backend and the name of its renderer; None if no backend is available.
     """
-    tried: Iterator[tuple[str, tuple[bool, str]]] = (
-        (backend, try_out(DRAW, variables(backend))) for backend in backends()
-    )
-    return next(((backend, answer) for backend, (done, answer) in tried if done), None)
+    for backend in candidate_backends():
+        succeeded, output = run_python(RENDERER_PROGRAM, backend_environment(backend))
+        if succeeded:
+            return backend, output
+    return None
 
 
-def missing_gl() -> str:
-    """Say that nothing draws here."""
+def unavailable_message() -> str:
+    """Return the message that OpenGL is not available."""
     chosen = os.environ.get("MUJOCO_GL")
-    return f"no GL that draws without a screen{f' with MUJOCO_GL={chosen}' if chosen else ''}"
+    return f"off-screen OpenGL is not available{f' with MUJOCO_GL={chosen}' if chosen else ''}"
 
 
-def mend() -> str:
-    """Say how this very system gets GL."""
-    chosen, here = os.environ.get("MUJOCO_GL"), allowed(mend_for_gl(platform.system(), _release()))
-    return f"unset MUJOCO_GL, which is {chosen!r} here; if that is not enough, {here}" if chosen else here
+def how_to_fix() -> str:
+    """Return how to make off-screen OpenGL available on this system."""
+    chosen = os.environ.get("MUJOCO_GL")
+    advice = adapt_sudo(install_advice(platform.system(), _os_release()))
+    return f"unset MUJOCO_GL, which is {chosen!r} here; if that does not help, {advice}" if chosen else advice
 
 
-def mend_for_gl(system: str, release: Mapping[str, str]) -> str:
-    """Say how a system gets GL.
+def install_advice(system: str, release: Mapping[str, str]) -> str:
+    """Return how to install off-screen OpenGL on a system.
 
     Args:
-        system: as ``platform.system()`` names it.
-        release: of a Linux, as ``/etc/os-release`` has it.
+        system: Name of the system, as ``platform.system()`` returns it.
+        release: Content of ``/etc/os-release`` on Linux; empty on other systems.
     """
     if system == "Windows":
         return "update the graphics driver, and leave MUJOCO_GL unset"
     if system == "Darwin":
-        return "start Python from a session at the screen, not over SSH, and leave MUJOCO_GL unset"
+        return "start Python in a desktop session, not over SSH, and leave MUJOCO_GL unset"
     families = f"{release.get('ID', '')} {release.get('ID_LIKE', '')}".replace("ubuntu", "debian").replace(
         "rhel", "fedora"
     )
-    known = next((GL_PACKAGES[family] for family in GL_PACKAGES if family in families), None)
-    return known or "install Mesa's EGL (libEGL and its software driver) with this system's package manager"
+    command = next((INSTALL_COMMANDS[family] for family in INSTALL_COMMANDS if family in families), None)
+    return command or "install Mesa's EGL (libEGL and its software driver) with this system's package manager"
 
 
-def allowed(command: str) -> str:
-    """Leave ``sudo`` out for root, who needs none and in a container has none; who has none otherwise must ask."""
-    bare = command.replace("sudo ", "")
-    if bare == command or (sys.platform != "win32" and os.geteuid() == 0):
-        return bare
-    return command if shutil.which("sudo") else f"ask whoever runs this computer for: {bare}"
+def adapt_sudo(command: str) -> str:
+    """Adapt a command to the user's rights: root needs no ``sudo``, and users without it need the administrator."""
+    without_sudo = command.replace("sudo ", "")
+    if without_sudo == command or (sys.platform != "win32" and os.geteuid() == 0):
+        return without_sudo
+    return command if shutil.which("sudo") else f"ask the administrator of this computer to run: {without_sudo}"
 
 
-def _release() -> Mapping[str, str]:
+def _os_release() -> Mapping[str, str]:
     try:
         return platform.freedesktop_os_release()
     except OSError:
         return {}
 
 
-def try_out(code: str, environment: Mapping[str, str] | None = None) -> tuple[bool, str]:
-    """Run some Python in a process of its own: whether it went well, and the last line that it said."""
-    command = [sys.executable, "-c", code]
+def run_python(program: str, environment: Mapping[str, str] | None = None) -> tuple[bool, str]:
+    """Run a Python program in a separate process.
+
+    Args:
+        program: Source code.
+        environment: Environment variables to add or replace.
+
+    Returns:
+        Whether the program succeeded, and the last line of its output, of its error messages if it failed.
+    """
+    command = [sys.executable, "-c", program]
     try:
-        tried = subprocess.run(
-            command, capture_output=True, text=True, timeout=PATIENCE, env={**os.environ, **(environment or {})}
+        child = subprocess.run(
+            command,
+            capture_output=True,
+            text=True,
+            timeout=MAX_CHILD_SECONDS,
+            env={**os.environ, **(environment or {})},
         )
     except subprocess.TimeoutExpired:
-        return False, f"gave up after {PATIENCE} s"
-    said = (tried.stdout if tried.returncode == 0 else tried.stderr).strip().splitlines()
-    return tried.returncode == 0, said[-1] if said else f"it ended with code {tried.returncode}"
+        return False, f"no answer within {MAX_CHILD_SECONDS} s"
+    succeeded = child.returncode == 0
+    lines = (child.stdout if succeeded else child.stderr).strip().splitlines()
+    return succeeded, lines[-1] if lines else f"the process ended with code {child.returncode}"

@@ -1,4 +1,4 @@
-"""Patience with a function of the user's own: it is called on a thread, waited for so long, and then stopped."""
+"""Time limit for user functions: each call runs in a thread, which is stopped when the limit is exceeded."""
 
 import contextvars
 import ctypes
@@ -12,118 +12,130 @@ from itertools import takewhile
 from types import FrameType, TracebackType
 from typing import Any, TypeVar
 
-VARIABLE = "WALKERLAB_PATIENCE"
-STEP = 0.1  # s of waiting at a time: on Windows no Ctrl-C comes through while one waits
-TRIES = 5  # to stop a thread, a step each
+LIMIT_VARIABLE = "WALKERLAB_PATIENCE"
+POLL_INTERVAL = 0.1  # s; on Windows, Ctrl-C is not handled during a wait
+MAX_STOP_ATTEMPTS = 5  # one for each interval
+THREAD_NAME = "walkerlab user function"
 
-Answer = TypeVar("Answer")
+Result = TypeVar("Result")
 
 
-class Overdue(Exception):
-    """A function has not returned in time; the traceback ends where it was.
+class TimeLimitExceeded(Exception):
+    """A function has not returned within its time limit; the traceback ends at the line that it was executing.
 
     Attributes:
-        seconds: for how long it was waited.
-        is_stopped: whether it could be stopped.
+        seconds: Time limit [s].
+        is_stopped: Whether the function could be stopped.
     """
 
     def __init__(self, seconds: float, is_stopped: bool) -> None:
-        super().__init__(f"it had not returned after {seconds:g} s")
-        self.seconds, self.is_stopped = seconds, is_stopped
+        super().__init__(f"the function had not returned after {seconds:g} s")
+        self.seconds = seconds
+        self.is_stopped = is_stopped
 
 
-def patience(seconds: float) -> float:
-    """Return how many s to wait for a call: so many, unless the environment variable WALKERLAB_PATIENCE says otherwise.
+def effective_limit(seconds: float) -> float:
+    """Return the time limit [s] from the environment variable WALKERLAB_PATIENCE, or the given one if it is not set.
 
     Raises:
-        ValueError: if that is no number above 0.
+        ValueError: If the variable is not a number above 0.
     """
-    asked = os.environ.get(VARIABLE, "")
+    text = os.environ.get(LIMIT_VARIABLE, "")
     try:
-        seconds = float(asked or seconds)
+        limit = float(text or seconds)
     except ValueError:
-        seconds = 0.0
-    if not seconds > 0:
+        limit = 0.0
+    if not limit > 0:
         raise ValueError(
-            f"the environment variable {VARIABLE} is {asked!r}; it must be a number of seconds above 0, such as '600'. "
-            "It is how long walkerlab waits for an answer."
+            f"the environment variable {LIMIT_VARIABLE} is {text!r}; it must be a number of seconds above 0, such as "
+            "'600'. It is how long walkerlab waits for an answer."
         )
-    return seconds
+    return limit
 
 
-def in_time(call: Callable[[], Answer], seconds: float) -> Answer:
-    """Call a function on a thread of its own, and wait for so long and no longer; Ctrl-C stops it at any time.
+def call_with_limit(function: Callable[[], Result], seconds: float) -> Result:
+    """Call a function in a new thread and stop it when the time limit is exceeded; Ctrl-C stops it at any time.
 
-    What it raises comes back as it is, with its traceback. The thread costs 0.1 to 0.2 ms a call. Under a debugger,
-    which has no hurry, there is no limit. One thing cannot be stopped: C code that keeps Python's lock to itself, as
-    a regular expression that runs away; then all of Python stands still, this clock with it, and only the end of the
-    process helps. What a run has in its file is whole then all the same.
+    Exceptions of the function are raised unchanged, with their traceback. The thread costs 0.1 to 0.2 ms per call. In
+    a debugger, there is no limit. C code that holds the global interpreter lock, such as a regular expression with
+    catastrophic backtracking, cannot be stopped: it blocks all of Python, including this function, and only the end
+    of the process helps. The generations that a run has saved are complete even then.
 
     Args:
-        call: takes nothing.
-        seconds: to wait, to the tenth.
+        function: Function without arguments.
+        seconds: Time limit [s], with a resolution of 0.1 s.
 
     Raises:
-        Overdue: if it has not returned by then; it was stopped, if Python can.
+        TimeLimitExceeded: If the function has not returned within the limit; it was stopped if possible.
     """
-    if sys.gettrace():  # a debugger, whose breakpoints hold on this thread only
-        return call()
-    guest = _Guest(contextvars.copy_context(), call)
-    deadline, where = time.monotonic() + seconds, None
+    if sys.gettrace():  # a debugger, whose breakpoints work in this thread only
+        return function()
+    thread = _CallThread(contextvars.copy_context(), function)
+    deadline = time.monotonic() + seconds
+    position: TracebackType | None = None
     try:
-        guest.start()
-        while not guest.done.wait(STEP):
-            if time.monotonic() > deadline and not any(frame.f_trace for frame, _ in guest.steps()):
+        thread.start()
+        while not thread.done.wait(POLL_INTERVAL):
+            if time.monotonic() > deadline and not any(frame.f_trace for frame, _ in thread.frames()):
                 break
-        is_done = guest.done.is_set()
-        for frame, line in guest.steps():
-            where = TracebackType(where, frame, frame.f_lasti, line)
+        is_done = thread.done.is_set()
+        for frame, line in thread.frames():
+            position = TracebackType(position, frame, frame.f_lasti, line)
     finally:
-        is_stopped = guest.stop()
+        is_stopped = thread.stop()
     if not is_done:
-        raise Overdue(seconds, is_stopped).with_traceback(where)
-    if guest.errors:
-        raise guest.errors.pop()
-    return guest.answers.pop()
+        raise TimeLimitExceeded(seconds, is_stopped).with_traceback(position)
+    if thread.errors:
+        raise thread.errors.pop()
+    return thread.results.pop()
 
 
 def raised_in_call(error: BaseException) -> bool:
-    """Say whether an error was raised by a function called by ``in_time``, on its thread, where no Ctrl-C arrives."""
-    return any(frame.f_code is _Guest.run.__code__ for frame, _ in traceback.walk_tb(error.__traceback__))
+    """Return whether an error was raised within ``call_with_limit``, whose thread Ctrl-C never reaches."""
+    return any(frame.f_code is _CallThread.run.__code__ for frame, _ in traceback.walk_tb(error.__traceback__))
 
 
-class _Guest(threading.Thread):
-    """Makes one call, and keeps what comes of it.
+class _CallThread(threading.Thread):
+    """Thread that calls a function and stores its result or its exception.
 
-    Nobody joins it: a join that Ctrl-C ends leaves a thread of Python 3.11 that is taken for dead.
+    It is never joined: in Python 3.11, a thread whose join is interrupted by Ctrl-C is considered dead.
+
+    Attributes:
+        results: Result of the function; empty until it has returned.
+        errors: Exception of the function; empty if it has not raised one.
+        done: Whether the function has returned or raised.
     """
 
-    def __init__(self, context: contextvars.Context, call: Callable[[], Any]) -> None:
-        super().__init__(name="walkerlab guest", daemon=True)
-        self._context, self._call = context, call
-        self.answers, self.errors, self.done = list[Any](), list[BaseException](), threading.Event()
+    def __init__(self, context: contextvars.Context, function: Callable[[], Any]) -> None:
+        super().__init__(name=THREAD_NAME, daemon=True)
+        self._context = context
+        self._function = function
+        self.results: list[Any] = []
+        self.errors: list[BaseException] = []
+        self.done = threading.Event()
 
     def run(self) -> None:
-        """Make the call."""
+        """Call the function."""
         try:
-            self.answers.append(self._context.run(self._call))
+            self.results.append(self._context.run(self._function))
         except BaseException as error:
             self.errors.append(error)
         finally:
             self.done.set()
 
-    def steps(self) -> list[tuple[FrameType, int]]:
-        """Say where it is, the innermost first."""
+    def frames(self) -> list[tuple[FrameType, int]]:
+        """Return the frames and line numbers that the function is executing, the innermost first."""
         innermost = sys._current_frames().get(self.ident or 0)
-        walk = traceback.walk_stack(innermost) if innermost else ()
-        return list(takewhile(lambda step: step[0].f_code is not _Guest.run.__code__, walk))
+        stack = traceback.walk_stack(innermost) if innermost else ()
+        return list(takewhile(lambda entry: entry[0].f_code is not _CallThread.run.__code__, stack))
 
     def stop(self) -> bool:
-        """Raise SystemExit, of which threads die in silence, where it is, and say whether it has died of it."""
-        ident, error = ctypes.c_ulong(self.ident or 0), ctypes.py_object(SystemExit)
-        for _ in range(TRIES):
+        """Raise SystemExit in the thread, which ends it without a message, and return whether it has ended."""
+        ident = ctypes.c_ulong(self.ident or 0)
+        error = ctypes.py_object(SystemExit)
+        for _ in range(MAX_STOP_ATTEMPTS):
             if self.done.is_set():
                 break
             ctypes.pythonapi.PyThreadState_SetAsyncExc(ident, error)
-            self.done.wait(STEP)
+            self.done.wait(POLL_INTERVAL)
         return self.done.is_set()

@@ -6,7 +6,7 @@ from concurrent.futures import Executor, Future
 from contextlib import suppress
 from typing import TypeVar
 
-from walkerlab.time_limit import VARIABLE, patience
+from walkerlab.time_limit import LIMIT_VARIABLE, effective_limit
 from walkerlab.workers import LOAD_ADVICE, WorkerLostWarning, WorkersLostError, replace_hung_workers
 
 MIN_TIME_LIMIT = 10.0  # s; workers need some time to start, whatever limit the user sets
@@ -32,7 +32,7 @@ def results_in_order(futures: Sequence[Future[_T]], executor: Executor, limit: f
     Raises:
         WorkersLostError: If another executor exceeds the time limit, or a worker runs out of memory.
     """
-    limit = max(MIN_TIME_LIMIT, patience(limit))
+    limit = max(MIN_TIME_LIMIT, effective_limit(limit))
     interval = min(POLL_INTERVAL, limit / 10)
     n_done = 0
     silence = 0.0
@@ -69,7 +69,7 @@ def _no_answer(silence: float) -> str:
     return (
         f"the executor has given no answer for {silence:.0f} s: its workers hang or are far too slow for their tasks. "
         "To fix it, use another executor, or none for all cores of this computer; or set the environment variable "
-        f"{VARIABLE} to a greater number of seconds."
+        f"{LIMIT_VARIABLE} to a greater number of seconds."
     )
 
 

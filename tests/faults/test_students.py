@@ -134,10 +134,10 @@ def same(left, right):
 
 
 def none_goes_on():
-    guests = [thread for thread in threading.enumerate() if thread.name == "walkerlab guest"]
-    for guest in guests:
-        guest.join(0.5)
-    return not any(guest.is_alive() for guest in guests)
+    threads = [thread for thread in threading.enumerate() if thread.name == "walkerlab user function"]
+    for thread in threads:
+        thread.join(0.5)
+    return not any(thread.is_alive() for thread in threads)
 
 
 @pytest.mark.parametrize("slot", SLOTS)

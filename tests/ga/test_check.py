@@ -305,7 +305,7 @@ def test_who_never_returns_is_told_where_it_was_and_how_to_give_it_longer(monkey
 
 
 def test_ours_are_called_on_the_callers_thread(monkeypatch):
-    monkeypatch.setattr(own, "in_time", lambda call, seconds: 1 / 0)
+    monkeypatch.setattr(own, "call_with_limit", lambda call, seconds: 1 / 0)
     check_select(partial(selection.tournament, size=2))
     check_mutate(partial(mutation.favored, favored="length"), GENES)
     with pytest.raises(OperatorError, match="'pick' raised ZeroDivisionError"):

@@ -109,10 +109,10 @@ def test_it_begins_with_a_robot_of_chance_or_with_what_it_is_given():
 def test_what_is_written_is_read_and_drawn():
     editor = Editor(G)
     assert (editor.fault, editor.place, editor.notes) == ("", [], [])
-    assert editor.picture == sketch.body(G, wl.Robot(), size=SIZE)
+    assert editor.picture == sketch.draw_robot(G, wl.Robot(), size=SIZE)
     editor.text = GENOME.replace("0.42", "0.3")
     assert editor.genome == wl.Genome.parse(GENOME.replace("0.42", "0.3")).within(wl.Robot())
-    assert editor.picture == sketch.body(editor.genome, wl.Robot(), size=SIZE)
+    assert editor.picture == sketch.draw_robot(editor.genome, wl.Robot(), size=SIZE)
 
 
 @pytest.mark.parametrize(

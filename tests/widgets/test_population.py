@@ -113,13 +113,13 @@ def test_a_crowd_is_cut_and_the_cut_is_told():
 
 
 def test_nobody_looks_nothing_is_drawn(monkeypatch):
-    monkeypatch.setattr(population.sketch, "body", lambda *_, **__: pytest.fail("drawn for nobody"))
+    monkeypatch.setattr(population.sketch, "draw_robot", lambda *_, **__: pytest.fail("drawn for nobody"))
     widget = Population(generation())
     assert widget.pictures == {}
 
 
 def test_those_in_sight_are_drawn_and_no_others(monkeypatch):
-    monkeypatch.setattr(population.sketch, "body", lambda *_, **__: "<svg/>")
+    monkeypatch.setattr(population.sketch, "draw_robot", lambda *_, **__: "<svg/>")
     widget = Population(generation(100, void=0))
     widget.sight = [0, 10]
     assert list(widget.pictures) == [str(one) for one in seen(widget)[:10]]
@@ -132,7 +132,7 @@ def test_those_in_sight_are_drawn_and_no_others(monkeypatch):
 
 
 def test_a_generation_goes_to_the_browser_at_once_and_only_once(monkeypatch):
-    monkeypatch.setattr(population.sketch, "body", lambda *_, **__: "<svg/>")
+    monkeypatch.setattr(population.sketch, "draw_robot", lambda *_, **__: "<svg/>")
     widget, sent = Population(), []
     widget.sight = [0, 10]
     monkeypatch.setattr(widget, "send_state", lambda names: sent.append(set(names)))
@@ -147,14 +147,14 @@ def test_an_elite_is_not_drawn_again():
     widget.sight = [0, 8]
     before = dict(widget.pictures)
     second.genome = np.roll(first.genome, -1)
-    misses = population.sketch.bodies._body.cache_info().misses
+    misses = population.sketch.bodies._draw_robot.cache_info().misses
     widget.show(second)
     assert widget.pictures["101"] is before["101"]
-    assert population.sketch.bodies._body.cache_info().misses == misses
+    assert population.sketch.bodies._draw_robot.cache_info().misses == misses
 
 
 def test_however_much_is_in_sight_no_more_than_some_are_drawn(monkeypatch):
-    monkeypatch.setattr(population.sketch, "body", lambda *_, **__: "<svg/>")
+    monkeypatch.setattr(population.sketch, "draw_robot", lambda *_, **__: "<svg/>")
     widget = Population(generation(200))
     widget.sight = [-5, 10_000]
     assert len(widget.pictures) == DRAWN

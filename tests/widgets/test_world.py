@@ -13,13 +13,13 @@ from walkerlab.widgets.world import World
 @pytest.fixture
 def drawings(monkeypatch):
     """Keep what has been drawn: settings and genome of each."""
-    kept, draw = [], sketch.world
+    kept, draw = [], sketch.draw_world
 
     def world(settings, genome):
         kept.append((settings, genome))
         return draw(settings, genome)
 
-    monkeypatch.setattr(sketch, "world", world)
+    monkeypatch.setattr(sketch, "draw_world", world)
     return kept
 
 
@@ -27,7 +27,7 @@ def test_it_shows_the_settings_and_the_genome_that_it_has(drawings):
     settings = wl.Settings().with_(gravity="moon")
     world = World(settings, GENOME)
     assert drawings == [(settings, wl.Genome.parse(GENOME))]
-    assert world.picture == sketch.world(settings, GENOME)
+    assert world.picture == sketch.draw_world(settings, GENOME)
 
 
 def test_a_robot_of_chance_is_one_with_which_a_run_begins(drawings):
@@ -86,4 +86,4 @@ def test_another_thread_can_drive_it():
         world._handle_custom_msg("another", [])
     thread.join()
     world.draw(wanted[0], wl.Genome.parse(GENOME))
-    assert world.picture == sketch.world(wanted[0], GENOME)
+    assert world.picture == sketch.draw_world(wanted[0], GENOME)

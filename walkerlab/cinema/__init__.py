@@ -1,23 +1,23 @@
-"""Films: one walk, or a whole evolution in time-lapse, drawn with sky and sun and written to a video file.
+"""Films of one walk or of a whole evolution in time-lapse, rendered with sky and sun to a video file.
 
     wl.film(run.champion, run.settings, "champion.mp4")
     wl.timelapse(run, "evolution.mp4")
 
-A kernel has usually imported MuJoCo before anybody thinks of a GL, so a film is drawn in a process of its own. That
-process comes in by this door as well, which therefore loads nothing that loads MuJoCo.
+MuJoCo selects its OpenGL backend when it is first imported, which a notebook has usually done by then, so a film is
+rendered in a separate process. That process imports this module too, which therefore must not import MuJoCo.
 """
 
 from itertools import groupby
 from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
 from walkerlab.arguments import require_settings
 from walkerlab.choices import Camera
-from walkerlab.cinema.crew import film_path, make
-from walkerlab.cinema.job import Act, FilmError, Job, is_whole
+from walkerlab.cinema.crew import film_path, render_film
+from walkerlab.cinema.job import Clip, FilmError, Job, is_integer
 from walkerlab.cinema.result import Film
 from walkerlab.genes import Floats
 from walkerlab.genome import Genome, HasGenome
@@ -31,23 +31,37 @@ if TYPE_CHECKING:
 
 __all__ = ["Film", "FilmError", "film", "timelapse"]
 
-SIZE = (480, 360)  # pixels
-RATE = 25  # frames a second: every second recorded pose
-ACTS = (2, 1000)  # walks in a time-lapse
+DEFAULT_SIZE = (480, 360)  # pixels
+DEFAULT_FPS = 25  # every second recorded pose
+AT_MOST_RANGE = (2, 1000)  # champions in a time-lapse
 
 
-class Evolved(Protocol):
-    """What a time-lapse is made from, such as a ``Run``: the tidy table, and the settings."""
+class EvolutionResult(Protocol):
+    """Result of an evolution, such as a ``Run``."""
 
     @property
     def records(self) -> "pd.DataFrame":
-        """The tidy table."""
+        """Table with one row for each individual of each generation."""
         ...
 
     @property
     def settings(self) -> Settings:
-        """From which it was made."""
+        """Settings of the evolution."""
         ...
+
+
+class ChampionPeriod(NamedTuple):
+    """Consecutive generations with the same champion.
+
+    Attributes:
+        champion: Individual with the best fitness in these generations.
+        first: First generation of the period.
+        last: Last generation of the period.
+    """
+
+    champion: "Individual"
+    first: int
+    last: int
 
 
 def film(
@@ -56,125 +70,125 @@ def film(
     path: str | Path,
     *,
     camera: Camera | str | int | None = None,
-    size: tuple[int, int] = SIZE,
-    fps: int = RATE,
+    size: tuple[int, int] = DEFAULT_SIZE,
+    fps: int = DEFAULT_FPS,
     caption: str = "",
     progress: bool = True,
 ) -> Film:
-    """Film one walk.
+    """Render one walk to a video file.
 
-    It is the walk that counts: from several starts the poorest, as judged by the fitness that settings have unless
-    told otherwise, whatever fitness these name. In a notebook the answer plays.
+    With several starts, it is the walk with the lowest fitness, judged by the default fitness even if the settings
+    have another. A notebook plays the returned film.
 
     Args:
-        genome: a genome, its text or its (n_genes,) values, or an individual.
-        settings: of terrain, robot and simulation.
-        path: the file to be made: .mp4, .webm or .gif. One that is there is replaced once the film is whole.
-        camera: which view; the settings' own if None.
-        size: width and height in pixels, even numbers.
-        fps: frames a second.
-        caption: written on it.
-        progress: whether to show a bar.
+        genome: Genome, its text, its values of shape (n_genes,), or an individual.
+        settings: Settings of terrain, robot and simulation.
+        path: Path of the file: .mp4, .webm or .gif. An existing file is replaced when the film is complete.
+        camera: Camera; that of the settings if None.
+        size: Width and height [pixels]; even numbers.
+        fps: Frames per second.
+        caption: Text above the picture.
+        progress: Whether to show a progress bar.
 
     Raises:
-        GenomeError: if a text is no genome.
-        ValueError: if camera, size, fps or the ending of the path will not do.
-        TypeError: if a run, a table or settings are given in place of a genome.
-        FilmError: if there is no GL that draws without a screen, or the film cannot be written.
+        GenomeError: If ``genome`` is text but not a valid genome.
+        ValueError: If ``camera``, ``size``, ``fps`` or the suffix of ``path`` is not allowed.
+        TypeError: If ``genome`` is a run, a table or settings.
+        FilmError: If OpenGL cannot render off-screen here, or the film cannot be written.
     """
-    text, seen = str(Genome.of(genome)), _seen(settings, camera)
-    act = Act(text, seen.simulation.duration, caption)
-    about = f"A walk of {act.seconds:g} s, seen from {seen.simulation.camera.about}"
+    text = str(Genome.of(genome))
+    settings = _with_camera(settings, camera)
     path = film_path(path)
-    return _make(Job((act,), seen, size, fps, path.suffix.lower()), path, about, progress)
+    clip = Clip(text, settings.simulation.duration, caption)
+    about = f"A walk of {clip.seconds:g} s; camera: {settings.simulation.camera.about}"
+    return _render(Job((clip,), settings, size, fps, path.suffix.lower()), path, about, progress)
 
 
 def timelapse(
-    run: Evolved,
+    run: EvolutionResult,
     path: str | Path,
     *,
     seconds: float = 2.0,
     at_most: int = 20,
     camera: Camera | str | int | None = None,
-    size: tuple[int, int] = SIZE,
-    fps: int = RATE,
+    size: tuple[int, int] = DEFAULT_SIZE,
+    fps: int = DEFAULT_FPS,
     progress: bool = True,
 ) -> Film:
-    """Film an evolution: the champion of each generation in turn, each from the start of its walk.
+    """Render the champions of an evolution to a video file, one after the other.
 
-    A champion that stays one for several generations is shown once.
+    A champion of several consecutive generations is shown once.
 
     Args:
-        run: what came of an evolution.
-        path: the file to be made: .mp4, .webm or .gif. One that is there is replaced once the film is whole.
-        seconds: for which each champion is shown, unless its walk is shorter.
-        at_most: how many champions are shown; of more, every second or so, and always the first and the last.
-        camera: which view; the settings' own if None.
-        size: width and height in pixels, even numbers.
-        fps: frames a second.
-        progress: whether to show a bar.
+        run: Result of an evolution.
+        path: Path of the file: .mp4, .webm or .gif. An existing file is replaced when the film is complete.
+        seconds: How long each champion is shown [s], at most the duration of its walk.
+        at_most: Maximum number of champions; of more, an even selection with the first and the last is shown.
+        camera: Camera; that of the settings if None.
+        size: Width and height [pixels]; even numbers.
+        fps: Frames per second.
+        progress: Whether to show a progress bar.
 
     Raises:
-        ValueError: if no robot has walked yet, or seconds, at_most, camera, size, fps or the ending of the path will
-            not do.
-        FilmError: if there is no GL that draws without a screen, or the film cannot be written.
+        ValueError: If the run has no individuals, or ``seconds``, ``at_most``, ``camera``, ``size``, ``fps`` or the
+            suffix of ``path`` is not allowed.
+        FilmError: If OpenGL cannot render off-screen here, or the film cannot be written.
     """
     if not hasattr(run, "settings") or not hasattr(run, "records"):
         raise TypeError(f"a time-lapse is made from a run, such as wl.load(path); got a {type(run).__name__}")
-    path, settings, table = film_path(path), _seen(run.settings, camera), run.records
-    longest = settings.simulation.duration
+    path = film_path(path)
+    settings = _with_camera(run.settings, camera)
+    table = run.records
     if not isinstance(seconds, Real) or isinstance(seconds, bool) or not 0 < seconds < float("inf"):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ValueError(f"seconds is {seconds!r}; it must be a number above 0. It is how long each champion is shown.")
+    low, high = AT_MOST_RANGE
+    if not (is_integer(at_most) and low <= at_most <= high):
         raise ValueError(
-            f"seconds is {seconds!r}; it must be a number over 0. It is for how long each champion is shown."
-        )
-    if not (is_whole(at_most) and ACTS[0] <= at_most <= ACTS[1]):
-        raise ValueError(
-            f"at_most is {at_most!r}; it must be a whole number, {ACTS[0]} to {ACTS[1]}. "
-            "It is how many champions are shown."
+            f"at_most is {at_most!r}; it must be a whole number, {low} to {high}. "
+            "It is the maximum number of champions that are shown."
         )
     unit = table.attrs.get("units", {}).get("fitness", "")
-    reigns = _thinned(_reigns(table), at_most)
-    acts = tuple(
-        Act(str(best.genome), min(float(seconds), longest), _caption(best, first, last, unit), last)
-        for best, first, last in reigns
+    shown_seconds = min(float(seconds), settings.simulation.duration)
+    clips = tuple(
+        Clip(str(period.champion.genome), shown_seconds, _caption(period, unit), period.last)
+        for period in _select_evenly(_champion_periods(table), at_most)
     )
-    ruler = (int(table.generation.min()), int(table.generation.max()))
-    job = Job(acts, settings, size, fps, path.suffix.lower(), ruler)
-    about = f"{len(acts)} champions of the generations {ruler[0]} to {ruler[1]}, walking one after the other"
-    return _make(job, path, about, progress)
+    first, last = int(table.generation.min()), int(table.generation.max())
+    job = Job(clips, settings, size, fps, path.suffix.lower(), (first, last))
+    about = f"{len(clips)} champions of generations {first} to {last}, walking one after the other"
+    return _render(job, path, about, progress)
 
 
-def _seen(settings: Settings, camera: Any) -> Settings:
+def _with_camera(settings: Settings, camera: Any) -> Settings:
     require_settings(settings)
     return settings if camera is None else settings.with_(camera=camera)
 
 
-def _make(job: Job, path: Path, about: str, progress: bool) -> Film:
-    make(job, path, progress=progress)
+def _render(job: Job, path: Path, about: str, progress: bool) -> Film:
+    render_film(job, path, progress=progress)
     return Film(path, about, job.size, job.fps, job.n_frames)
 
 
-Reign: TypeAlias = "tuple[Individual, int, int]"
-"""A champion, and the first and last generation of which it was the champion without a break."""
-
-
-def _reigns(table: "pd.DataFrame") -> list[Reign]:
+def _champion_periods(table: "pd.DataFrame") -> list[ChampionPeriod]:
+    """Return the champions in the order of their generations, each with the generations of its period."""
     from walkerlab.records import champion
 
     if table.empty:
-        raise ValueError("no robot has walked yet, so there is nothing to be filmed")
-    best = [(int(number), champion(those)) for number, those in table.groupby("generation")]  # type: ignore[call-overload]
-    reigns = (list(one) for _, one in groupby(best, key=lambda pair: pair[1].individual))
-    return [(reign[0][1], reign[0][0], reign[-1][0]) for reign in reigns]
+        raise ValueError("no robot has walked yet, so there is nothing to film")
+    champions = [(int(number), champion(rows)) for number, rows in table.groupby("generation")]  # type: ignore[call-overload]
+    periods = (list(period) for _, period in groupby(champions, key=lambda pair: pair[1].individual))
+    return [ChampionPeriod(period[0][1], period[0][0], period[-1][0]) for period in periods]
 
 
-def _thinned(reigns: list[Reign], at_most: int) -> list[Reign]:
-    """Leave out some, evenly, but neither the first nor the last."""
-    kept = np.linspace(0, len(reigns) - 1, min(at_most, len(reigns)))
-    return [reigns[i] for i in np.rint(kept).astype(int).tolist()]
+def _select_evenly(periods: list[ChampionPeriod], at_most: int) -> list[ChampionPeriod]:
+    """Return at most so many periods at even intervals, always with the first and the last."""
+    selected = np.linspace(0, len(periods) - 1, min(at_most, len(periods)))
+    return [periods[i] for i in np.rint(selected).astype(int).tolist()]
 
 
-def _caption(best: "Individual", first: int, last: int, unit: str) -> str:
-    when = f"generation {first}" if first == last else f"generations {first}–{last}"
-    good = with_unit(best.fitness, unit) if best.verdict == "ok" else f"does not count: {best.verdict}"
-    return f"{when} · robot {best.individual} · {good}"
+def _caption(period: ChampionPeriod, unit: str) -> str:
+    champion, first, last = period
+    generations = f"generation {first}" if first == last else f"generations {first}–{last}"
+    fitness = with_unit(champion.fitness, unit)
+    result = fitness if champion.verdict == "ok" else f"does not count: {champion.verdict}"
+    return f"{generations} · robot {champion.individual} · {result}"

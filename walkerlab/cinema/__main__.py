@@ -1,18 +1,22 @@
-"""The process that makes a film: it is told by a line of JSON, and tells by lines of its own how it goes.
+"""Child process that renders a film: reads a job as one line of JSON, and reports its progress line by line.
 
-First of all it looks for a GL. Only when it has said that there is one does it load all that drawing needs.
+It creates an OpenGL context first, and imports what rendering needs only after it has reported success.
+
+    gl RENDERER     an OpenGL context was created; the job may be sent
+    frame           a frame was rendered
+    done            the film is complete
 """
 
 import signal
 import sys
 from typing import Any
 
-SOFTWARE = ("llvmpipe", "softpipe", "swrast", "SwiftShader")
-"""Names by which a GL says that it is a processor's."""
+SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swrast", "SwiftShader")
+"""Parts of the names of OpenGL renderers that run on the CPU."""
 
 
-def find_gl() -> str:
-    """Make a GL context, and return the name of what draws."""
+def renderer_name() -> str:
+    """Create an OpenGL context and return the name of its renderer."""
     import mujoco
 
     context = mujoco.GLContext(64, 64)
@@ -25,23 +29,24 @@ def find_gl() -> str:
 
 
 def main() -> None:
-    """Make one film."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C here too; who started this ends it
-    renderer = find_gl()
+    """Render one film."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a terminal sends Ctrl-C here too, but the parent ends this process
+    renderer = renderer_name()
     print("gl", renderer, flush=True)
     from walkerlab.cinema.job import Job
-    from walkerlab.cinema.reel import record
-    from walkerlab.cinema.studio import Picture, frames
+    from walkerlab.cinema.reel import encode
+    from walkerlab.cinema.studio import Picture, render_frames
 
     job, path = Job.from_json(sys.stdin.readline())
 
-    def told(picture: Picture) -> Picture:
-        print("frame", flush=True)  # fails if nobody listens any more
+    def report_frame(picture: Picture) -> Picture:
+        print("frame", flush=True)  # raises BrokenPipeError if the parent has died
         return picture
 
-    pictures = frames(job, sketch=any(name in renderer for name in SOFTWARE))
+    is_software = any(name in renderer for name in SOFTWARE_RENDERERS)
+    pictures = map(report_frame, render_frames(job, software=is_software))
     try:
-        record(map(told, pictures), path, job.suffix, job.size, job.fps)
+        encode(pictures, path, job.suffix, job.size, job.fps)
         print("done", flush=True)
     except BaseException:
         path.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""Has a film made in a process of its own: one that has a GL, and whose crash hurts nobody."""
+"""Rendering of a film in a child process, which has an OpenGL context; a crash there does not end the caller."""
 
 import os
 import subprocess
@@ -15,25 +15,32 @@ from walkerlab.cinema.job import FilmError, Job
 from walkerlab.files import PathError, file_path, replacing, shown
 from walkerlab.interrupts import interrupts_held
 
-START = "import sys; sys.path.append(sys.argv[1]); from walkerlab.cinema.__main__ import main; main()"
-"""Unlike ``-m``, it finds walkerlab wherever it is, and never a ``random.py`` of the user's own."""
-HOME = Path(__file__).parents[2]
+CHILD_PROGRAM = "import sys; sys.path.append(sys.argv[1]); from walkerlab.cinema.__main__ import main; main()"
+"""Unlike ``python -m``, it finds this walkerlab in any folder, and ignores a ``random.py`` in the current one."""
+PACKAGE_PARENT = Path(__file__).parents[2]
 
 
-def make(job: Job, path: Path, *, progress: bool) -> None:
-    """Make a film; what was at the path before stays there until the film is whole.
+def render_film(job: Job, path: Path, *, progress: bool) -> None:
+    """Render a film to a file; an existing file is replaced only when the film is complete.
+
+    Args:
+        job: Film to render.
+        path: Path of the file.
+        progress: Whether to show a progress bar.
 
     Raises:
-        FilmError: if there is no GL, or the film cannot be written.
+        FilmError: If OpenGL is not available or the film cannot be written.
     """
     try:
         with replacing(path) as part, tqdm(total=job.n_frames, unit=" frames", disable=not progress) as bar:
-            _draw(job, part, bar.update)
+            _render_with_first_backend(job, part, bar.update)
     except FileNotFoundError as error:
         raise FilmError(str(error)) from error
     except OSError as error:
         where, what = shown(path.parent), error.strerror or error
-        raise FilmError(f"the film {path.name} cannot be written to {where}: {what}. Is it being played?") from error
+        raise FilmError(
+            f"the film {path.name} cannot be written to {where}: {what}. Close programs that play it, or use another path."
+        ) from error
 
 
 def film_path(given: str | os.PathLike[str]) -> Path:
@@ -48,57 +55,66 @@ def film_path(given: str | os.PathLike[str]) -> Path:
         raise FilmError(str(error)) from error
 
 
-def _draw(job: Job, part: Path, on_frame: Callable[[int], object]) -> None:
-    """Draw with the first GL that there is."""
-    told: list[str] = []
-    for backend in graphics.backends():
-        has_gl, fault = _try(job, part, backend, on_frame)
-        if has_gl and fault:
-            raise FilmError(f"the film could not be made: {fault}")
-        if has_gl:
+def _render_with_first_backend(job: Job, path: Path, on_frame: Callable[[int], object]) -> None:
+    """Render with the first OpenGL backend that is available."""
+    failures: list[str] = []
+    for backend in graphics.candidate_backends():
+        is_available, failure = _render_with_backend(job, path, backend, on_frame)
+        if is_available and failure:
+            raise FilmError(f"the film could not be rendered: {failure}")
+        if is_available:
             return
-        told.append(f"{backend or 'the default GL'}: {fault}")
+        failures.append(f"{backend or 'default OpenGL'}: {failure}")
     raise FilmError(
-        f"There is {graphics.missing_gl()}, which only films need: wl.replay shows the same walk here and now.\n"
-        f"The mend: {graphics.mend()}\n({'; '.join(told)})"
+        f"{graphics.unavailable_message()}. Only films need it; wl.replay shows the same walk without it.\n"
+        f"How to fix it: {graphics.how_to_fix()}\n({'; '.join(failures)})"
     )
 
 
-def _try(job: Job, part: Path, backend: str, on_frame: Callable[[int], object]) -> tuple[bool, str]:
-    """Try one backend: whether it is a GL, and what went wrong, if anything did."""
-    command = [sys.executable, "-P", "-c", START, str(HOME)]
-    environment = {**os.environ, **graphics.variables(backend), "PYTHONIOENCODING": "utf-8"}
+def _render_with_backend(job: Job, path: Path, backend: str, on_frame: Callable[[int], object]) -> tuple[bool, str]:
+    """Render in a child process with one OpenGL backend.
+
+    Returns:
+        Whether the backend is available, and the reason for a failure, "" after a success.
+    """
+    command = [sys.executable, "-P", "-c", CHILD_PROGRAM, str(PACKAGE_PARENT)]
+    environment = {**os.environ, **graphics.backend_environment(backend), "PYTHONIOENCODING": "utf-8"}
     pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True, "encoding": "utf-8"}
-    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as complaints:
+    with tempfile.TemporaryFile("w+", encoding="utf-8", errors="replace") as stderr:
         child: subprocess.Popen[str] | None = None
         try:
             with interrupts_held():
-                child = subprocess.Popen(command, stderr=complaints, env=environment, **pipes)
-            has_gl = _follow(child, job.to_json(part.resolve()), on_frame)
+                child = subprocess.Popen(command, stderr=stderr, env=environment, **pipes)
+            is_available = _communicate(child, job.to_json(path.resolve()), on_frame)
             code = child.wait()
         finally:
             if child:
-                _end(child)
-        return has_gl, "" if code == 0 else _last_line(complaints) or f"it ended with code {code}"
+                _terminate(child)
+        failure = "" if code == 0 else _last_line(stderr) or f"the process ended with code {code}"
+        return is_available, failure
 
 
-def _follow(child: subprocess.Popen[str], order: str, on_frame: Callable[[int], object]) -> bool:
-    """Hand over what is to be done, and listen till the end; return whether there was a GL."""
+def _communicate(child: subprocess.Popen[str], job_json: str, on_frame: Callable[[int], object]) -> bool:
+    """Send the job when the child reports an OpenGL context, and report its frames until it ends.
+
+    Returns:
+        Whether the child has created an OpenGL context.
+    """
     assert child.stdin
     assert child.stdout
-    has_gl = False
+    has_context = False
     for line in child.stdout:
-        word = line.split()[:1]
-        if word == ["gl"]:
-            has_gl = True
-            print(order, file=child.stdin, flush=True)
-        elif word == ["frame"]:
+        keyword = line.split()[:1]
+        if keyword == ["gl"]:
+            has_context = True
+            print(job_json, file=child.stdin, flush=True)
+        elif keyword == ["frame"]:
             on_frame(1)
-    return has_gl
+    return has_context
 
 
-def _end(child: subprocess.Popen[str]) -> None:
-    """End it, if it has not ended by itself, and close what was open to it; not even Ctrl-C stops that."""
+def _terminate(child: subprocess.Popen[str]) -> None:
+    """Kill the child if it still runs, and close its pipes; Ctrl-C is delayed meanwhile."""
     with interrupts_held():
         child.kill()
         child.wait()
@@ -110,6 +126,7 @@ def _end(child: subprocess.Popen[str]) -> None:
                 pass
 
 
-def _last_line(complaints: IO[str]) -> str:
-    complaints.seek(0)
-    return next((line.strip() for line in reversed(complaints.readlines()) if line.strip()), "")
+def _last_line(file: IO[str]) -> str:
+    """Return the last line of a file that is not blank, or ""."""
+    file.seek(0)
+    return next((line.strip() for line in reversed(file.readlines()) if line.strip()), "")

@@ -1,4 +1,4 @@
-"""What is to be filmed: one walk, or several after one another, and on what film."""
+"""Specification of a film: the walks to show, and the size, frame rate and format of the file."""
 
 import json
 import math
@@ -10,25 +10,25 @@ import numpy as np
 
 from walkerlab.settings import Settings
 
-SIDES = (64, 4096)  # pixels that a film may be wide or high
-RATES = (1, 60)  # frames a second
+SIDE_RANGE = (64, 4096)  # pixels
+FPS_RANGE = (1, 60)
 FORMATS = {".mp4": "plays everywhere", ".webm": "plays in every browser", ".gif": "for slides and chats; large"}
-"""The kinds of film, by the ending of the file's name."""
+"""What each format is good for, by the suffix of the file."""
 
 
 class FilmError(RuntimeError):
-    """A film that cannot be made here: there is no GL, or no place to write it."""
+    """A film cannot be rendered or written: OpenGL is not available, or the path is not writable."""
 
 
 @dataclass(frozen=True)
-class Act:
-    """One walk, from its start.
+class Clip:
+    """One walk, shown from its start.
 
     Attributes:
-        genome: of the robot, as text.
-        seconds: for which it is shown.
-        caption: written above it; "" is none.
-        generation: that the ruler below points at.
+        genome: Genome of the robot, as text.
+        seconds: How long the walk is shown.
+        caption: Text above the picture; "" for no caption.
+        generation: Generation that the timeline marks, if the film has one.
     """
 
     genome: str
@@ -39,80 +39,83 @@ class Act:
 
 @dataclass(frozen=True)
 class Job:
-    """A film to be made.
+    """A film to render.
 
     Attributes:
-        acts: what it shows, one after the other.
-        settings: of terrain, robot and simulation, whose camera is the film's; the algorithm does not matter.
-        size: width and height, in pixels.
-        fps: frames a second.
-        suffix: a key of ``FORMATS``.
-        ruler: the first and last generation on the ruler below, or None for none.
+        clips: Clips in the order in which they are shown.
+        settings: Settings of terrain, robot and simulation, including the camera; the algorithm is ignored.
+        size: Width and height [pixels].
+        fps: Frames per second.
+        suffix: Suffix of the file; a key of ``FORMATS``.
+        generation_range: First and last generation of the timeline; None for a film without timeline.
     """
 
-    acts: tuple[Act, ...]
+    clips: tuple[Clip, ...]
     settings: Settings
     size: tuple[int, int]
     fps: int
     suffix: str
-    ruler: tuple[int, int] | None = None
+    generation_range: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
-        """Refuse what no film can be.
+        """Check size, frame rate and format.
 
         Raises:
-            ValueError: naming what, its value, its range and what it is for.
+            ValueError: If one of them is not allowed; the message gives the value and the allowed range.
         """
-        low, high = SIDES
-        wrong = not (isinstance(self.size, tuple | list) and len(self.size) == 2 and all(map(is_whole, self.size)))  # pyright: ignore[reportUnnecessaryIsInstance]
-        if wrong or any(side % 2 or not low <= side <= high for side in self.size):
+        low, high = SIDE_RANGE
+        is_pair = isinstance(self.size, tuple | list) and len(self.size) == 2 and all(map(is_integer, self.size))  # pyright: ignore[reportUnnecessaryIsInstance]
+        if not is_pair or any(side % 2 or not low <= side <= high for side in self.size):
             raise ValueError(
                 f"size is {self.size!r}; it must be two even whole numbers, {low} to {high} pixels, as in (480, 360). "
-                "It is the width and height of the film; video knows no odd ones."
+                "It is the width and height of the film; video formats require even numbers."
             )
-        low, high = RATES
-        if not (is_whole(self.fps) and low <= self.fps <= high):
+        low, high = FPS_RANGE
+        if not (is_integer(self.fps) and low <= self.fps <= high):
             raise ValueError(
                 f"fps is {self.fps!r}; it must be a whole number, {low} to {high}. "
-                "It is how many frames the film has for each second."
+                "It is the number of frames per second."
             )
-        object.__setattr__(self, "size", tuple(map(int, self.size)))  # numpy's numbers cannot be written as JSON
+        object.__setattr__(self, "size", tuple(map(int, self.size)))  # NumPy integers cannot be written as JSON
         object.__setattr__(self, "fps", int(self.fps))
         if self.suffix not in FORMATS:
             raise ValueError(
-                f"path ends in {self.suffix!r}; it must end in {', '.join(FORMATS)}. It decides the kind of film: "
+                f"path ends in {self.suffix!r}; it must end in {', '.join(FORMATS)}. The suffix selects the format: "
                 f"{'; '.join(f'{suffix} {about}' for suffix, about in FORMATS.items())}."
             )
 
-    def frames_of(self, act: Act) -> int:
-        """Count the frames of an act: the first shows its start, and each its share of a second."""
-        return max(1, math.floor(act.seconds * self.fps + 0.5))
+    def count_frames(self, clip: Clip) -> int:
+        """Return the number of frames of a clip, at least 1."""
+        return max(1, math.floor(clip.seconds * self.fps + 0.5))
 
     @property
     def n_frames(self) -> int:
-        """How many frames the film has."""
-        return sum(map(self.frames_of, self.acts))
+        """Number of frames of the film."""
+        return sum(map(self.count_frames, self.clips))
 
     @property
     def seconds(self) -> float:
-        """How long it is."""
+        """Duration of the film [s]."""
         return self.n_frames / self.fps
 
     def to_json(self, path: Path) -> str:
-        """Write it, and the path at which to make it, in one line for another process."""
-        settings = self.settings.model_dump(exclude={"algorithm"})  # may hold the user's functions; nobody evolves here
-        return json.dumps({**vars(self), "acts": list(map(asdict, self.acts)), "settings": settings, "path": str(path)})
+        """Write the job and the path of the file to render as one line of JSON."""
+        settings = self.settings.model_dump(exclude={"algorithm"})  # which may contain functions
+        clips = list(map(asdict, self.clips))
+        return json.dumps({**vars(self), "clips": clips, "settings": settings, "path": str(path)})
 
     @classmethod
     def from_json(cls, text: str) -> tuple[Self, Path]:
-        """Read what ``to_json`` wrote."""
-        plain: dict[str, Any] = json.loads(text)
-        path, acts = Path(plain.pop("path")), tuple(Act(**act) for act in plain.pop("acts"))
-        size, settings = tuple(plain.pop("size")), Settings(**plain.pop("settings"))
-        ruler = tuple(plain.pop("ruler") or ()) or None
-        return cls(acts=acts, settings=settings, size=size, ruler=ruler, **plain), path
+        """Read a job and its path from the text that ``to_json`` returns."""
+        values: dict[str, Any] = json.loads(text)
+        path = Path(values.pop("path"))
+        clips = tuple(Clip(**clip) for clip in values.pop("clips"))
+        settings = Settings(**values.pop("settings"))
+        size = tuple(values.pop("size"))
+        generation_range = tuple(values.pop("generation_range") or ()) or None
+        return cls(clips=clips, settings=settings, size=size, generation_range=generation_range, **values), path
 
 
-def is_whole(number: object) -> bool:
-    """Say whether it is a whole number, Python's own or numpy's."""
-    return isinstance(number, int | np.integer) and not isinstance(number, bool)
+def is_integer(value: object) -> bool:
+    """Return whether a value is an integer of Python or NumPy; booleans are not."""
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)

@@ -1,4 +1,4 @@
-"""A film that was made: where it is, and how a notebook plays it."""
+"""A film file and its display in a notebook."""
 
 import base64
 from dataclasses import dataclass
@@ -8,20 +8,20 @@ from urllib.parse import quote
 from walkerlab.files import shown
 from walkerlab.markup import Html, join, tag
 
-MOST = 20e6  # bytes of a film that is put into the notebook; a larger one is linked to
-MEDIA = {".mp4": "video/mp4", ".webm": "video/webm", ".gif": "image/gif"}
+MAX_EMBEDDED_BYTES = 20e6  # larger films are linked instead of embedded in the notebook
+MEDIA_TYPES = {".mp4": "video/mp4", ".webm": "video/webm", ".gif": "image/gif"}
 
 
 @dataclass(frozen=True)
 class Film:
-    """A film that was made.
+    """A film file; a notebook plays it.
 
     Attributes:
-        path: where it is.
-        about: what it shows, in words.
-        size: width and height, in pixels.
-        fps: frames a second.
-        n_frames: how many it has.
+        path: Path of the file.
+        about: Description of the content.
+        size: Width and height [pixels].
+        fps: Frames per second.
+        n_frames: Number of frames.
     """
 
     path: Path
@@ -32,30 +32,30 @@ class Film:
 
     @property
     def seconds(self) -> float:
-        """How long it is."""
+        """Duration [s]."""
         return self.n_frames / self.fps
 
     def __repr__(self) -> str:
-        """Say in a line where it is, how long, and how large."""
-        kilobytes = f"{self.path.stat().st_size / 1e3:,.0f} kB" if self.path.is_file() else "no longer there"
+        """Return path, duration and sizes in one line."""
+        kilobytes = f"{self.path.stat().st_size / 1e3:,.0f} kB" if self.path.is_file() else "file not found"
         width, height = self.size
         return f"Film({shown(self.path)}: {self.seconds:.1f} s, {width} × {height}, {kilobytes})"
 
     def _repr_html_(self) -> str:
-        """Play it below the cell: the film itself is in the notebook, so that it travels with it."""
+        """Return a player with the embedded film, which stays in the notebook if the file is moved."""
         if not self.path.is_file():
             return tag("p", repr(self))
-        if self.path.stat().st_size > MOST:
-            return tag("p", "Too large to be put into a notebook: ", self._link(), f". {self.about}.")
-        media = MEDIA[self.path.suffix.lower()]
-        source = f"data:{media};base64,{base64.b64encode(self.path.read_bytes()).decode()}"
+        if self.path.stat().st_size > MAX_EMBEDDED_BYTES:
+            return tag("p", "Too large to embed in the notebook: ", self._link(), f". {self.about}.")
+        media_type = MEDIA_TYPES[self.path.suffix.lower()]
+        source = f"data:{media_type};base64,{base64.b64encode(self.path.read_bytes()).decode()}"
         width, height = self.size
         style = "max-width:100%;height:auto;border-radius:6px"
-        if media.startswith("image"):
+        if media_type.startswith("image"):
             return tag("img", src=source, alt=self.about, width=width, height=height, style=style)
-        instead = join("This browser plays no film of this kind: ", self._link())
+        fallback = join("This browser cannot play this video format: ", self._link())
         return tag(
-            "video", instead, src=source, aria_label=self.about, title=self.about, width=width, height=height,
+            "video", fallback, src=source, aria_label=self.about, title=self.about, width=width, height=height,
             style=style, controls="", loop="", muted="", playsinline="",
         )  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Where a film is drawn: in a process of its own, which has a GL."""
+"""Rendering of the frames of a film; runs in a process that has an OpenGL context."""
 
 import math
 from collections.abc import Iterator
@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from walkerlab.cameras import FIELD_OF_VIEW, aim_camera
-from walkerlab.cinema.job import Act, Job
-from walkerlab.cinema.titles import Picture, Titles
+from walkerlab.cinema.job import Clip, Job
+from walkerlab.cinema.titles import CaptionOverlay, Picture
 from walkerlab.fitness import poorest_walk
 from walkerlab.genes import Floats
 from walkerlab.ground import slope
@@ -19,153 +19,182 @@ from walkerlab.rollout import Rollout
 from walkerlab.scene import Scene, compile_scene
 from walkerlab.shapes import n_valid_poses
 
-SHAPE = 4 / 3  # width over height of a picture in which a camera's distance is right; from narrower ones it steps back
-SHORTEST = 1.0  # s of a walk that settings allow
-HIDDEN = 5  # group of geoms that are not drawn
-FAR = 12.0  # m, from where the pieces of a texture are left out of a sketch
+MIN_ASPECT_RATIO = 4 / 3  # width over height; for narrower pictures, the camera moves farther away
+MIN_DURATION = 1.0  # s; the shortest walk that settings allow
+WORLD_BODY = 0  # number of the body that holds the ground and the texture pieces
+VISIBLE_GROUP = 0  # group of geoms that are drawn
+HIDDEN_GROUP = 5  # group of geoms that are not drawn
+MAX_PIECE_DISTANCE = 12.0  # m from the camera; in software rendering, farther texture pieces are not drawn
 
-SHADOWS = 2.5  # how far from the robot there are shadows, over the distance of the camera
-CROWD = 100  # pieces of a texture, from which on they are drawn with fewer corners
+SHADOW_RANGE = 2.5  # distance from the robot within which there are shadows, over the distance of the camera
+MAX_FINE_PIECES = 100  # texture pieces; with more of them, software rendering draws all shapes with fewer corners
 
-ROUND, ROUNDISH = {"numslices": 48, "numstacks": 20}, {"numslices": 10, "numstacks": 6}
-"""How many corners what is round has; with few, a limb throws specks of shadow on itself."""
-SKETCH = {"shadowsize": 2048}
-"""What is less fine where a processor does the work of a graphics card; at the size of a notebook nobody sees it."""
+FINE_SHAPES = {"numslices": 48, "numstacks": 20}
+"""Corners of round shapes; with fewer, shadow specks appear on limbs."""
+COARSE_SHAPES = {"numslices": 10, "numstacks": 6}
+SOFTWARE_QUALITY = {"shadowsize": 2048}
+"""Lower quality for software rendering; the difference is invisible at the size of a notebook's output."""
 
 
-def frames(job: Job, *, sketch: bool) -> Iterator[Picture]:
-    """Draw a film, frame by frame.
+def render_frames(job: Job, *, software: bool) -> Iterator[Picture]:
+    """Yield the frames of a film.
 
     Args:
-        job: what is to be seen.
-        sketch: whether to draw less finely, as for a processor that does the work of a graphics card.
+        job: Film to render.
+        software: Whether OpenGL renders in software; reduces the quality.
     """
-    for act in job.acts:
-        titles = Titles(act, job)
-        for picture in _act(act, job, sketch=sketch):
-            yield titles.over(picture)
+    for clip in job.clips:
+        overlay = CaptionOverlay(clip, job)
+        for picture in _render_clip(clip, job, software=software):
+            yield overlay.draw_on(picture)
 
 
-def _act(act: Act, job: Job, *, sketch: bool) -> Iterator[Picture]:
-    """Let a robot walk as it is recorded to, and draw that."""
+def _render_clip(clip: Clip, job: Job, *, software: bool) -> Iterator[Picture]:
+    """Simulate the walk of a clip and yield its frames without caption."""
     settings = job.settings
-    if settings.simulation.n_starts == 1:  # of several, only the whole walks tell which is the poorest
-        settings = settings.with_(duration=min(settings.simulation.duration, max(SHORTEST, act.seconds)))
-    scene = compile_scene(act.genome, settings, scenery=True)
-    rollout = lasting(scene, poorest_walk(act.genome, settings))
-    moments = np.arange(job.frames_of(act)) / job.fps
-    (width, height), model, data = job.size, scene.model, mujoco.MjData(scene.model)
-    model.vis.global_.offwidth, model.vis.global_.offheight = width, height
+    if settings.simulation.n_starts == 1:  # with several starts, only the complete walks show which one is the poorest
+        settings = settings.with_(duration=min(settings.simulation.duration, max(MIN_DURATION, clip.seconds)))
+    scene = compile_scene(clip.genome, settings, scenery=True)
+    rollout = freeze_when_diverged(scene, poorest_walk(clip.genome, settings))
+    times = np.arange(job.count_frames(clip)) / job.fps
+    width, height = job.size
+    aspect_ratio = width / height
+    model = scene.model
+    data = mujoco.MjData(model)
+    model.vis.global_.offwidth = width
+    model.vis.global_.offheight = height
     model.vis.global_.fovy = FIELD_OF_VIEW
-    cameras, pieces = cameras_at(moments, scene, rollout, width / height), Pieces(scene, width / height, sketch=sketch)
-    quality = (ROUNDISH if sketch and len(pieces) > CROWD else ROUND) | (SKETCH if sketch else {})
+    cameras = cameras_at(times, scene, rollout, aspect_ratio)
+    pieces = TexturePieces(scene, aspect_ratio, software=software)
+    quality = COARSE_SHAPES if software and len(pieces) > MAX_FINE_PIECES else FINE_SHAPES
+    if software:
+        quality = quality | SOFTWARE_QUALITY
     for name, value in quality.items():
         setattr(model.vis.quality, name, value)
-    model.vis.map.shadowclip = SHADOWS * max(camera.distance for camera in cameras) / model.stat.extent
+    model.vis.map.shadowclip = SHADOW_RANGE * max(camera.distance for camera in cameras) / model.stat.extent
     with mujoco.Renderer(model, height, width) as renderer:
-        for moment, camera in zip(moments.tolist(), cameras, strict=True):
-            data.qpos[:] = pose_at(model, rollout.time, rollout.poses, moment)
-            _pose(model, data)
-            pieces.show(camera)
+        for time, camera in zip(times.tolist(), cameras, strict=True):
+            data.qpos[:] = interpolate_pose(model, rollout.time, rollout.poses, time)
+            _update_positions(model, data)
+            pieces.hide_outside(camera)
             renderer.update_scene(data, camera)
             yield renderer.render()
 
 
-def _pose(model: mujoco.MjModel, data: mujoco.MjData) -> None:
-    """Put everything where a pose says: bodies, the light that follows them, and the rope; nothing is simulated."""
+def _update_positions(model: mujoco.MjModel, data: mujoco.MjData) -> None:
+    """Compute the positions of bodies, lights and the rope from the pose, without simulating a step."""
     mujoco.mj_kinematics(model, data)
     mujoco.mj_comPos(model, data)
     mujoco.mj_camlight(model, data)
     mujoco.mj_tendon(model, data)
 
 
-def pose_at(model: mujoco.MjModel, time: Floats, poses: Floats, moment: float) -> Floats:
-    """Return the pose at a moment: a recorded one if there is one, or else one on the way between two.
+def interpolate_pose(model: mujoco.MjModel, times: Floats, poses: Floats, time: float) -> Floats:
+    """Return the pose at a time, interpolated between the recorded poses before and after it.
 
     Args:
-        model: whose poses they are.
-        time: (n,) of the poses [s].
-        poses: (n, nq).
-        moment: that is asked for [s]; after the last pose, it stays.
+        model: Model of the poses.
+        times: Time of each pose [s], ascending, shape (n,).
+        poses: Recorded poses, shape (n, nq).
+        time: Time of the wanted pose [s]; after the last recorded pose, that pose is returned.
 
     Returns:
-        (nq,) whose quaternions have length 1.
+        Pose with unit quaternions, shape (nq,).
     """
-    before = int(np.searchsorted(time, moment + 1e-9, side="right")) - 1
-    if before + 1 == len(time) or moment - time[before] < 1e-6:
+    before = int(np.searchsorted(times, time + 1e-9, side="right")) - 1
+    if before + 1 == len(times) or time - times[before] < 1e-6:
         return poses[before]
-    way, pose = np.empty(model.nv), poses[before].copy()
-    mujoco.mj_differentiatePos(model, way, time[before + 1] - time[before], pose, poses[before + 1])
-    mujoco.mj_integratePos(model, pose, way, moment - time[before])
+    velocity = np.empty(model.nv)
+    pose = poses[before].copy()
+    mujoco.mj_differentiatePos(model, velocity, times[before + 1] - times[before], pose, poses[before + 1])
+    mujoco.mj_integratePos(model, pose, velocity, time - times[before])
     return pose
 
 
-def lasting(scene: Scene, rollout: Rollout) -> Rollout:
-    """Hold the last moment of a walk before its numbers ran away, if they did; the start, if there was none."""
+def freeze_when_diverged(scene: Scene, rollout: Rollout) -> Rollout:
+    """Repeat the last valid pose from the moment at which a simulation diverged; the start if no pose is valid."""
     n = n_valid_poses(scene, rollout.poses)
     if n == len(rollout.poses):
         return rollout
-    poses, com, load = (rollout.poses[:n], rollout.com[:n], rollout.load[:n]) if n else _start(scene)
-    held = np.minimum(np.arange(len(rollout.time)), max(n, 1) - 1)
-    return replace(rollout, poses=poses[held], com=com[held], load=load[held] if scene.rope_length else rollout.load)
+    poses, com, load = (rollout.poses[:n], rollout.com[:n], rollout.load[:n]) if n else _starting_state(scene)
+    shown = np.minimum(np.arange(len(rollout.time)), max(n, 1) - 1)
+    return replace(rollout, poses=poses[shown], com=com[shown], load=load[shown] if scene.rope_length else rollout.load)
 
 
-def _start(scene: Scene) -> tuple[Floats, Floats, Floats]:
-    """Return the pose of the start, (1, nq), and where robot and load are in it, (1, 3) each."""
+def _starting_state(scene: Scene) -> tuple[Floats, Floats, Floats]:
+    """Return the starting pose, shape (1, nq), and the centres of mass of robot and load in it, shape (1, 3) each."""
     data = mujoco.MjData(scene.model)
     data.qpos[:] = scene.start
-    _pose(scene.model, data)
+    _update_positions(scene.model, data)
     robot, load = data.subtree_com[[scene.roots[0], scene.roots[-1]]]
     return data.qpos[np.newaxis], robot[np.newaxis], load[np.newaxis]
 
 
-def cameras_at(moments: Floats, scene: Scene, rollout: Rollout, shape: float) -> list[Any]:
-    """Aim the camera that the settings ask for, as a replay does, at each of n moments.
+def cameras_at(times: Floats, scene: Scene, rollout: Rollout, aspect_ratio: float) -> list[Any]:
+    """Aim the camera of the settings at the robot, in the same way as in a replay.
 
     Args:
-        moments: (n,) s.
-        scene: in which the robot walks.
-        rollout: of its walk, whose numbers did not run away.
-        shape: width over height of the picture.
+        times: Times of the frames [s], shape (n,).
+        scene: Compiled world with the robot.
+        rollout: Recorded walk with finite values only.
+        aspect_ratio: Width of the picture over its height.
 
     Returns:
-        An ``mjvCamera`` for each moment.
+        An ``mjvCamera`` for each time.
     """
-    paths = [rollout.com, *([rollout.load] if len(rollout.load) else [])]  # its sledge is in the picture as well
+    paths = [rollout.com, *([rollout.load] if len(rollout.load) else [])]
     simulation, pitch = scene.settings.simulation, slope(scene.settings.terrain)
     shot = aim_camera(simulation.camera, rollout.time, np.array(paths), scene.phenotype.body_length, pitch)
-    rows = np.column_stack([shot.target, shot.distance, shot.azimuth, shot.elevation])
+    recorded = np.column_stack([shot.target, shot.distance, shot.azimuth, shot.elevation])
+    at_frames = np.column_stack([np.interp(times, rollout.time, column) for column in recorded.T])
     cameras: list[Any] = []
-    for row in np.column_stack([np.interp(moments, rollout.time, column) for column in rows.T]):
-        cameras.append(camera := mujoco.MjvCamera())
-        camera.lookat[:], camera.distance = row[:3], row[3] * max(1.0, SHAPE / shape)
-        camera.azimuth, camera.elevation = row[4:]
+    for *target, distance, azimuth, elevation in at_frames.tolist():
+        camera: Any = mujoco.MjvCamera()
+        camera.lookat[:] = target
+        camera.distance = distance * max(1.0, MIN_ASPECT_RATIO / aspect_ratio)
+        camera.azimuth = azimuth
+        camera.elevation = elevation
+        cameras.append(camera)
     return cameras
 
 
-class Pieces:
-    """The pieces of a texture, thousands of them, of which only those in the picture are drawn."""
+class TexturePieces:
+    """Thousands of texture pieces, of which only the visible ones are drawn.
 
-    def __init__(self, scene: Scene, shape: float, *, sketch: bool) -> None:
+    Args:
+        scene: Compiled world with the pieces.
+        aspect_ratio: Width of the picture over its height.
+        software: Whether OpenGL renders in software; hides distant pieces.
+    """
+
+    def __init__(self, scene: Scene, aspect_ratio: float, *, software: bool) -> None:
         model = scene.model
-        is_piece = (model.geom_bodyid == 0) & (model.geom_type == int(mujoco.mjtGeom.mjGEOM_SPHERE))
-        self._model, self._shape, self._far = model, shape, FAR if sketch else math.inf
-        self._which: NDArray[np.intp] = np.flatnonzero(is_piece)
-        self._places, self._radii = model.geom_pos[is_piece], model.geom_size[is_piece, 0]
+        is_piece = (model.geom_bodyid == WORLD_BODY) & (model.geom_type == int(mujoco.mjtGeom.mjGEOM_SPHERE))
+        self._model = model
+        self._aspect_ratio = aspect_ratio
+        self._max_distance = MAX_PIECE_DISTANCE if software else math.inf
+        self._geoms: NDArray[np.intp] = np.flatnonzero(is_piece)
+        self._positions = model.geom_pos[is_piece]
+        self._radii = model.geom_size[is_piece, 0]
 
     def __len__(self) -> int:
-        """How many there are."""
-        return len(self._which)
+        """Return the number of pieces."""
+        return len(self._geoms)
 
-    def show(self, camera: Any) -> None:
-        """Hide those that are beside, above, below or behind the picture, or too far away."""
+    def hide_outside(self, camera: Any) -> None:
+        """Hide the pieces outside the camera's picture, behind the camera or too far away, and show the others."""
         azimuth, elevation = math.radians(camera.azimuth), math.radians(camera.elevation)
         right = np.array([math.sin(azimuth), -math.cos(azimuth), 0])
         level = np.array([math.cos(azimuth), math.sin(azimuth), 0])
-        ahead = math.cos(elevation) * level + math.sin(elevation) * np.array([0, 0, 1])
-        away, half = self._places - (camera.lookat - camera.distance * ahead), math.tan(math.radians(FIELD_OF_VIEW / 2))
-        depth, room = away @ ahead, 1.5 * self._radii  # more than 1: the sides of the view are aslant
-        hidden = (depth < 0) | (depth > self._far)
-        hidden |= np.abs(away @ right) > half * self._shape * depth + room * max(1.0, self._shape)
-        hidden |= np.abs(away @ np.cross(right, ahead)) > half * depth + room
-        self._model.geom_group[self._which] = np.where(hidden, HIDDEN, 0)
+        forward = math.cos(elevation) * level + math.sin(elevation) * np.array([0, 0, 1])
+        up = np.cross(right, forward)
+        from_camera = self._positions - (camera.lookat - camera.distance * forward)
+        depth = from_camera @ forward
+        half_height = math.tan(math.radians(FIELD_OF_VIEW / 2))  # of the picture, at a depth of 1
+        margin = 1.5 * self._radii  # more than the radius, as the sides of the view are oblique
+        is_hidden = (depth < 0) | (depth > self._max_distance)
+        is_hidden |= np.abs(from_camera @ right) > half_height * self._aspect_ratio * depth + margin * max(
+            1.0, self._aspect_ratio
+        )
+        is_hidden |= np.abs(from_camera @ up) > half_height * depth + margin
+        self._model.geom_group[self._geoms] = np.where(is_hidden, HIDDEN_GROUP, VISIBLE_GROUP)

@@ -11,14 +11,14 @@ from typing import Any, cast
 import numpy as np
 
 from walkerlab.faults import Fault
-from walkerlab.time_limit import VARIABLE, Overdue, in_time, patience, raised_in_call
+from walkerlab.time_limit import LIMIT_VARIABLE, TimeLimitExceeded, call_with_limit, effective_limit, raised_in_call
 
 IN_A_RUN, IN_A_CHECK = 60.0, 10.0  # s that one call may take
 
 THREAD_ADVICE = (
     "Functions of your own are called on a thread of their own, so that one that never returns can be stopped. What "
     "belongs to one thread, such as a connection to SQLite, must be opened within the function; what only the main "
-    f"thread may do, such as signal.alarm, is not possible. The time limit is os.environ[{VARIABLE!r}], in seconds."
+    f"thread may do, such as signal.alarm, is not possible. The time limit is os.environ[{LIMIT_VARIABLE!r}], in seconds."
 )
 
 SHARED = {"np.random": "numpy.random", "random": "random"}
@@ -93,7 +93,7 @@ def ask(slot: Slot, function: Callable[..., object], call: Callable[[], Any], se
     """
     if _is_ours(function):
         return _in_words(slot, function, call)
-    attempt = partial(_in_words, slot, function, partial(in_time, call, patience(seconds)))
+    attempt = partial(_in_words, slot, function, partial(call_with_limit, call, effective_limit(seconds)))
     before = _shared_chance()
     answer = attempt()
     used = {name for name, state in _shared_chance().items() if state != before.get(name)}
@@ -118,12 +118,12 @@ def _in_words(slot: Slot, function: Callable[..., object], call: Callable[[], An
     who = slot.who(function)
     try:
         return call()
-    except Overdue as error:
+    except TimeLimitExceeded as error:
         stays = "" if error.is_stopped else " It could not be stopped, and goes on until Python is restarted."
         raise OperatorError(
             f"{who} had not returned after {error.seconds:g} s{_line_of(error, function)}",
-            f"Is there a loop that never ends? If it needs longer: os.environ[{VARIABLE!r}] = '600' before the run."
-            f"{stays}",
+            "Is there a loop that never ends? "
+            f"If it needs longer: os.environ[{LIMIT_VARIABLE!r}] = '600' before the run.{stays}",
         ) from error
     except Fault:  # which has its words
         raise

@@ -1,6 +1,9 @@
-"""Drawings as SVG text: quick enough to follow a slider, and drawn on any thread; they need no GL and no matplotlib."""
+"""Drawings of robots and worlds as SVG text, fast enough to follow a slider; they need neither OpenGL nor matplotlib.
 
-from walkerlab.sketch.bodies import body as body
-from walkerlab.sketch.worlds import world as world
+All functions are safe to call from any thread.
+"""
 
-__all__ = ["body", "world"]
+from walkerlab.sketch.bodies import draw_robot as draw_robot
+from walkerlab.sketch.worlds import draw_world as draw_world
+
+__all__ = ["draw_robot", "draw_world"]

@@ -1,4 +1,4 @@
-"""What is over the ground, as it is drawn: the sky of that gravity, and arrows for pull and wind, with words."""
+"""The sky, whose colours depend on gravity, and labelled arrows for gravity and wind."""
 
 import math
 
@@ -8,55 +8,66 @@ from walkerlab.entities.scenery import SKIES, Sky
 from walkerlab.genes import Floats
 from walkerlab.markup import Html, tag
 from walkerlab.settings import Terrain
-from walkerlab.sketch.lens import RAISED
-from walkerlab.sketch.pen import blend, dashes, hue, scattered, shape, text
-from walkerlab.sketch.stage import Stage
-from walkerlab.sketch.words import forces
+from walkerlab.sketch.lens import RAISED_VIEW
+from walkerlab.sketch.pen import blend, draw_dashes, draw_path, draw_text, hex_colour, pseudo_random
+from walkerlab.sketch.stage import Window
+from walkerlab.sketch.words import unusual_forces
 
-BANDS = 30  # of the sky, from the zenith to the horizon
-STARS = 70
-LABEL = 34  # pixels that an arrow and its words are high
-ARROW = 22.0  # pixels that an arrow is long at most
-STRONG = {"gravity": 10.0, "wind": 12.0}  # m/s², m/s: where an arrow has its full length
-DARK = 0.2  # brightness of a sky on which words are light
+N_SKY_BANDS = 30  # from the zenith to the horizon
+N_STARS = 70
+FORCE_ROW_HEIGHT = 34  # pixels for an arrow and its label
+MAX_ARROW_LENGTH = 22.0  # pixels
+FULL_ARROW_STRENGTH = {"gravity": 10.0, "wind": 12.0}  # m/s², m/s; from here on, arrows have their full length
+DARK_SKY_BRIGHTNESS = 0.2  # below, labels are white
 
 
-def sky(terrain: Terrain, stage: Stage) -> Html:
-    """Draw the sky: of the moon, of Mars, of the earth or of Jupiter, as strong as the pull is."""
-    over, (wide, high) = _sky(terrain), stage.size
-    edges = np.round(np.linspace(0, high, BANDS + 1)).astype(int).tolist()
-    shares = np.clip(np.linspace(0, 1.3, BANDS), 0, 1) ** 0.8
+def draw_sky(terrain: Terrain, window: Window) -> Html:
+    """Draw the sky of the moon, Mars, the earth or Jupiter, depending on the strength of gravity."""
+    sky = _sky_of(terrain)
+    width, height = window.size
+    edges = np.round(np.linspace(0, height, N_SKY_BANDS + 1)).astype(int).tolist()
+    shares = np.clip(np.linspace(0, 1.3, N_SKY_BANDS), 0, 1) ** 0.8
     bands = [
-        tag("rect", y=top, width=wide, height=bottom - top, fill=hue(blend(over.zenith, over.horizon, share)))
+        tag("rect", y=top, width=width, height=bottom - top, fill=hex_colour(blend(sky.zenith, sky.horizon, share)))
         for top, bottom, share in zip(edges[:-1], edges[1:], shares.tolist(), strict=True)
     ]
-    number = np.arange(STARS if over.stars else 0)
-    spots = np.stack([scattered(number, 0) * wide, scattered(number, 1) * high], axis=1)
-    stars = dashes(spots, 0.1, stroke="#fff", stroke_width=1.6, stroke_opacity=0.8)
+    indices = np.arange(N_STARS if sky.stars else 0)
+    positions = np.stack([pseudo_random(indices, 0) * width, pseudo_random(indices, 1) * height], axis=1)
+    stars = draw_dashes(positions, 0.1, stroke="#fff", stroke_width=1.6, stroke_opacity=0.8)
     return tag("g", *bands, stars, shape_rendering="crispEdges")
 
 
-def arrows(terrain: Terrain) -> Html:
-    """Draw an arrow for each force that is not as on the earth on a calm day, with words beside it."""
-    ink = "#fff" if max(_sky(terrain).zenith) < DARK else "#1a1a1a"
+def draw_force_arrows(terrain: Terrain) -> Html:
+    """Draw a labelled arrow for each force that differs from the earth on a calm day."""
+    text_colour = "#fff" if max(_sky_of(terrain).zenith) < DARK_SKY_BRIGHTNESS else "#1a1a1a"
     drawn: list[Html] = []
-    for row, (kind, vector, words) in enumerate(forces(terrain)):
-        middle, strength = np.array([26.0, 24.0 + LABEL * row]), math.hypot(*vector)
-        drawn.append(tag("circle", cx=26, cy=f"{middle[1]:g}", r=15, fill="#fff", fill_opacity=0.9))
+    for row, force in enumerate(unusual_forces(terrain)):
+        centre = np.array([26.0, 24.0 + FORCE_ROW_HEIGHT * row])
+        strength = math.hypot(*force.vector)
+        drawn.append(tag("circle", cx=26, cy=f"{centre[1]:g}", r=15, fill="#fff", fill_opacity=0.9))
         if strength:
-            seen = np.array(vector) @ RAISED * (1, -1)
-            way = seen / max(float(np.linalg.norm(seen)), 1e-9)
-            drawn.append(_arrow(middle, ARROW / 2 * min(1.0, math.sqrt(strength / STRONG[kind])) * way, way))
-        drawn.append(text(words, 48, middle[1] + 4.5, font_size=13, fill=ink))
+            projected = np.array(force.vector) @ RAISED_VIEW * (1, -1)
+            direction = projected / max(float(np.linalg.norm(projected)), 1e-9)
+            relative_length = min(1.0, math.sqrt(strength / FULL_ARROW_STRENGTH[force.kind]))
+            drawn.append(_draw_arrow(centre, MAX_ARROW_LENGTH * relative_length, direction))
+        drawn.append(draw_text(force.description, 48, centre[1] + 4.5, font_size=13, fill=text_colour))
     return tag("g", *drawn)
 
 
-def _arrow(middle: Floats, reach: Floats, way: Floats) -> Html:
-    tip, across = middle + reach, np.array([-way[1], way[0]])
-    head = np.stack([tip, tip - 8 * way + 4.5 * across, tip - 8 * way - 4.5 * across])
-    shaft = shape([np.stack([middle - reach, tip - 4 * way])], closed=False, stroke="#b34700", stroke_width=2.4)
-    return tag("g", shaft, shape([head], fill="#b34700"))
+def _draw_arrow(centre: Floats, length: float, direction: Floats) -> Html:
+    """Draw an arrow about its centre; all in pixels, with a unit vector as direction."""
+    half = length / 2 * direction
+    tip = centre + half
+    across = np.array([-direction[1], direction[0]])
+    head = np.stack([tip, tip - 8 * direction + 4.5 * across, tip - 8 * direction - 4.5 * across])
+    shaft = np.stack([centre - half, tip - 4 * direction])
+    return tag(
+        "g",
+        draw_path([shaft], closed=False, stroke="#b34700", stroke_width=2.4),
+        draw_path([head], fill="#b34700"),
+    )
 
 
-def _sky(terrain: Terrain) -> Sky:
-    return next(sky for most, sky in SKIES.items() if math.hypot(*terrain.gravity) <= most)
+def _sky_of(terrain: Terrain) -> Sky:
+    gravity = math.hypot(*terrain.gravity)
+    return next(sky for max_gravity, sky in SKIES.items() if gravity <= max_gravity)

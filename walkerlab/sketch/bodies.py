@@ -1,4 +1,4 @@
-"""A robot from the side in its pose of rest: small enough for a strip of sixty, quick enough to follow a slider."""
+"""Side view of a robot in its starting pose: compact enough for a grid of sixty, fast enough to follow a slider."""
 
 from functools import lru_cache
 
@@ -9,58 +9,62 @@ from walkerlab.markup import Html
 from walkerlab.scene import scene_of
 from walkerlab.settings import Robot, Settings
 from walkerlab.shapes import skins
-from walkerlab.sketch.lens import LEVEL, Lens
-from walkerlab.sketch.pen import INK, drawing, shape
-from walkerlab.sketch.solids import figure
-from walkerlab.sketch.words import measures
+from walkerlab.sketch.lens import SIDE_VIEW, Projection
+from walkerlab.sketch.pen import TEXT_COLOUR, draw_path, svg_image
+from walkerlab.sketch.solids import draw_solids
+from walkerlab.sketch.words import describe_robot
 
-MARGIN = 0.06  # of the width of a drawing, left empty all round
-KEPT = 512  # drawings that are remembered
+MARGIN = 0.06  # on all sides, as a share of the drawing's width
+MAX_CACHED_DRAWINGS = 512
 
 
-def body(
+def draw_robot(
     genome: Genome | str,
     robot: Robot | None = None,
     *,
     size: tuple[float, float] = (110, 80),
     span: float | None = None,
 ) -> Html:
-    """Draw a robot from the side, standing on a line; it walks to the right.
+    """Draw a side view of a robot that stands on a line and faces right.
 
-    The legs of its right side, which are nearer, are light; those of its left side are dark.
+    The legs on its right side, which is nearer, are light; those on its left side are dark.
 
     Args:
-        genome: a genome or its text.
-        robot: the limits that it is brought within, with the pack that it carries; as it is, without one, if None.
-        size: of the drawing, in pixels.
-        span: how many m the drawing is wide, so that several robots are drawn to one scale; as large as it can be if
-            None, or if the robot would not fit.
+        genome: Genome or its text.
+        robot: Limits to which the genome is repaired, and the pack to draw; if None, the genome is drawn unrepaired
+            and without a pack.
+        size: Width and height of the drawing [pixels].
+        span: Width of the drawing [m], to draw several robots to the same scale; if None, or if the robot does not
+            fit, the robot fills the drawing.
 
     Returns:
-        An SVG element, with the robot's measures in words.
+        An SVG element with a description of the robot.
 
     Raises:
-        GenomeError: if a text is no genome.
+        GenomeError: If ``genome`` is text but not a valid genome.
     """
-    return _body(Genome.of(genome), robot, size, span)
+    return _draw_robot(Genome.of(genome), robot, size, span)
 
 
-@lru_cache(maxsize=KEPT)
-def _body(genome: Genome, robot: Robot | None, size: tuple[float, float], span: float | None) -> Html:
-    own, alone = genome.within(robot) if robot else genome, Settings(robot=robot or Robot()).with_(drag_weight=0.0)
-    scene = scene_of(own, alone)
+@lru_cache(maxsize=MAX_CACHED_DRAWINGS)
+def _draw_robot(genome: Genome, robot: Robot | None, size: tuple[float, float], span: float | None) -> Html:
+    repaired = genome.within(robot) if robot else genome
+    without_sledge = Settings(robot=robot or Robot()).with_(drag_weight=0.0)
+    scene = scene_of(repaired, without_sledge)
     parts = skins(scene, scene.start)
-    corners = np.concatenate([points @ LEVEL for points, _ in parts])
-    (left, foot), (right, top) = corners.min(axis=0), corners.max(axis=0)
-    wide, high = size
-    inner = (1 - 2 * MARGIN) * wide
-    scale = min(inner / (right - left), (high - 2 * MARGIN * wide) / (top - foot), wide / span if span else np.inf)
-    floor = high - MARGIN * wide
-    place = np.array([(wide - scale * (left + right)) / 2, floor + scale * foot])
-    line = np.array([(MARGIN / 2 * wide, floor), ((1 - MARGIN / 2) * wide, floor)])
-    return drawing(
+    corners = np.concatenate([points @ SIDE_VIEW for points, _ in parts])
+    left, bottom = corners.min(axis=0)
+    right, top = corners.max(axis=0)
+    width, height = size
+    margin = MARGIN * width
+    free_width = (1 - 2 * MARGIN) * width
+    scale = min(free_width / (right - left), (height - 2 * margin) / (top - bottom), width / span if span else np.inf)
+    ground = height - margin
+    origin = np.array([(width - scale * (left + right)) / 2, ground + scale * bottom])
+    ground_line = np.array([(margin / 2, ground), (width - margin / 2, ground)])
+    return svg_image(
         size,
-        f"A robot: {measures(scene.phenotype)}.",
-        shape([line], closed=False, fill="none", stroke=INK, stroke_opacity=0.5),
-        figure(parts, Lens(LEVEL, scale, place)),
+        f"A robot: {describe_robot(scene.phenotype)}.",
+        draw_path([ground_line], closed=False, fill="none", stroke=TEXT_COLOUR, stroke_opacity=0.5),
+        draw_solids(parts, Projection(SIDE_VIEW, scale, origin)),
     )

@@ -1,4 +1,4 @@
-"""The ground as it is drawn: its surface from far to near, and the cut along its near edge."""
+"""The ground: its surface row by row from far to near, and its section along the near edge."""
 
 from collections.abc import Iterator
 from itertools import groupby
@@ -11,94 +11,110 @@ from walkerlab.genes import Floats
 from walkerlab.ground import ARENA_LENGTH, CELLS_PER_HILL, LANDING, TRENCH_DEPTH, gaps
 from walkerlab.markup import Html
 from walkerlab.settings import Terrain
-from walkerlab.sketch.lens import lit
-from walkerlab.sketch.pen import blend, dashes, hue, scattered, shape
-from walkerlab.sketch.stage import Item, Stage, surface
+from walkerlab.sketch.lens import brightness
+from walkerlab.sketch.pen import blend, draw_dashes, draw_path, hex_colour, pseudo_random
+from walkerlab.sketch.stage import DrawnItem, Window, ground_points
 from walkerlab.textures import MATERIALS
 
-CELLS = 44  # of hills, along what is seen, at most
-ROWS = 12  # of hills, from far to near, at most
-EPS = 1e-6  # m to either side of an edge
-SPECKS = 1500  # where all of the ground is speckled
+MAX_HILL_COLUMNS = 44  # of faces along the visible ground
+MAX_HILL_ROWS = 12  # of faces from near to far
+EPSILON = 1e-6  # m; to either side of an edge, and between items at the same depth
+MAX_SPECKLES = 1500  # on ground that is completely speckled
 BLACK = (0.0, 0.0, 0.0)
 
 
-def ground(terrain: Terrain, stage: Stage) -> Iterator[Item]:
-    """Draw the surface row by row, and last the cut along the near edge."""
-    x, y = _cells(terrain, stage)
+def draw_ground(terrain: Terrain, window: Window) -> Iterator[DrawnItem]:
+    """Draw the surface row by row, then the section along the near edge."""
+    x, y = _grid(terrain, window)
     for near, far in zip(y[:-1][::-1].tolist(), y[1:][::-1].tolist(), strict=True):
-        corners, colours = _row(terrain, x, near, far)
-        seen = stage.lens.at(corners[::-1])  # the right ones first: what is to the left hides them
-        fills = map(hue, colours[::-1])
-        for fill, some in groupby(zip(fills, seen, strict=True), key=lambda pair: pair[0]):
-            yield far, shape([outline for _, outline in some], fill=fill, stroke=fill, stroke_width=0.6)
-        yield far - EPS, _specks(terrain, stage, near, far)
+        corners, colours = _row_faces(terrain, x, near, far)
+        outlines = window.projection.project(corners[::-1])  # from right to left: faces hide those to their right
+        fills = map(hex_colour, colours[::-1])
+        for fill, faces in groupby(zip(fills, outlines, strict=True), key=lambda pair: pair[0]):
+            yield far, draw_path([outline for _, outline in faces], fill=fill, stroke=fill, stroke_width=0.6)
+        yield far - EPSILON, _draw_speckles(terrain, window, near, far)
     material = MATERIALS[terrain.texture]
-    nearest = stage.sides[0]
-    edge = stage.lens.at(surface(terrain, x, nearest))
-    below = np.array([(edge[-1, 0], stage.size[1] + 1), (edge[0, 0], stage.size[1] + 1)])
-    yield nearest, shape([np.concatenate([edge, below])], fill=hue(blend(material.dark, BLACK, 0.3)), class_="cut")
-    look = {"fill": "none", "stroke": hue(blend(material.dark, BLACK, 0.55)), "stroke_width": 1.2}
-    yield nearest, shape([edge], closed=False, **look)
+    nearest = window.y_range[0]
+    edge = window.projection.project(ground_points(terrain, x, nearest))
+    bottom = window.size[1] + 1
+    section = np.concatenate([edge, [(edge[-1, 0], bottom), (edge[0, 0], bottom)]])
+    yield nearest, draw_path([section], fill=hex_colour(blend(material.dark, BLACK, 0.3)), class_="section")
+    edge_colour = hex_colour(blend(material.dark, BLACK, 0.55))
+    yield nearest, draw_path([edge], closed=False, fill="none", stroke=edge_colour, stroke_width=1.2)
 
 
-def _cells(terrain: Terrain, stage: Stage) -> tuple[Floats, Floats]:
-    """Return where the ground is divided: along the way, both sides of each edge; and across it, from near to far."""
-    start, end = stage.reach
-    sides, (near, far) = np.array(stage.sides), stage.sides
-    along, across = PATTERNS[terrain.texture].square
+def _grid(terrain: Terrain, window: Window) -> tuple[Floats, Floats]:
+    """Return the x and the y [m] at which the ground is divided into faces, ascending.
+
+    At the edges of steps and gaps, x has a value on either side.
+    """
+    start, end = window.x_range
+    near, far = window.y_range
+    square_length, square_width = PATTERNS[terrain.texture].square
     match terrain.structure:
         case Structure.stairs:
             edges = np.arange(LANDING, end, terrain.step_depth)
-            return _both_sides(start, end, edges), sides
+            return _both_sides(start, end, edges), np.array([near, far])
         case Structure.gaps:
-            return _both_sides(start, end, gaps(terrain).ravel()), sides
+            return _both_sides(start, end, gaps(terrain).ravel()), np.array([near, far])
         case Structure.rough:
-            cell = max(terrain.hill_length / CELLS_PER_HILL, stage.width / CELLS)
+            cell = max(terrain.hill_length / CELLS_PER_HILL, window.width_m / MAX_HILL_COLUMNS)
             last = min(end, LANDING + ARENA_LENGTH)
             x = np.concatenate([[start], np.arange(LANDING, last, cell), [last, end]])
-            return np.unique(x), np.linspace(near, far, 1 + min(ROWS, max(2, round(np.ptp(sides) / cell))))
+            n_rows = min(MAX_HILL_ROWS, max(2, round((far - near) / cell)))
+            return np.unique(x), np.linspace(near, far, n_rows + 1)
         case _:
-            return _multiples(start, end, along), _multiples(near, far, across)
+            return _multiples(start, end, square_length), _multiples(near, far, square_width)
 
 
 def _both_sides(start: float, end: float, edges: Floats) -> Floats:
+    """Return both ends, and a point before and after each edge between them."""
     inside = edges[(start < edges) & (edges < end)]
-    return np.concatenate([[start], np.stack([inside - EPS, inside + EPS], axis=1).ravel(), [end]])
+    return np.concatenate([[start], np.stack([inside - EPSILON, inside + EPSILON], axis=1).ravel(), [end]])
 
 
 def _multiples(start: float, end: float, step: float) -> Floats:
-    """Return the ends, and the multiples of a step between them."""
+    """Return both ends, and the multiples of a step between them."""
     inside = np.arange(np.floor(start / step) + 1, np.ceil(end / step)) * step
     return np.concatenate([[start], inside, [end]])
 
 
-def _row(terrain: Terrain, x: Floats, near: float, far: float) -> tuple[Floats, Floats]:
-    """Return (n, 4, 3) corners [m] and (n, 3) colours of the faces of one row of the ground, from left to right."""
-    material, (along, across) = MATERIALS[terrain.texture], PATTERNS[terrain.texture].square
-    front, back = surface(terrain, x, near), surface(terrain, x, far)
+def _row_faces(terrain: Terrain, x: Floats, near: float, far: float) -> tuple[Floats, Floats]:
+    """Return the faces of one row of the ground, from left to right.
+
+    Returns:
+        Corners of each face [m], shape (n, 4, 3), and its colour, shape (n, 3).
+    """
+    material = MATERIALS[terrain.texture]
+    square_length, square_width = PATTERNS[terrain.texture].square
+    front = ground_points(terrain, x, near)
+    back = ground_points(terrain, x, far)
     corners = np.stack([front[:-1], front[1:], back[1:], back[:-1]], axis=1)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    middle = corners.mean(axis=1)
+    centres = corners.mean(axis=1)
     if terrain.structure in (Structure.stairs, Structure.gaps):
-        dark = np.arange(len(corners)) // 2 % 2 == 1
+        is_dark = np.arange(len(corners)) // 2 % 2 == 1
     else:
-        dark = (np.floor(middle[:, 0] / along) + np.floor(middle[:, 1] / across)) % 2 == 1
-    colours = np.where(dark[:, np.newaxis], material.dark, material.light)
-    light = lit(normals)
-    if terrain.structure == Structure.gaps:  # less light comes into a trench the deeper it is
-        light = light * (1 + 0.9 * np.minimum(0.0, middle[:, 2:]) / TRENCH_DEPTH)
+        is_dark = (np.floor(centres[:, 0] / square_length) + np.floor(centres[:, 1] / square_width)) % 2 == 1
+    colours = np.where(is_dark[:, np.newaxis], material.dark, material.light)
+    light = brightness(normals)
+    if terrain.structure == Structure.gaps:  # deeper faces receive less light
+        light = light * (1 + 0.9 * np.minimum(0.0, centres[:, 2:]) / TRENCH_DEPTH)
     return corners, np.clip(colours * light, 0, 1)
 
 
-def _specks(terrain: Terrain, stage: Stage, near: float, far: float) -> Html:
-    """Draw the grain of the ground, evenly strewn."""
-    material, (start, end) = MATERIALS[terrain.texture], stage.reach
-    number = np.arange(round(SPECKS * material.speckle_share))
-    x = start + (end - start) * scattered(number, 0)
-    y = stage.sides[0] + (stage.sides[1] - stage.sides[0]) * scattered(number, 1)
-    here = (near <= y) & (y < far)
-    spots = surface(terrain, x[here], y[here])
-    spots = stage.lens.at(spots[spots[:, 2] > -EPS] if terrain.structure == Structure.gaps else spots)
-    return dashes(spots, 2.4, stroke=hue(material.speckle), stroke_width=1.1)
+def _draw_speckles(terrain: Terrain, window: Window, near: float, far: float) -> Html:
+    """Draw the evenly distributed speckles of the ground between two y [m]."""
+    material = MATERIALS[terrain.texture]
+    start, end = window.x_range
+    nearest, farthest = window.y_range
+    indices = np.arange(round(MAX_SPECKLES * material.speckle_share))
+    x = start + (end - start) * pseudo_random(indices, 0)
+    y = nearest + (farthest - nearest) * pseudo_random(indices, 1)
+    is_here = (near <= y) & (y < far)
+    points = ground_points(terrain, x[is_here], y[is_here])
+    if terrain.structure == Structure.gaps:
+        points = points[points[:, 2] > -EPSILON]
+    centres = window.projection.project(points)
+    return draw_dashes(centres, 2.4, stroke=hex_colour(material.speckle), stroke_width=1.1)

@@ -1,4 +1,4 @@
-"""From metres to pixels: a view from the side in which what is farther away is drawn aside, and maybe higher."""
+"""Oblique projection from metres to pixels: a side view in which distant points are shifted to the left."""
 
 from dataclasses import dataclass
 
@@ -6,40 +6,46 @@ import numpy as np
 
 from walkerlab.genes import Floats
 
-LEAN = -0.24  # by which what is farther away is drawn farther left, so that far legs and the risers of stairs are seen
-LEVEL = np.array([(1.0, 0.0), (LEAN, 0.0), (0.0, 1.0)])
-"""Level with the ground, which is a line: what x, y and z are to the right and up."""
-RAISED = np.array([(1.0, 0.0), (LEAN, 0.21), (0.0, 1.0)])
-"""A little above it."""
+DEPTH_SHIFT = -0.24  # horizontal shift for each metre of depth; shows the far legs and the risers of stairs
+SIDE_VIEW = np.array([(1.0, 0.0), (DEPTH_SHIFT, 0.0), (0.0, 1.0)])
+"""View at ground level, (3, 2): how far right and up a unit along x, y and z is drawn. The ground is a line."""
+RAISED_VIEW = np.array([(1.0, 0.0), (DEPTH_SHIFT, 0.21), (0.0, 1.0)])
+"""View from slightly above the ground, (3, 2); distant points are also drawn higher."""
 
-SUN = np.array([0.36, -0.64, 0.68])  # where it stands, about as in ``entities.scenery``
-GRAZED = 0.6  # of its colour, that is seen of what the sun only grazes
+TO_SUN = np.array([0.36, -0.64, 0.68])  # direction to the sun, close to that of ``entities.scenery``
+AMBIENT = 0.6  # brightness of a face parallel to the sunlight
+BRIGHTNESS_RANGE = (0.45, 1.12)
 
 
 @dataclass(frozen=True, eq=False)
-class Lens:
-    """How points are seen.
+class Projection:
+    """Parallel projection of points in metres to pixels.
 
     Attributes:
-        view: (3, 2) what x, y and z are to the right and up.
-        scale: pixels for each m.
-        place: (2,) pixels, where the origin is.
+        view: Images of the unit vectors along x, y and z, to the right and up, shape (3, 2).
+        scale: Pixels per metre.
+        origin: Image of the origin [pixels], shape (2,).
     """
 
     view: Floats
     scale: float
-    place: Floats
+    origin: Floats
 
-    def at(self, points: Floats) -> Floats:
-        """Return where (…, 3) points [m] are seen, (…, 2) pixels."""
-        return points @ self.view * (self.scale, -self.scale) + self.place
+    def project(self, points: Floats) -> Floats:
+        """Return the images (…, 2) [pixels] of points (…, 3) [m]."""
+        return points @ self.view * (self.scale, -self.scale) + self.origin
 
     @property
-    def eye(self) -> Floats:
-        """(3,) which way it is to who looks."""
+    def to_viewer(self) -> Floats:
+        """Direction towards the viewer, shape (3,); not of unit length."""
         return np.cross(self.view[:, 0], self.view[:, 1])
 
 
-def lit(normals: Floats) -> Floats:
-    """Return how much of its colour is seen of what faces (n, 3) ways: (n, 1), 1 where it lies level."""
-    return np.clip(GRAZED + (1 - GRAZED) * (normals @ SUN) / SUN[2], 0.45, 1.12)[:, np.newaxis]
+def brightness(normals: Floats) -> Floats:
+    """Return the brightness of faces in sunlight, shape (n, 1); a level face has 1.
+
+    Args:
+        normals: Unit normals of the faces, shape (n, 3).
+    """
+    diffuse = (1 - AMBIENT) * (normals @ TO_SUN) / TO_SUN[2]
+    return np.clip(AMBIENT + diffuse, *BRIGHTNESS_RANGE)[:, np.newaxis]

@@ -1,4 +1,4 @@
-"""Lines and areas as SVG text, in pixels: a point is drawn to a tenth of one, which is as fine as a screen is."""
+"""SVG elements with coordinates in pixels, rounded to a tenth of a pixel."""
 
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -9,52 +9,83 @@ from numpy.typing import NDArray
 from walkerlab.genes import Floats, Indices
 from walkerlab.markup import Html, tag
 
-INK = "currentColor"
-"""The colour of the text around a drawing, so that lines are seen on a light page and on a dark one."""
+TEXT_COLOUR = "currentColor"
+"""Colour of the text around a drawing: lines in it are visible on light and on dark pages."""
+
+HASH_FACTORS = (12.9898, 78.233)  # customary shader hash: fract(sin(x · factor) · 43758.5453)
 
 
-def drawing(size: tuple[float, float], said: str, *content: object, **look: Any) -> Html:
-    """Put a drawing together: its size in pixels, and what is seen in words for those who cannot see it."""
-    wide, high = (f"{side:g}" for side in size)
-    look = {"class_": "wl-sketch", "width": wide, "height": high, "viewBox": f"0 0 {wide} {high}"} | look
-    return tag("svg", *content, xmlns="http://www.w3.org/2000/svg", role="img", aria_label=said, **look)
+def svg_image(size: tuple[float, float], label: str, *content: object, **attributes: Any) -> Html:
+    """Return a complete SVG image.
+
+    Args:
+        size: Width and height [pixels].
+        label: Description for screen readers.
+        content: Elements of the image.
+        attributes: Further attributes of the ``svg`` element.
+    """
+    width, height = (f"{side:g}" for side in size)
+    attributes = {
+        "class_": "wl-sketch",
+        "width": width,
+        "height": height,
+        "viewBox": f"0 0 {width} {height}",
+    } | attributes
+    return tag("svg", *content, xmlns="http://www.w3.org/2000/svg", role="img", aria_label=label, **attributes)
 
 
-def shape(outlines: Iterable[Floats], *, closed: bool = True, **look: Any) -> Html:
-    """Draw any number of outlines, (k, 2) pixels each, as one element of one look."""
+def draw_path(outlines: Iterable[Floats], *, closed: bool = True, **attributes: Any) -> Html:
+    """Draw any number of outlines as one ``path`` element.
+
+    Args:
+        outlines: Corners of each outline [pixels], shape (k, 2).
+        closed: Whether to join the last corner to the first.
+        attributes: Attributes of the element.
+    """
     end = "Z" if closed else ""
-    return tag("path", d="".join(f"M{_points(outline)}{end}" for outline in outlines), **look)
+    return tag("path", d="".join(f"M{_coordinates(outline)}{end}" for outline in outlines), **attributes)
 
 
-def dashes(spots: Floats, long: float, **look: Any) -> Html:
-    """Draw a level dash at each of (k, 2) spots; a dot, if it is no longer than its pen is thick."""
+def draw_dashes(centres: Floats, length: float, **attributes: Any) -> Html:
+    """Draw a horizontal dash with round ends at each point; a dash shorter than its stroke width is a dot.
+
+    Args:
+        centres: Centres of the dashes [pixels], shape (k, 2).
+        length: Length of each dash [pixels].
+        attributes: Attributes of the element.
+    """
     return tag(
         "path",
-        d="".join(f"M{x - long / 2:.1f},{y:.1f}h{long:g}" for x, y in spots.tolist()),
+        d="".join(f"M{x - length / 2:.1f},{y:.1f}h{length:g}" for x, y in centres.tolist()),
         stroke_linecap="round",
-        **look,
+        **attributes,
     )
 
 
-def text(words: object, x: float, y: float, **look: Any) -> Html:
-    """Write words at a place."""
-    return tag("text", words, x=f"{x:.1f}", y=f"{y:.1f}", **look)
+def draw_text(content: object, x: float, y: float, **attributes: Any) -> Html:
+    """Draw text with its baseline at a point [pixels]."""
+    return tag("text", content, x=f"{x:.1f}", y=f"{y:.1f}", **attributes)
 
 
-def hue(colour: Sequence[float] | NDArray[Any]) -> str:
-    """Write a colour, red, green and blue (and more, which is left out) of 0 to 1 each, as #rrggbb."""
-    return "#" + "".join(f"{round(255 * float(part)):02x}" for part in np.clip(colour, 0, 1)[:3])
+def hex_colour(colour: Sequence[float] | NDArray[Any]) -> str:
+    """Return an RGB or RGBA colour with components from 0 to 1 as ``#rrggbb``; alpha is ignored."""
+    return "#" + "".join(f"{round(255 * float(component)):02x}" for component in np.clip(colour, 0, 1)[:3])
 
 
-def blend(one: Sequence[float] | Floats, other: Sequence[float] | Floats, share: float) -> Floats:
-    """Mix two colours: 0 is the one, 1 the other."""
-    return np.asarray(one)[:3] * (1 - share) + np.asarray(other)[:3] * share
+def blend(first: Sequence[float] | Floats, second: Sequence[float] | Floats, share: float) -> Floats:
+    """Mix two colours; a share of 0 gives the first, 1 the second."""
+    return np.asarray(first)[:3] * (1 - share) + np.asarray(second)[:3] * share
 
 
-def _points(outline: Floats) -> str:
+def pseudo_random(indices: Indices, axis: int) -> Floats:
+    """Return numbers from 0 to 1 that look random but are the same in every drawing.
+
+    Args:
+        indices: Index of each number, shape (n,).
+        axis: 0 or 1; selects one of two independent sequences.
+    """
+    return np.sin(indices * HASH_FACTORS[axis] + axis) * 43758.5453 % 1
+
+
+def _coordinates(outline: Floats) -> str:
     return " ".join(f"{x:.1f},{y:.1f}" for x, y in outline.tolist())
-
-
-def scattered(number: Indices, axis: int) -> Floats:
-    """Return numbers of 0 to 1 that look drawn by chance, and are the same in every drawing."""
-    return np.sin(number * (12.9898, 78.233)[axis] + axis) * 43758.5453 % 1

@@ -1,4 +1,4 @@
-"""Solid bodies as they are drawn: an area of one colour with a thin edge, and a box by the sides that are seen."""
+"""Drawings of solid bodies: each an area of one colour with a thin edge; of a box, its visible faces."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -8,42 +8,47 @@ import numpy as np
 from walkerlab.genes import Floats
 from walkerlab.markup import Html, tag
 from walkerlab.shapes import CUBE, ROPE_POINTS, outline
-from walkerlab.sketch.lens import Lens, lit
-from walkerlab.sketch.pen import hue, shape
+from walkerlab.sketch.lens import Projection, brightness
+from walkerlab.sketch.pen import draw_path, hex_colour
 
-EDGE: dict[str, Any] = {"stroke": "#1a1a1a", "stroke_width": 0.6, "stroke_linejoin": "round"}
+EDGE_STYLE: dict[str, Any] = {"stroke": "#1a1a1a", "stroke_width": 0.6, "stroke_linejoin": "round"}
 
 
-def figure(parts: Sequence[tuple[Floats, Floats]], lens: Lens) -> Html:
-    """Draw a robot and its loads, the far side first.
+def draw_solids(parts: Sequence[tuple[Floats, Floats]], projection: Projection) -> Html:
+    """Draw a robot and its loads, the most distant part first.
 
     Args:
-        parts: as ``skins`` lays them out.
-        lens: how they are seen.
+        parts: Points and colour of each part, as returned by ``skins``.
+        projection: Projection of the drawing.
     """
-    ordered = sorted(parts, key=lambda part: -part[0][:, 1].mean())
-    return tag("g", *(_part(points, colour[:3], lens) for points, colour in ordered), class_="robot", **EDGE)
+    back_to_front = sorted(parts, key=lambda part: -part[0][:, 1].mean())
+    drawn = (_draw_solid(points, colour[:3], projection) for points, colour in back_to_front)
+    return tag("g", *drawn, class_="robot", **EDGE_STYLE)
 
 
-def _part(points: Floats, colour: Floats, lens: Lens) -> Html:
+def _draw_solid(points: Floats, colour: Floats, projection: Projection) -> Html:
     if len(points) == ROPE_POINTS:
-        return shape([lens.at(points)], closed=False, stroke=hue(colour), stroke_width=1.5)
+        return draw_path([projection.project(points)], closed=False, stroke=hex_colour(colour), stroke_width=1.5)
     if len(points) == len(CUBE):
-        return box(points, colour, lens)
-    return shape([outline(lens.at(points))], fill=hue(colour))
+        return draw_box(points, colour, projection)
+    return draw_path([outline(projection.project(points))], fill=hex_colour(colour))
 
 
-def box(corners: Floats, colour: Floats, lens: Lens) -> Html:
-    """Draw a box.
+def draw_box(corners: Floats, colour: Floats, projection: Projection) -> Html:
+    """Draw the visible faces of a box.
 
     Args:
-        corners: (24, 3) four of each side, as in ``CUBE`` [m].
-        colour: (3,) of its top.
-        lens: how it is seen.
+        corners: Four corners of each face [m], in the order of ``CUBE``, shape (24, 3).
+        colour: Colour of a level face, shape (3,).
+        projection: Projection of the drawing.
     """
-    sides = corners.reshape(-1, 4, 3)
-    normals = np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0])
+    faces = corners.reshape(-1, 4, 3)
+    normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    seen = normals @ lens.eye > 1e-9
-    fills = colour * lit(normals[seen])
-    return tag("g", *(shape([lens.at(side)], fill=hue(fill)) for side, fill in zip(sides[seen], fills, strict=True)))
+    is_visible = normals @ projection.to_viewer > 1e-9
+    fills = colour * brightness(normals[is_visible])
+    drawn = (
+        draw_path([projection.project(face)], fill=hex_colour(fill))
+        for face, fill in zip(faces[is_visible], fills, strict=True)
+    )
+    return tag("g", *drawn)

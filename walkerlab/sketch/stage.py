@@ -1,10 +1,10 @@
-r"""The part of a world that is drawn: a strip of ground along the way, seen from beside it and a little above.
+r"""The visible part of a world: a strip of ground along the walking direction, seen from the side and slightly above.
 
        far edge
-+---------------------+        what is farther away is drawn higher, and to the left:
- \  o  robot    []     \       so the risers of stairs are seen
++---------------------+        distant points are drawn higher and further left,
+ \  o  robot    []     \       which shows the risers of stairs
   +---------------------+
-  |  the ground, cut    |
+  |  section of ground  |
 """
 
 from collections.abc import Iterable
@@ -17,48 +17,48 @@ from walkerlab.genes import Floats
 from walkerlab.ground import height
 from walkerlab.markup import Html
 from walkerlab.settings import Terrain
-from walkerlab.sketch.lens import LEAN, RAISED, Lens
+from walkerlab.sketch.lens import DEPTH_SHIFT, RAISED_VIEW, Projection
 
-Item = tuple[float, Html]
-"""Something drawn, and how near it comes: its least y [m]. The far ones are drawn first."""
+DrawnItem = tuple[float, Html]
+"""Smallest y [m] of something drawn, and its SVG element; distant items are drawn first."""
 
 
 @dataclass(frozen=True)
-class Stage:
-    """The window through which a world is seen.
+class Window:
+    """The section of a world that a drawing shows.
 
     Attributes:
-        size: pixels, wide and high.
-        start: what x is at its left edge, where y is 0 [m].
-        width: how many m it is wide.
-        bottom: what z is at its lower edge, where y is 0 [m].
-        sides: what y is at the near and at the far edge of the ground [m].
+        size: Width and height [pixels].
+        left: x at the left edge of the drawing, for y = 0 [m].
+        width_m: Width [m].
+        bottom: z at the lower edge of the drawing, for y = 0 [m].
+        y_range: y at the near and at the far edge of the ground [m].
     """
 
     size: tuple[float, float]
-    start: float
-    width: float
+    left: float
+    width_m: float
     bottom: float
-    sides: tuple[float, float]
+    y_range: tuple[float, float]
 
     @cached_property
-    def lens(self) -> Lens:
-        """How points are seen."""
-        scale = self.size[0] / self.width
-        return Lens(RAISED, scale, np.array([-self.start * scale, self.size[1] + self.bottom * scale]))
+    def projection(self) -> Projection:
+        """Projection from metres to pixels."""
+        scale = self.size[0] / self.width_m
+        return Projection(RAISED_VIEW, scale, np.array([-self.left * scale, self.size[1] + self.bottom * scale]))
 
     @property
-    def reach(self) -> tuple[float, float]:
-        """From where to where along the way the ground is seen somewhere, in m."""
-        near, far = (-LEAN * y for y in self.sides)
-        return self.start + near, self.start + self.width + far
+    def x_range(self) -> tuple[float, float]:
+        """Smallest and largest x [m] of the ground that is visible at any depth."""
+        near, far = (-DEPTH_SHIFT * y for y in self.y_range)
+        return self.left + near, self.left + self.width_m + far
 
 
-def surface(terrain: Terrain, x: Floats, y: Floats | float) -> Floats:
-    """Return the (n, 3) points of the ground at places along and across the way."""
+def ground_points(terrain: Terrain, x: Floats, y: Floats | float) -> Floats:
+    """Return the points of the ground at x, shape (n,), and y [m]; shape (n, 3)."""
     return np.stack([x, np.broadcast_to(y, x.shape), height(terrain, x, y)], axis=1)
 
 
-def in_order(items: Iterable[Item]) -> list[Html]:
-    """Return what is drawn, the far first."""
+def back_to_front(items: Iterable[DrawnItem]) -> list[Html]:
+    """Return the SVG elements in drawing order, the most distant first."""
     return [drawn for _, drawn in sorted(items, key=lambda item: -item[0])]

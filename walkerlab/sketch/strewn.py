@@ -1,4 +1,4 @@
-"""What is strewn over the ground, as it is drawn: the pieces of its texture, and what lies about."""
+"""Objects on the ground: the pieces of its texture and the loose obstacles."""
 
 import math
 from collections.abc import Iterator
@@ -14,106 +14,132 @@ from walkerlab.layout import PIECE_HEIGHT, compute_layout
 from walkerlab.markup import Html, tag
 from walkerlab.settings import Terrain
 from walkerlab.shapes import BALL, CUBE, N_AROUND, RING, outline
-from walkerlab.sketch.lens import RAISED, Lens
-from walkerlab.sketch.pen import hue, shape
-from walkerlab.sketch.solids import EDGE, box
-from walkerlab.sketch.stage import Item, Stage, surface
+from walkerlab.sketch.lens import RAISED_VIEW, Projection
+from walkerlab.sketch.pen import draw_path, hex_colour
+from walkerlab.sketch.solids import EDGE_STYLE, draw_box
+from walkerlab.sketch.stage import DrawnItem, Window, ground_points
 from walkerlab.textures import MATERIALS
 
-SHADES = 3  # of the pieces of a texture
-BANDS = 12  # from far to near, in which pieces are drawn
+N_SHADES = 3  # of the colour of texture pieces
+N_DEPTH_BANDS = 12  # pieces in one band are drawn as one item
+VIEW_MARGIN = 1.0  # m beyond the visible ground, to draw obstacles that are partly visible
 
 
-def pieces(terrain: Terrain, stage: Stage) -> Iterator[Item]:
-    """Draw the pieces of the texture that are in sight."""
-    spots = compute_layout(terrain).pieces
-    shades = np.arange(len(spots)) % SHADES
-    seen = _in_sight(spots, stage)
-    spots, shades = spots[seen], shades[seen]
-    radius, rise = terrain.texture_size / 2 * stage.lens.scale, PIECE_HEIGHT * terrain.texture_size * stage.lens.scale
-    flat = RAISED[1, 1] * radius
-    nearest, farthest = stage.sides
-    bands = np.floor((spots[:, 1] - nearest) / (farthest - nearest) * BANDS)
+def draw_pieces(terrain: Terrain, window: Window) -> Iterator[DrawnItem]:
+    """Draw the visible pieces of the texture as flat domes."""
+    bases = compute_layout(terrain).pieces
+    shades = np.arange(len(bases)) % N_SHADES
+    is_visible = _is_visible(bases, window)
+    bases = bases[is_visible]
+    shades = shades[is_visible]
+    scale = window.projection.scale
+    radius = terrain.texture_size / 2 * scale
+    rise = PIECE_HEIGHT * terrain.texture_size * scale
+    base_height = RAISED_VIEW[1, 1] * radius
+    nearest, farthest = window.y_range
+    bands = np.floor((bases[:, 1] - nearest) / (farthest - nearest) * N_DEPTH_BANDS)
     for band in np.unique(bands).tolist():
-        near = nearest + (farthest - nearest) * band / BANDS
-        for number in range(SHADES):
-            some = stage.lens.at(spots[(bands == band) & (shades == number)])
-            fill = np.clip(np.array(MATERIALS[terrain.texture].piece) * (0.88 + 0.12 * number), 0, 1)
+        band_y = nearest + (farthest - nearest) * band / N_DEPTH_BANDS
+        for shade in range(N_SHADES):
+            centres = window.projection.project(bases[(bands == band) & (shades == shade)])
+            fill = np.clip(np.array(MATERIALS[terrain.texture].piece) * (0.88 + 0.12 * shade), 0, 1)
             domes = "".join(
-                f"M{x - radius:.1f},{y:.1f}a{radius:.1f},{flat + rise:.1f} 0 0 1 {2 * radius:.1f},0"
-                f"a{radius:.1f},{flat:.1f} 0 0 1 {-2 * radius:.1f},0"
-                for x, y in some.tolist()
+                f"M{x - radius:.1f},{y:.1f}a{radius:.1f},{base_height + rise:.1f} 0 0 1 {2 * radius:.1f},0"
+                f"a{radius:.1f},{base_height:.1f} 0 0 1 {-2 * radius:.1f},0"
+                for x, y in centres.tolist()
             )
-            yield near, tag("path", d=domes, fill=hue(fill), stroke="#000", stroke_opacity=0.25, stroke_width=0.5)
+            style = {"fill": hex_colour(fill), "stroke": "#000", "stroke_opacity": 0.25, "stroke_width": 0.5}
+            yield band_y, tag("path", d=domes, **style)
 
 
-def obstacles(terrain: Terrain, stage: Stage) -> Iterator[Item]:
-    """Draw what lies about in sight, each with its shadow."""
+def draw_obstacles(terrain: Terrain, window: Window) -> Iterator[DrawnItem]:
+    """Draw the visible obstacles, each with its shadow."""
     layout = compute_layout(terrain)
-    for number in np.flatnonzero(_in_sight(layout.obstacles, stage)).tolist():
-        up, size = layout.obstacle_normals[number], float(layout.obstacle_sizes[number])
-        frame = body_axes(up, float(layout.obstacle_angles[number])).reshape(2, 3)
-        turn = np.stack([*frame, up])
-        corners = _corners(terrain.obstacle, number + 1) * size
-        low = corners[:, 2].min()
-        middle = layout.obstacles[number] - low * up
-        points = middle + corners @ turn
-        colour = np.array(COLOURS[terrain.obstacle]) * (1 + 0.12 * math.sin(2.4 * (number + 1)))
-        drawn = tag("g", *_drawn(terrain.obstacle, points, colour, size, stage.lens), **EDGE)
-        yield float(points[:, 1].min()), tag("g", shadow(terrain, points, stage), drawn)
+    for index in np.flatnonzero(_is_visible(layout.obstacles, window)).tolist():
+        number = index + 1  # as in the simulated world
+        up = layout.obstacle_normals[index]
+        size = float(layout.obstacle_sizes[index])
+        x_axis, y_axis = body_axes(up, float(layout.obstacle_angles[index])).reshape(2, 3)
+        corners = _unit_corners(terrain.obstacle, number) * size
+        centre = layout.obstacles[index] - corners[:, 2].min() * up
+        points = centre + corners @ np.stack([x_axis, y_axis, up])
+        colour = np.array(COLOURS[terrain.obstacle]) * (1 + 0.12 * math.sin(2.4 * number))
+        drawn = tag("g", *_draw_obstacle(terrain.obstacle, points, colour, size, window.projection), **EDGE_STYLE)
+        yield float(points[:, 1].min()), tag("g", draw_shadow(terrain, points, window), drawn)
 
 
-def shadow(terrain: Terrain, points: Floats, stage: Stage) -> Html:
-    """Draw what a thing takes of the light from above, on the ground below it."""
-    dropped = stage.lens.at(surface(terrain, points[:, 0], points[:, 1]))
-    return shape([outline(dropped)], fill="#000", fill_opacity=0.18)
+def draw_shadow(terrain: Terrain, points: Floats, window: Window) -> Html:
+    """Draw the shadow of a body on the ground vertically below it.
+
+    Args:
+        terrain: Terrain on which the shadow falls.
+        points: Points of which the body is the convex hull [m], shape (k, 3).
+        window: Visible section of the world.
+    """
+    shadow = window.projection.project(ground_points(terrain, points[:, 0], points[:, 1]))
+    return draw_path([outline(shadow)], fill="#000", fill_opacity=0.18)
 
 
-def _in_sight(spots: Floats, stage: Stage) -> NDArray[np.bool_]:
-    start, end = stage.reach
-    return (
-        (stage.sides[0] < spots[:, 1])
-        & (spots[:, 1] < stage.sides[1])
-        & (start - 1 < spots[:, 0])
-        & (spots[:, 0] < end + 1)
-    )
+def _is_visible(points: Floats, window: Window) -> NDArray[np.bool_]:
+    """Return for each point (n, 3) [m] whether it is on or close to the visible ground, shape (n,)."""
+    start, end = window.x_range
+    near, far = window.y_range
+    x = points[:, 0]
+    y = points[:, 1]
+    return (near < y) & (y < far) & (start - VIEW_MARGIN < x) & (x < end + VIEW_MARGIN)
 
 
-def _corners(kind: Obstacle, number: int) -> Floats:
-    """Return the (k, 3) corners of an obstacle of size 1 about its middle; those of both ends of what is round."""
+def _unit_corners(kind: Obstacle, number: int) -> Floats:
+    """Return the corners (k, 3) of an obstacle of size 1 about its centre; of round ones, points on the surface.
+
+    The points of a cylinder or log are those of one end, then those of the other.
+    """
     match kind:
         case Obstacle.box:
             return 0.5 * CUBE
         case Obstacle.cylinder:
-            return _ENDS * (0.4, 0.4, 0.5)
+            return _CYLINDER_ENDS * (0.4, 0.4, 0.5)
         case Obstacle.log:
-            return (_ENDS * (0.5, 0.5, LOG_ASPECT / 2))[:, [2, 1, 0]]
+            return (_CYLINDER_ENDS * (0.5, 0.5, LOG_ASPECT / 2))[:, [2, 1, 0]]
         case Obstacle.rock:
             return 0.5 * ROCKS[number % len(ROCKS)]
         case _:
             return 0.5 * BALL
 
 
-def _drawn(kind: Obstacle, points: Floats, colour: Floats, size: float, lens: Lens) -> tuple[Html, ...]:
-    """Draw one obstacle by its corners [m]: its outline, and what else tells it from others."""
-    seen = lens.at(points)
-    middle, radius = seen.mean(axis=0), size / 2 * lens.scale
-    whole = shape([outline(seen)], fill=hue(colour))
+def _draw_obstacle(
+    kind: Obstacle, points: Floats, colour: Floats, size: float, projection: Projection
+) -> tuple[Html, ...]:
+    """Draw the outline of one obstacle and the details of its kind.
+
+    Args:
+        kind: Kind of obstacle.
+        points: Corners [m], in the order of ``_unit_corners``, shape (k, 3).
+        colour: Colour, shape (3,).
+        size: Size [m].
+        projection: Projection of the drawing.
+    """
+    projected = projection.project(points)
+    centre = projected.mean(axis=0)
+    radius = size / 2 * projection.scale
+    silhouette = draw_path([outline(projected)], fill=hex_colour(colour))
+    first_end, second_end = slice(None, N_AROUND), slice(N_AROUND, 2 * N_AROUND)
     match kind:
         case Obstacle.box:
-            return (box(points, colour, lens),)
+            return (draw_box(points, colour, projection),)
         case Obstacle.cylinder:
-            return whole, shape([seen[:N_AROUND]], fill=hue(LID_COLOUR))
+            return silhouette, draw_path([projected[first_end]], fill=hex_colour(LID_COLOUR))
         case Obstacle.log:
-            nearer = int(points[:N_AROUND].mean(axis=0) @ lens.eye < points[N_AROUND:].mean(axis=0) @ lens.eye)
-            return whole, shape([seen[nearer * N_AROUND :][:N_AROUND]], fill=hue(HEARTWOOD_COLOUR))
+            depth = points @ projection.to_viewer
+            nearer_end = second_end if depth[first_end].mean() < depth[second_end].mean() else first_end
+            return silhouette, draw_path([projected[nearer_end]], fill=hex_colour(HEARTWOOD_COLOUR))
         case Obstacle.rock:
-            top = middle + 0.62 * (outline(seen) - middle) - (0, 0.2 * radius)
-            return whole, shape([top], fill="#fff", fill_opacity=0.16, stroke="none")
+            top = centre + 0.62 * (outline(projected) - centre) - (0, 0.2 * radius)
+            return silhouette, draw_path([top], fill="#fff", fill_opacity=0.16, stroke="none")
         case _:
-            round_ = shape([middle + radius * RING[:, :2]], fill=hue(colour))
-            glint = middle + radius * (0.25 * RING[:, :2] + (0.3, -0.4))
-            return round_, shape([glint], fill="#fff", fill_opacity=0.5, stroke="none")
+            circle = draw_path([centre + radius * RING[:, :2]], fill=hex_colour(colour))
+            highlight = centre + radius * (0.25 * RING[:, :2] + (0.3, -0.4))
+            return circle, draw_path([highlight], fill="#fff", fill_opacity=0.5, stroke="none")
 
 
-_ENDS = np.concatenate([RING + np.array([0, 0, end]) for end in (1, -1)])
+_CYLINDER_ENDS = np.concatenate([RING + np.array([0, 0, z]) for z in (1, -1)])

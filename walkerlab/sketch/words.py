@@ -1,7 +1,8 @@
-"""What a drawing shows, in words: for those who cannot see it, and for those who wonder what they see."""
+"""Descriptions of drawings in English: used as alternative texts and as labels."""
 
 import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from walkerlab.choices import Obstacle, Structure
 from walkerlab.ground import LANDING
@@ -9,84 +10,109 @@ from walkerlab.phenotype import Phenotype
 from walkerlab.quantity import count
 from walkerlab.settings import PLANETS, Settings, Terrain
 
-_NAMES = {"earth": "the earth", "moon": "the moon", "mars": "Mars", "jupiter": "Jupiter"}
-_SIDES = (("forward", "backward"), ("to the left", "to the right"), ("up", "down"))
-LEAST = 0.1  # share of a vector's length, under which it is not said that it points that way too
+MIN_DIRECTION_SHARE = 0.1  # of a vector's length; smaller components are left out of its description
+
+_PLANET_NAMES = {"earth": "the earth", "moon": "the moon", "mars": "Mars", "jupiter": "Jupiter"}
+_DIRECTIONS = (("forward", "backward"), ("to the left", "to the right"), ("up", "down"))
+"""Names of the positive and the negative direction along x, y and z."""
+_OBSTACLE_PLURALS = {
+    Obstacle.box: "boxes",
+    Obstacle.ball: "balls",
+    Obstacle.cylinder: "tins",
+    Obstacle.rock: "rocks",
+    Obstacle.log: "logs",
+}
 
 
-def measures(robot: Phenotype) -> str:
-    """Say what a robot is made of: segments, legs, weight and length."""
+class Force(NamedTuple):
+    """Gravity or wind.
+
+    Attributes:
+        kind: ``gravity`` or ``wind``.
+        vector: Acceleration [m/s²] or wind velocity [m/s], along x, y and z.
+        description: Description without capital letter and full stop.
+    """
+
+    kind: str
+    vector: tuple[float, float, float]
+    description: str
+
+
+def describe_robot(robot: Phenotype) -> str:
+    """Return the numbers of segments and legs, the weight and the length of a robot."""
     return (
         f"{count(len(robot.segments), 'segment')}, {count(robot.n_legs, 'leg')}, {robot.weight:.3g} kg, "
         f"{robot.body_length:.3g} m long"
     )
 
 
-def in_words(settings: Settings, robot: Phenotype | None) -> str:
-    """Say what is seen of a world, and of a robot at its start if there is one."""
-    terrain, loads = settings.terrain, settings.robot
-    said = [_shape(terrain), *_strewn(terrain)]
+def describe_world(settings: Settings, robot: Phenotype | None) -> str:
+    """Describe the terrain, its forces, and the robot at its start if there is one."""
+    terrain = settings.terrain
+    sentences = [_describe_ground(terrain), *_describe_objects(terrain)]
     if robot:
-        carried = [f"carries a pack of {loads.carry_weight:g} kg"] * bool(loads.carry_weight)
-        carried += [f"drags a sledge of {loads.drag_weight:g} kg"] * bool(loads.drag_weight)
-        stands = f"A robot stands at the start: {measures(robot)}."
-        said += [stands, *([f"It {' and '.join(carried)}."] if carried else [])]
-    said += [f"{words[0].upper()}{words[1:]}." for _, _, words in forces(terrain)]
-    return " ".join(said)
+        sentences.append(f"A robot stands at the start: {describe_robot(robot)}.")
+        loads: list[str] = []
+        if settings.robot.carry_weight:
+            loads.append(f"carries a pack of {settings.robot.carry_weight:g} kg")
+        if settings.robot.drag_weight:
+            loads.append(f"drags a sledge of {settings.robot.drag_weight:g} kg")
+        if loads:
+            sentences.append(f"It {' and '.join(loads)}.")
+    sentences += [f"{force.description[0].upper()}{force.description[1:]}." for force in unusual_forces(terrain)]
+    return " ".join(sentences)
 
 
-def forces(terrain: Terrain) -> Iterator[tuple[str, tuple[float, float, float], str]]:
-    """Yield what pulls and pushes otherwise than on the earth on a calm day: its name, its vector, and it in words."""
+def unusual_forces(terrain: Terrain) -> Iterator[Force]:
+    """Yield gravity if it differs from the earth's, and wind if there is any."""
     if terrain.gravity != PLANETS["earth"]:
-        yield "gravity", terrain.gravity, _pull(terrain.gravity)
+        yield Force("gravity", terrain.gravity, _describe_gravity(terrain.gravity))
     if any(terrain.wind):
-        yield "wind", terrain.wind, f"wind, {math.hypot(*terrain.wind):.3g} m/s {_way(terrain.wind)}"
+        description = f"wind, {math.hypot(*terrain.wind):.3g} m/s {_describe_direction(terrain.wind)}"
+        yield Force("wind", terrain.wind, description)
 
 
-def _pull(gravity: tuple[float, float, float]) -> str:
-    of = next((f" of {_NAMES[name]}" for name, vector in PLANETS.items() if vector == gravity), "")
+def _describe_gravity(gravity: tuple[float, float, float]) -> str:
     if not any(gravity):
-        return "no gravity: nothing is held down"
-    return f"gravity{of}, {math.hypot(*gravity):.3g} m/s² {_way(gravity)}"
+        return "no gravity"
+    planet = next((f" of {_PLANET_NAMES[name]}" for name, vector in PLANETS.items() if vector == gravity), "")
+    return f"gravity{planet}, {math.hypot(*gravity):.3g} m/s² {_describe_direction(gravity)}"
 
 
-def _way(vector: tuple[float, float, float]) -> str:
-    """Say where a vector points: "forward and down"."""
-    least = LEAST * math.hypot(*vector)
-    said = [sides[part < 0] for part, sides in zip(vector, _SIDES, strict=True) if abs(part) > least]
-    return " and ".join(", ".join(said).rsplit(", ", 1))
+def _describe_direction(vector: tuple[float, float, float]) -> str:
+    """Return the direction of a vector, such as "forward and down"."""
+    smallest = MIN_DIRECTION_SHARE * math.hypot(*vector)
+    names = [
+        negative if component < 0 else positive
+        for component, (positive, negative) in zip(vector, _DIRECTIONS, strict=True)
+        if abs(component) > smallest
+    ]
+    return " and ".join(", ".join(names).rsplit(", ", 1))
 
 
-def _shape(terrain: Terrain) -> str:
-    of = f"ground of {terrain.texture.name}"
+def _describe_ground(terrain: Terrain) -> str:
+    ground = f"ground of {terrain.texture.name}"
+    begin = f"begin {LANDING:g} m ahead"
     match terrain.structure:
         case Structure.incline if terrain.incline:
-            return f"The {of} goes {'up' if terrain.incline > 0 else 'down'}hill at {abs(terrain.incline):g}°."
+            return f"The {ground} slopes {'up' if terrain.incline > 0 else 'down'}hill at {abs(terrain.incline):g}°."
         case Structure.stairs:
-            rise, tread = terrain.step_height, terrain.step_depth
-            return f"Level {of}; {LANDING:g} m ahead, stairs begin, each {rise:g} m high and {tread:g} m deep."
+            rise, depth = terrain.step_height, terrain.step_depth
+            return f"Level {ground}; stairs {begin}, each {rise:g} m high and {depth:g} m deep."
         case Structure.rough if terrain.hill_height:
-            high, long = terrain.hill_height, terrain.hill_length
-            return f"Level {of}; {LANDING:g} m ahead, hills begin, up to {high:g} m high and about {long:g} m apart."
+            rise, length = terrain.hill_height, terrain.hill_length
+            return f"Level {ground}; hills {begin}, up to {rise:g} m high and about {length:g} m apart."
         case Structure.gaps:
-            wide, apart = terrain.gap_width, terrain.gap_distance
-            return f"Level {of}; {LANDING:g} m ahead, trenches begin, each {wide:g} m wide, with {apart:g} m between."
+            width, distance = terrain.gap_width, terrain.gap_distance
+            return f"Level {ground}; gaps {begin}, each {width:g} m wide, with {distance:g} m between them."
         case _:
-            return f"Level {of}."
+            return f"Level {ground}."
 
 
-def _strewn(terrain: Terrain) -> Iterator[str]:
+def _describe_objects(terrain: Terrain) -> Iterator[str]:
+    """Yield a sentence for the texture pieces and one for the obstacles, where there are any."""
     if terrain.texture_density:
         yield f"Pieces {terrain.texture_size:g} m wide cover {terrain.texture_density:.0%} of it."
     if terrain.obstacle and terrain.obstacle_density:
-        things, size = _THINGS[terrain.obstacle], terrain.obstacle_size
-        yield f"{things} about {size:g} m wide lie about, {terrain.obstacle_density:g} on each m²."
-
-
-_THINGS = {
-    Obstacle.box: "Boxes",
-    Obstacle.ball: "Balls",
-    Obstacle.cylinder: "Tins",
-    Obstacle.rock: "Rocks",
-    Obstacle.log: "Logs",
-}
+        obstacles = _OBSTACLE_PLURALS[terrain.obstacle]
+        yield f"Loose {obstacles} about {terrain.obstacle_size:g} m wide, {terrain.obstacle_density:g} per m²."

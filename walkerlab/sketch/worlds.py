@@ -1,4 +1,4 @@
-"""A world and a robot at its start, from the side and to scale."""
+"""Side view, to scale, of a world and of a robot at its start."""
 
 import math
 from collections.abc import Iterator
@@ -15,120 +15,154 @@ from walkerlab.markup import Html, tag
 from walkerlab.scene import Scene, scene_of
 from walkerlab.settings import Robot, Settings
 from walkerlab.shapes import skins
-from walkerlab.sketch.air import LABEL, arrows, sky
-from walkerlab.sketch.grounds import ground
-from walkerlab.sketch.lens import RAISED
-from walkerlab.sketch.pen import INK, drawing, shape, text
-from walkerlab.sketch.solids import figure
-from walkerlab.sketch.stage import Item, Stage, in_order, surface
-from walkerlab.sketch.strewn import obstacles, pieces, shadow
-from walkerlab.sketch.words import forces, in_words
+from walkerlab.sketch.air import FORCE_ROW_HEIGHT, draw_force_arrows, draw_sky
+from walkerlab.sketch.grounds import draw_ground
+from walkerlab.sketch.lens import RAISED_VIEW
+from walkerlab.sketch.pen import TEXT_COLOUR, draw_path, draw_text, svg_image
+from walkerlab.sketch.solids import draw_solids
+from walkerlab.sketch.stage import DrawnItem, Window, back_to_front, ground_points
+from walkerlab.sketch.strewn import draw_obstacles, draw_pieces, draw_shadow
+from walkerlab.sketch.words import describe_world, unusual_forces
 
-RULER = 22.0  # pixels under the picture, for the marks of the metres
-MARGIN = 0.25  # m kept free behind what stands at the start
-OVER = 0.2  # m kept free over a robot
-CUT = 0.3  # m of the ground that is seen cut, at least
-AHEAD = 2.4  # lengths of the longest robot that are seen ahead of it
-NEAR, FAR = 0.13, 0.35  # of the width of a picture, to which the ground reaches on this side of the way and beyond
+SCALE_HEIGHT = 22.0  # pixels below the picture, for the distance scale
+TICK_SPACINGS = (0.1, 0.2, 0.5, 1, 2, 5, 10)  # m
+MIN_TICK_SPACING = 90  # pixels
+MARGIN_BEHIND = 0.25  # m behind the robot or its sledge
+MARGIN_ABOVE = 0.2  # m above the robot
+MIN_SECTION_HEIGHT = 0.3  # m of the ground's section at its lowest visible point
+LENGTHS_AHEAD = 2.4  # visible distance ahead of the start, in lengths of the longest robot
+NEAR_SHARE = 0.13  # distance of the ground's near edge from y = 0, as a share of the visible width
+FAR_SHARE = 0.35  # distance of the ground's far edge from y = 0, as a share of the visible width
 
 Parts = list[tuple[Floats, Floats]]
 
 
-def world(
+def draw_world(
     settings: Settings,
     genome: Genome | str | None = None,
     *,
     size: tuple[float, float] = (720, 300),
     width_m: float | None = None,
 ) -> Html:
-    """Draw the ground, what lies on it and what pulls and pushes over it; and a robot at its start.
+    """Draw the ground, its texture pieces and obstacles, gravity and wind, and a robot at its start.
 
     Args:
-        settings: of terrain and robot.
-        genome: a genome or its text, brought within the limits; nobody is there if None.
-        size: of the drawing, in pixels.
-        width_m: how many m it shows, or more if the robot asks for it; if None, as many as the longest that the limits
-            allow would ask for.
+        settings: Settings with terrain and robot.
+        genome: Genome or its text, repaired to the limits; if None, no robot is drawn.
+        size: Width and height of the drawing [pixels].
+        width_m: Visible width [m], or more if the robot needs it; if None, the width that the longest robot within
+            the limits needs.
 
     Returns:
-        An SVG element, which says in words what is seen.
+        An SVG element with a description of the world.
 
     Raises:
-        GenomeError: if a text is no genome.
+        GenomeError: If ``genome`` is text but not a valid genome.
     """
-    scene = None if genome is None else _scene(Genome.of(genome), settings)
+    scene = None if genome is None else _scene_without_obstacles(Genome.of(genome), settings)
     parts = skins(scene, scene.start) if scene else []
-    stage = _stage(settings, parts, (size[0], size[1] - RULER), width_m)
+    window = _choose_window(settings, parts, (size[0], size[1] - SCALE_HEIGHT), width_m)
     terrain = settings.terrain
-    items: list[Item] = [*ground(terrain, stage), *pieces(terrain, stage), *obstacles(terrain, stage)]
-    items.append((stage.sides[1], _line(settings, stage)))
+    items: list[DrawnItem] = [
+        *draw_ground(terrain, window),
+        *draw_pieces(terrain, window),
+        *draw_obstacles(terrain, window),
+        (window.y_range[1], _draw_start_line(settings, window)),
+    ]
     if parts:
-        shadows = tag("g", *(shadow(terrain, points, stage) for points, _ in parts))
-        robot = tag("g", shadows, figure(parts, stage.lens))
+        shadows = tag("g", *(draw_shadow(terrain, points, window) for points, _ in parts))
+        robot = tag("g", shadows, draw_solids(parts, window.projection))
         items.append((min(float(points[:, 1].min()) for points, _ in parts), robot))
-    wide, high = stage.size
-    seen = tag(
-        "svg", sky(terrain, stage), *in_order(items), arrows(terrain), width=wide, height=high, aria_hidden="true"
+    picture_width, picture_height = window.size
+    picture = tag(
+        "svg",
+        draw_sky(terrain, window),
+        *back_to_front(items),
+        draw_force_arrows(terrain),
+        width=picture_width,
+        height=picture_height,
+        aria_hidden="true",
     )
-    look = {"font_family": "system-ui, sans-serif"}
-    return drawing(size, in_words(settings, scene and scene.phenotype), seen, _ruler(stage), **look)
+    label = describe_world(settings, scene.phenotype if scene else None)
+    return svg_image(size, label, picture, _draw_distance_scale(window), font_family="system-ui, sans-serif")
 
 
-def _scene(genome: Genome, settings: Settings) -> Scene:
-    """Build a robot for this world, on its bare ground: what lies about would take long to compile."""
-    bare = scene_of(genome.within(settings.robot), Settings(robot=settings.robot))
-    return replace(bare, settings=settings)
+def _scene_without_obstacles(genome: Genome, settings: Settings) -> Scene:
+    """Build a robot on level ground without obstacles, which would take long to compile."""
+    level = scene_of(genome.within(settings.robot), Settings(robot=settings.robot))
+    return replace(level, settings=settings)
 
 
-def _stage(settings: Settings, parts: Parts, size: tuple[float, float], width_m: float | None) -> Stage:
-    """Choose what is seen: all of the robot; ahead of it as much as fits; the ground, if it can be."""
-    terrain, robot, (wide, high) = settings.terrain, settings.robot, size
-    seen = np.concatenate([np.zeros((1, 2)), *(points @ RAISED for points, _ in parts)])
-    (left, foot), (_, top) = seen.min(axis=0).tolist(), seen.max(axis=0).tolist()
-    behind = MARGIN + robot.body_length[1] + _sledge(robot)
-    width = width_m or _halves(behind + max(LANDING + 1.5, AHEAD * robot.body_length[1]))
-    width = max(width, _halves(1.3 * (MARGIN - left)), _halves((top - foot + OVER + CUT) * wide / high))
-    start = -max(MARGIN - left, min(behind, 0.6 * width))
-    near, scale = -NEAR * width, wide / width
-    cut = CUT - RAISED[1, 1] * near
-    lowest = float(np.min(height(terrain, np.linspace(start, start + width, 200), near))) - cut
-    above = max(OVER, LABEL * len(list(forces(terrain))) / scale)
-    bottom = min(max(lowest, top + above - high / scale), foot - cut)
-    return Stage(size, start, width, bottom, (near, FAR * width))
+def _choose_window(settings: Settings, parts: Parts, size: tuple[float, float], width_m: float | None) -> Window:
+    """Choose a window with the whole robot, a stretch ahead of it and, if possible, the lowest visible ground.
+
+    Args:
+        settings: Settings with terrain and robot.
+        parts: Points and colour of each part of the robot, as returned by ``skins``; empty without a robot.
+        size: Width and height of the picture [pixels].
+        width_m: Visible width [m], as in ``draw_world``.
+    """
+    terrain, robot = settings.terrain, settings.robot
+    width_px, height_px = size
+    corners = np.concatenate([np.zeros((1, 2)), *(points @ RAISED_VIEW for points, _ in parts)])
+    robot_left, robot_bottom = corners.min(axis=0).tolist()
+    robot_top = float(corners[:, 1].max())
+    behind = MARGIN_BEHIND + robot.body_length[1] + _sledge_reach(robot)
+    width = width_m or _round_up_to_half(behind + max(LANDING + 1.5, LENGTHS_AHEAD * robot.body_length[1]))
+    width = max(
+        width,
+        _round_up_to_half(1.3 * (MARGIN_BEHIND - robot_left)),
+        _round_up_to_half((robot_top - robot_bottom + MARGIN_ABOVE + MIN_SECTION_HEIGHT) * width_px / height_px),
+    )
+    left = -max(MARGIN_BEHIND - robot_left, min(behind, 0.6 * width))
+    near = -NEAR_SHARE * width
+    scale = width_px / width
+    section_height = MIN_SECTION_HEIGHT - RAISED_VIEW[1, 1] * near
+    lowest_ground = float(np.min(height(terrain, np.linspace(left, left + width, 200), near)))
+    margin_above = max(MARGIN_ABOVE, FORCE_ROW_HEIGHT * len(list(unusual_forces(terrain))) / scale)
+    bottom = max(lowest_ground - section_height, robot_top + margin_above - height_px / scale)
+    bottom = min(bottom, robot_bottom - section_height)
+    return Window(size, left, width, bottom, (near, FAR_SHARE * width))
 
 
-def _halves(length: float) -> float:
-    """Round up to halves of a metre, so that the scale changes seldom while a slider moves."""
+def _round_up_to_half(length: float) -> float:
+    """Round up to a multiple of 0.5 m, so that the scale rarely changes while a slider moves."""
     return math.ceil(2 * length - 1e-9) / 2
 
 
-def _sledge(robot: Robot) -> float:
-    """Return how far behind a robot its sledge ends at most, in m; 0 without one."""
+def _sledge_reach(robot: Robot) -> float:
+    """Return the largest distance [m] from a robot to the far end of its sledge; 0 without a sledge."""
     if not robot.drag_weight:
         return 0.0
     return ROPE_LENGTH + 1.2 * robot.segment_length[1] + 2 * half_sledge_length(robot.drag_weight)
 
 
-def _line(settings: Settings, stage: Stage) -> Html:
-    """Draw the line across the way from which what is walked is measured."""
-    y = np.array(stage.sides)
-    ends = stage.lens.at(surface(settings.terrain, np.zeros(2), y))
-    looks = ({"stroke": "#000", "stroke_width": 5, "stroke_opacity": 0.25}, {"stroke": "#fff", "stroke_width": 2.5})
-    return tag("g", *(shape([ends], closed=False, **look) for look in looks))
+def _draw_start_line(settings: Settings, window: Window) -> Html:
+    """Draw the line from which walked distances are measured, as a white line with a dark outline."""
+    ends = window.projection.project(ground_points(settings.terrain, np.zeros(2), np.array(window.y_range)))
+    return tag(
+        "g",
+        draw_path([ends], closed=False, stroke="#000", stroke_width=5, stroke_opacity=0.25),
+        draw_path([ends], closed=False, stroke="#fff", stroke_width=2.5),
+    )
 
 
-def _ruler(stage: Stage) -> Html:
-    """Draw marks of the metres along the near edge, under the picture."""
+def _draw_distance_scale(window: Window) -> Html:
+    """Draw ticks with distances in metres below the picture, along the near edge of the ground."""
 
-    def marks() -> Iterator[Html]:
-        step = next((step for step in (0.1, 0.2, 0.5, 1, 2, 5, 10) if step * stage.lens.scale >= 90), 100)
-        first, last = np.ceil(stage.start / step), np.floor((stage.start + stage.width) / step)
+    def ticks() -> Iterator[Html]:
+        scale = window.projection.scale
+        step = next((step for step in TICK_SPACINGS if step * scale >= MIN_TICK_SPACING), 100)
+        first, last = np.ceil(window.left / step), np.floor((window.left + window.width_m) / step)
+        width_px, top = window.size
         for number in np.arange(first, last + 1).tolist():
-            x = (number * step - stage.start) * stage.lens.scale
-            top = stage.size[1]
-            yield shape([np.array([(x, top), (x, top + 5)])], closed=False, stroke=INK, stroke_opacity=0.6)
-            words = "start" if number == 0 else f"{number * step:g} m".replace("-", "−")
-            if 14 < x < stage.size[0] - 14:
-                yield text(words, x, top + 18, text_anchor="middle", fill=INK, fill_opacity=0.8, font_size=12)
+            x = (number * step - window.left) * scale
+            tick = np.array([(x, top), (x, top + 5)])
+            yield draw_path([tick], closed=False, stroke=TEXT_COLOUR, stroke_opacity=0.6)
+            label = "start" if number == 0 else f"{number * step:g} m".replace("-", "−")
+            if 14 < x < width_px - 14:
+                yield draw_text(
+                    label, x, top + 18, text_anchor="middle", fill=TEXT_COLOUR, fill_opacity=0.8, font_size=12
+                )
 
-    return tag("g", *marks())
+    return tag("g", *ticks())

@@ -95,7 +95,7 @@ class Editor(Part):
                 return
             self.fault, self.place, self.notes = "", [], _brief(mended(read, robot))
             self.genome = read.within(robot)
-            self.picture = sketch.body(self.genome, robot, size=SIZE)
+            self.picture = sketch.draw_robot(self.genome, robot, size=SIZE)
 
     def _write(self, change: Any) -> None:
         """Write the text of a genome that was not read from it."""

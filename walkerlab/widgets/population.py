@@ -96,7 +96,7 @@ class Population(Part):
         span = STEP * math.ceil(self._shown.body_length.max() / STEP) + ROOM if len(seen) else 0.0
         robot = self._settings.robot if self._settings else None
         return {
-            str(number): sketch.body(gene, robot, size=SIZE, span=span)
+            str(number): sketch.draw_robot(gene, robot, size=SIZE, span=span)
             for number, gene in zip(seen.individual, seen.genome, strict=True)
         }
 

@@ -87,7 +87,7 @@ class RobotRoom(HasSnapshot, ipywidgets.Box):
 
     def _offer(self, genome: Genome, name: str) -> None:
         """Offer its walk: a picture now, the walk when somebody wants to see it."""
-        svg = sketch.body(genome, self._settings.robot, size=POSTER)
+        svg = sketch.draw_robot(genome, self._settings.robot, size=POSTER)
         picture = f"data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}"
 
         def walk() -> Replay:  # in the world that is set when it is played

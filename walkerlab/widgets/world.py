@@ -64,7 +64,7 @@ class World(Part):
                 settings, genome, number = self._drawn = wanted
                 self.by_chance = genome is None
                 chance = stream(settings.algorithm.seed, "population", 0, number)
-                self.picture = sketch.world(settings, genome or Genome.random(settings.robot, rng=chance))
+                self.picture = sketch.draw_world(settings, genome or Genome.random(settings.robot, rng=chance))
 
     def _hear(self, _widget: object, message: Any, _buffers: object) -> None:
         """Put another robot of chance there, if the browser asks for one."""

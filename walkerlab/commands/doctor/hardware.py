@@ -103,7 +103,7 @@ def cores() -> Iterator[Finding]:
 def keep() -> Iterator[Finding]:
     """Keep a small run here, as evolving does: some network drives cannot lock a file."""
     with tempfile.TemporaryDirectory(prefix="walkerlab-", dir=Path.cwd(), ignore_cleanup_errors=True) as inside:
-        done, answer = graphics.try_out(KEEP.format(path=str(Path(inside, "run.walk"))))
+        done, answer = graphics.run_python(KEEP.format(path=str(Path(inside, "run.walk"))))
     if done:
         yield Finding("ok", "a run can be kept here")
     else:
@@ -113,7 +113,7 @@ def keep() -> Iterator[Finding]:
 
 def workers() -> Iterator[Finding]:
     """Start a worker process, and wait for its answer."""
-    done, answer = graphics.try_out(WORK, {"LOKY_MAX_CPU_COUNT": "1"})
+    done, answer = graphics.run_python(WORK, {"LOKY_MAX_CPU_COUNT": "1"})
     if done:
         yield Finding("ok", "worker processes start")
     else:
@@ -122,9 +122,11 @@ def workers() -> Iterator[Finding]:
 
 def drawing() -> Iterator[Finding]:
     """Look for a GL that draws without a screen."""
-    if found := graphics.find_gl():
+    if found := graphics.find_backend():
         backend, renderer = found
         tip = f" (pictures of your own: set MUJOCO_GL={backend} before Python starts)" if backend else ""
         yield Finding("ok", f"films and 3D pictures can be drawn by {renderer}{tip}")
     else:
-        yield Finding("note", f"{graphics.missing_gl()}: only films and 3D pictures need it", graphics.mend())
+        yield Finding(
+            "note", f"{graphics.unavailable_message()}: only films and 3D pictures need it", graphics.how_to_fix()
+        )

@@ -13,7 +13,7 @@ from pathlib import Path
 from urllib.parse import urlparse
 from urllib.request import url2pathname
 
-from walkerlab.graphics import allowed
+from walkerlab.graphics import adapt_sudo
 
 HOME = "walkers"  # the virtual environment that is proposed
 
@@ -63,7 +63,7 @@ def new_environment(python: str) -> str:
     """
     inside = rf"{HOME}\Scripts\python" if os.name == "nt" else f"{HOME}/bin/python"
     is_split = platform.system() == "Linux" and not find_spec("ensurepip")  # as Debian splits it
-    first = f"{allowed('sudo apt-get update && sudo apt-get install python3-venv')}\n" if is_split else ""
+    first = f"{adapt_sudo('sudo apt-get update && sudo apt-get install python3-venv')}\n" if is_split else ""
     return f"{first}{python} -m venv {HOME}\n{inside} -m pip install {source()}"
 
 

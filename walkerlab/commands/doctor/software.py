@@ -118,14 +118,14 @@ def _version(package: str) -> str | None:
 
 def walk() -> Iterator[Finding]:
     """Let one robot walk."""
-    done, answer = graphics.try_out(WALK)
+    done, answer = graphics.run_python(WALK)
     chosen = os.environ.get("MUJOCO_GL")
     if done:
         yield Finding("ok", f"a robot walks, {answer} times faster than in real time on one core")
-    elif chosen and graphics.try_out(WALK, {"MUJOCO_GL": ""})[0]:
+    elif chosen and graphics.run_python(WALK, {"MUJOCO_GL": ""})[0]:
         yield Finding("fault", f"no robot can walk while MUJOCO_GL is {chosen!r}: {answer}", mends.unset("MUJOCO_GL"))
     else:
-        are_sound, broken = graphics.try_out(LOAD.format(modules=MODULES))
+        are_sound, broken = graphics.run_python(LOAD.format(modules=MODULES))
         culprit = broken.partition(" is broken")[0]
         if are_sound or culprit not in MODULES:
             yield Finding("fault", f"no robot can walk: {answer}", mends.install("--force-reinstall", mends.source()))
