@@ -39,7 +39,8 @@ def render_film(job: Job, path: Path, *, progress: bool) -> None:
     except OSError as error:
         where, what = shown(path.parent), error.strerror or error
         raise FilmError(
-            f"the film {path.name} cannot be written to {where}: {what}. Close programs that play it, or use another path."
+            f"the film {path.name} cannot be written to {where}: {what}. Close programs that play it, or use another "
+            "path."
         ) from error
 
 

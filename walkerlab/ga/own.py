@@ -16,9 +16,9 @@ from walkerlab.time_limit import LIMIT_VARIABLE, TimeLimitExceeded, call_with_li
 IN_A_RUN, IN_A_CHECK = 60.0, 10.0  # s that one call may take
 
 THREAD_ADVICE = (
-    "Functions of your own are called on a thread of their own, so that one that never returns can be stopped. What "
-    "belongs to one thread, such as a connection to SQLite, must be opened within the function; what only the main "
-    f"thread may do, such as signal.alarm, is not possible. The time limit is os.environ[{LIMIT_VARIABLE!r}], in seconds."
+    "User functions are called in a separate thread, so that one that never returns can be stopped. An object that "
+    "belongs to one thread, such as an SQLite connection, must be opened within the function; what only the main thread "
+    f"may do, such as signal.alarm, is not possible. The time limit is os.environ[{LIMIT_VARIABLE!r}], in seconds."
 )
 
 SHARED = {"np.random": "numpy.random", "random": "random"}
