@@ -16,7 +16,7 @@ from itertools import chain
 from statistics import median
 
 from benchmarks.floor import ROUGH
-from walkerlab.files import PathError, file_path, write_text
+from walkerlab.system.files import PathError, file_path, write_text
 
 BENCHMARKS = ("floor", "scaling", "worlds", "panel", "first", "growth")
 """What is measured, each by the module of that name."""

@@ -18,7 +18,7 @@ from mujoco.rollout import rollout
 import walkerlab as wl
 from benchmarks.timing import WALKS, in_turn, seconds
 from benchmarks.worlds import WORLDS
-from walkerlab.workers import n_cores
+from walkerlab.simulation.workers import n_cores
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
 ROUGH = "2,000 pieces, 20 rocks"

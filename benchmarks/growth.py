@@ -27,10 +27,10 @@ import pandas as pd
 
 import walkerlab as wl
 from benchmarks.timing import WALKS, note, seconds
-from walkerlab import evolution
-from walkerlab.archive import Archive
-from walkerlab.evaluation import Evaluation
-from walkerlab.plots.look import paper
+from walkerlab.evolution import evolution
+from walkerlab.runfile.archive import Archive
+from walkerlab.simulation.evaluation import Evaluation
+from walkerlab.view.plots.appearance import paper
 
 FIRST = 10  # the generation against which growth is measured: by then all that is built once is built
 FULL = 120  # WALKS of a whole benchmark, with which a run has 1000 robots in each generation

@@ -19,7 +19,7 @@ from loky import ProcessPoolExecutor
 import walkerlab as wl
 from benchmarks import floor
 from benchmarks.timing import WALKS, in_turn, note, seconds
-from walkerlab.workers import n_cores
+from walkerlab.simulation.workers import n_cores
 
 HERE = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}  # a cluster for this computer only
 

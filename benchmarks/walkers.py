@@ -13,8 +13,8 @@ import math
 import pandas as pd
 
 import walkerlab as wl
-from walkerlab.algorithm import generate_robot_population
-from walkerlab.ground import LANDING
+from walkerlab.breeding import generate_robot_population
+from walkerlab.world.heights import LANDING
 
 GROUNDS = {
     "flat": wl.Terrain(),

@@ -9,7 +9,7 @@ from functools import partial
 
 import walkerlab as wl
 from benchmarks.timing import WALKS, in_turn, note, seconds
-from walkerlab.layout import compute_layout
+from walkerlab.world.placement import compute_layout
 
 WORLDS = {
     "20 boxes": {"obstacle": "box", "obstacle_density": 20 / 90},

@@ -5,10 +5,10 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
-from walkerlab.genome import Genome
-from walkerlab.limits import genes_of
-from walkerlab.quantity import OneOf, Quantity, SettingsError
-from walkerlab.settings import Algorithm, Robot, Settings, Simulation, Terrain
+from walkerlab.genome.genome import Genome
+from walkerlab.genome.repair import genes_of
+from walkerlab.settings.fields import OneOf, Quantity, SettingsError
+from walkerlab.settings.settings import Algorithm, Robot, Settings, Simulation, Terrain
 
 
 def numbers(low, high):

@@ -1,4 +1,4 @@
-"""The house stands: imports point down, each big package is met in its own rooms only, and importing does nothing."""
+"""The layout: imports point to earlier folders, heavy packages stay where they belong, and imports do nothing."""
 
 import ast
 import json
@@ -7,77 +7,52 @@ import sys
 from graphlib import TopologicalSorter
 from itertools import groupby
 from pathlib import Path
+from statistics import median
 
 import pytest
 
 import walkerlab
 
-HOUSE = Path(walkerlab.__file__).parent
+PACKAGE = Path(walkerlab.__file__).parent
 
-FLOORS = (
-    ("faults", "binding", "strict_json"),
-    ("readonly",),
-    (
-        "quantity",
-        "number_format",
-        "randomness",
-        "genes",
-        "interrupts",
-        "markup",
-        "graphics",
-        "gate",
-        "time_limit",
-        "files",
-    ),
-    ("choices", "glossary", "workers", "provenance", "snapshots", "fileset"),
-    ("settings", "ga", "waiting"),
-    ("arguments",),
-    ("limits", "ground", "textures", "cameras"),
-    ("layout",),
-    ("genome", "entities"),
-    ("phenotype", "algorithm"),
-    ("assembly", "judge"),
-    ("staging",),
-    ("scene",),
-    ("rollout", "shapes"),
-    ("fitness", "footfalls", "export"),
-    ("evaluation", "confirmation"),
-    ("records",),
-    ("layouts",),
-    ("opening",),
-    ("store",),
-    ("archive", "missing", "plots", "story", "sketch"),
-    ("viewer", "cinema"),
-    ("report",),
-    ("run",),
-    ("rerating",),
-    ("evolution", "outputs"),
-    ("live", "forecast"),
-    ("widgets",),
-    ("commands",),
+LAYERS = (
+    ("errors",),
+    ("text", "system", "randomness", "readonly"),
+    ("ga", "settings"),
+    ("genome",),
+    ("breeding", "world"),
+    ("simulation",),
+    ("runfile",),
+    ("view",),
+    ("evolution",),
+    ("widgets", "commands"),
     ("__main__",),
 )
-"""From the ground up; Folders are a room each; ``__init__`` is the sign at the door."""
+"""Folders and top-level modules, in the order in which data passes; each imports only from layers before its own."""
 
-FLOOR = {room: height for height, rooms in enumerate(FLOORS) for room in rooms}
+LAYER = {name: number for number, names in enumerate(LAYERS) for name in names}
 
 ONLY_FROM = {
-    "ga": {"faults", "genes", "randomness", "readonly", "time_limit"},
-    "entities": {"choices", "settings", "genes", "ground", "layout", "textures"},
+    "ga": {"errors", "randomness", "readonly", "system"},
+    "world.entities": {"settings", "ga", "world"},
+    "commands": {*LAYER} - {"widgets"},
 }
-"""Rooms that know less than their floor allows: ga meets no robot, entities spend no chance."""
+"""Modules that may import less than their layer allows: ga knows no robot, entities draw no random numbers."""
 
 ONLY_IN = {
-    "dm_control": {"entities", "export", "environment"},
-    "mujoco": {"assembly", "staging", "scene", "rollout", "shapes", "footfalls", "cinema", "export", "commands"},
-    "matplotlib": {"plots", "viewer", "cinema", "report", "commands", "widgets"},
-    "k3d": {"viewer"},
-    "anywidget": {"viewer", "widgets"},
-    "av": {"cinema"},
+    "dm_control": {"world.entities"},
+    "mujoco": {
+        *("world.assembly", "world.compilation", "world.scene", "world.geometry", "simulation.export"),
+        *("simulation.rollout", "simulation.footfalls", "view.film", "commands"),
+    },
+    "matplotlib": {"view.plots", "view.replay", "view.film", "view.report", "commands", "widgets"},
+    "k3d": {"view.replay"},
+    "anywidget": {"view.replay", "widgets"},
+    "av": {"view.film"},
     "ipywidgets": {"widgets"},
-    "IPython": {"snapshots", "widgets"},
-    "loky": {"workers"},
-    "sqlite3": {"store", "opening", "layouts"},
+    "IPython": {"widgets", "view.snapshots"},
+    "loky": {"simulation.workers"},
+    "sqlite3": {"runfile.store", "runfile.opening", "runfile.schema"},
     "random": set(),
     "pickle": set(),
     "cloudpickle": set(),
@@ -86,36 +61,47 @@ ONLY_IN = {
     "dill": set(),
     "joblib": set(),
 }
-"""Packages that are met in few rooms, or in none."""
+"""Packages that few modules import, or no module."""
 
 LIGHT = {"walkerlab": {"numpy", "pandas", "pydantic", "mujoco", "dm_control", "matplotlib", "ipywidgets", "tqdm"}}
 LIGHT |= {
-    f"walkerlab.{room}": {"pandas", "mujoco", "dm_control", "matplotlib", "ipywidgets"}
-    for room in ("quantity", "choices", "settings", "randomness", "genes", "ga")
+    f"walkerlab.{name}": {"pandas", "mujoco", "dm_control", "matplotlib", "ipywidgets"}
+    for name in ("settings.fields", "settings.choices", "settings", "randomness", "ga.genes", "ga")
 }
 LIGHT |= {
-    f"walkerlab.{room}": {"mujoco", "dm_control", "matplotlib", "ipywidgets"}
-    for room in ("limits", "ground", "layout", "textures", "genome", "algorithm", "judge")
+    f"walkerlab.{name}": {"mujoco", "dm_control", "matplotlib", "ipywidgets"}
+    for name in (
+        *("genome.repair", "world.heights", "world.placement", "world.materials", "genome.genome", "breeding"),
+        "simulation.validity",
+    )
 }
-"""What must not be loaded by importing them."""
+"""Modules, and the packages that importing them must not load."""
+
+MAX_LINES = 300
+MAX_MEDIAN_LINES = 130
+MAX_TOP_LEVEL_ENTRIES = 20
 
 
 def modules():
     """Yield the dotted name within walkerlab and the path of every file."""
-    for path in sorted(HOUSE.rglob("*.py")):
-        parts = path.relative_to(HOUSE).with_suffix("").parts
+    for path in sorted(PACKAGE.rglob("*.py")):
+        parts = path.relative_to(PACKAGE).with_suffix("").parts
         yield ".".join(parts[:-1] if parts[-1] == "__init__" and len(parts) > 1 else parts), path
 
 
 MODULES = dict(modules())
 
 
-def room(module):
+def top(module):
     return module.partition(".")[0]
 
 
+def is_below(module, places):
+    return any(module == place or module.startswith(f"{place}.") for place in places)
+
+
 def imports(path):
-    """Yield the dotted name of everything that a file imports, wherever in it."""
+    """Yield the dotted name of everything that a file imports, at any level."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         match node:
             case ast.Import(names=names):
@@ -123,11 +109,11 @@ def imports(path):
             case ast.ImportFrom(module=module, names=names, level=0):
                 yield from (f"{module}.{alias.name}" for alias in names)
             case ast.ImportFrom():
-                raise AssertionError(f"{path} imports relatively; write walkerlab.… so that it can be read at sight")
+                raise AssertionError(f"{path} imports relatively; write the absolute name, walkerlab.…")
 
 
-def of_ours(path):
-    """Return the modules of ours that a file imports: names of modules, not of what is in them."""
+def imported_modules(path):
+    """Return the walkerlab modules that a file imports: names of modules, not of their contents."""
     found = set()
     for name in imports(path):
         head, _, inside = name.partition(".")
@@ -138,41 +124,63 @@ def of_ours(path):
     return found
 
 
-rooms = pytest.mark.parametrize("module", [module for module in MODULES if module != "__init__"])
+each_module = pytest.mark.parametrize("module", [module for module in MODULES if module != "__init__"])
 
 
-def test_every_file_has_its_floor_and_every_floor_its_files():
-    assert {room(module) for module in MODULES} == {*FLOOR, "__init__"}
-    assert len(FLOOR) == sum(map(len, FLOORS))
+def test_every_module_has_a_layer_and_every_layer_its_modules():
+    assert {top(module) for module in MODULES} == {*LAYER, "__init__"}
+    assert len(LAYER) == sum(map(len, LAYERS))
 
 
-@rooms
-def test_imports_point_down(module):
-    here = room(module)
-    for other in of_ours(MODULES[module]):
+def test_the_top_folder_can_be_taken_in_at_a_glance():
+    entries = [path for path in PACKAGE.iterdir() if path.name != "__pycache__"]
+    assert len(entries) <= MAX_TOP_LEVEL_ENTRIES
+
+
+def test_modules_are_short():
+    lengths = {module: len(path.read_text(encoding="utf-8").splitlines()) for module, path in MODULES.items()}
+    assert {module: n for module, n in lengths.items() if n > MAX_LINES} == {}
+    assert median(lengths.values()) <= MAX_MEDIAN_LINES
+
+
+@each_module
+def test_imports_point_to_earlier_layers(module):
+    here = top(module)
+    for other in imported_modules(MODULES[module]):
         if other == "__init__":
-            assert here in FLOORS[-1], f"{module} imports the door; only {FLOORS[-1]} may come in by it"
-        elif room(other) != here:
-            assert FLOOR[room(other)] < FLOOR[here], f"{module} imports {other}, which is not below it"
-            assert room(other) in ONLY_FROM.get(here, FLOOR), f"{module} imports {other}, and must not know of it"
+            assert here in LAYERS[-1], f"{module} imports walkerlab itself, which only {LAYERS[-1]} may"
+        elif top(other) != here:
+            assert LAYER[top(other)] < LAYER[here], f"{module} imports {other}, which is in a later layer"
+        for place, allowed in ONLY_FROM.items():
+            if is_below(module, [place]) and not is_below(other, [place]):
+                assert top(other) in allowed, f"{module} imports {other}, which {place} must not know"
 
 
-@pytest.mark.parametrize(
-    "folder", ["ga", "entities", "plots", "sketch", "viewer", "cinema", "report", "widgets", "commands"]
-)
-def test_no_two_files_of_a_room_need_each_other(folder):
-    graph = {module: of_ours(path) - {module} for module, path in MODULES.items() if room(module) == folder}
+@pytest.mark.parametrize("folder", sorted({top(module) for module in MODULES if "." in module}))
+def test_no_two_modules_of_a_folder_import_each_other(folder):
+    graph = {
+        module: imported_modules(path) - {module, *faces(module)}
+        for module, path in MODULES.items()
+        if top(module) == folder
+    }
     TopologicalSorter(graph).prepare()  # raises CycleError, which shows the cycle
 
 
-@rooms
-def test_each_package_is_met_in_its_own_rooms_only(module):
+def faces(module):
+    """Return the packages that a module is in: importing from them runs their ``__init__`` anyway."""
+    parts = module.split(".")
+    return {".".join(parts[:n]) for n in range(1, len(parts))}
+
+
+@each_module
+def test_each_package_is_imported_only_where_it_belongs(module):
     for name in imports(MODULES[module]):
         package = name.partition(".")[0]
-        assert room(module) in ONLY_IN.get(package, {room(module)}), f"{module} imports {package}"
+        if package in ONLY_IN:
+            assert is_below(module, ONLY_IN[package]), f"{module} imports {package}"
 
 
-def test_the_door_loads_nothing():
+def test_importing_walkerlab_loads_nothing_else():
     tree = ast.parse(MODULES["__init__"].read_text(encoding="utf-8"))
     at_once = [node for node in tree.body if isinstance(node, ast.Import | ast.ImportFrom)]
     assert {node.module for node in at_once} == {"importlib", "typing"}
@@ -212,7 +220,7 @@ def state():
 
 before = state()
 *steps, theirs = json.loads(sys.argv[1])
-with warnings.catch_warnings():  # theirs are not ours to mend
+with warnings.catch_warnings():  # warnings of other packages
     warnings.simplefilter("ignore")
     for name in theirs:
         import_module(name)
@@ -228,7 +236,7 @@ print(json.dumps([loaded, changed]))
 
 
 def watched(folder, *names, after=()):
-    """Import modules, in this order, in a fresh Python; say what each had loaded, and what it had changed."""
+    """Import modules, in this order, in a new Python; return what each had loaded, and what it had changed."""
     command = [sys.executable, "-W", "error", "-B", "-c", WATCH, json.dumps([*names, after])]
     environment = {"HOME": str(folder), "PATH": "", "MPLCONFIGDIR": str(folder.parent / "fonts")}
     done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
@@ -243,7 +251,7 @@ def folder(tmp_path):
     return tmp_path / "home"
 
 
-def test_what_is_light_loads_nothing_heavy(folder):
+def test_light_modules_load_no_heavy_packages(folder):
     from_light_to_heavy = sorted(LIGHT, key=lambda name: (-len(LIGHT[name]), name))
     for _, names in groupby(from_light_to_heavy, key=lambda name: len(LIGHT[name])):
         loaded, _ = watched(folder, *names)

@@ -11,10 +11,10 @@ import pandas as pd
 import pytest
 
 import walkerlab as wl
-from walkerlab.limits import genes_of
-from walkerlab.live import LiveRun
+from walkerlab.evolution.live import LiveRun
+from walkerlab.genome.repair import genes_of
 from walkerlab.readonly import ReadOnlyArrays, ReadOnlyError
-from walkerlab.records import last_population
+from walkerlab.runfile.records import last_population
 
 SETTINGS = wl.Settings().with_(duration=1, population_size=4, generations=2, n_elites=1)
 COPIES = (copy.copy, copy.deepcopy, lambda one: pickle.loads(pickle.dumps(one)))

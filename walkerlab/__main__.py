@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from io import TextIOWrapper
 
 from walkerlab.commands.terminal import INTERRUPTED, REFUSED, say, tell
-from walkerlab.faults import Fault
-from walkerlab.interrupts import interrupts_held
+from walkerlab.errors import Fault
+from walkerlab.system.interrupts import interrupts_held
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -63,7 +63,7 @@ def _pass_on(lost: sys.UnraisableHookArgs) -> None:
 def _end_workers() -> None:
     """Let Python end at once and undisturbed: it would wait for whoever walks, and Ctrl-C would break that off."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if workers := sys.modules.get("walkerlab.workers"):
+    if workers := sys.modules.get("walkerlab.simulation.workers"):
         workers.default_executor().end()
 
 
@@ -71,7 +71,7 @@ def _obey(words: Sequence[str]) -> int:
     """Run the command that the words name."""
     with interrupts_held():
         from walkerlab.commands import runs
-        from walkerlab.commands.grammar import grammar, no_such_command
+        from walkerlab.commands.parser import grammar, no_such_command
 
         parser, commands = grammar()
     if not words:

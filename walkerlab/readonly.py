@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from walkerlab.faults import Fault
+from walkerlab.errors import Fault
 
 
 class ReadOnlyError(Fault, AttributeError):

@@ -3,9 +3,9 @@
 import numpy as np
 
 import walkerlab as wl
-from walkerlab import evolution
-from walkerlab.evaluation import Evaluation
-from walkerlab.genome import Genome
+from walkerlab.evolution import evolution
+from walkerlab.genome.genome import Genome
+from walkerlab.simulation.evaluation import Evaluation
 
 SETTINGS = wl.Settings().with_(duration=1.0, population_size=12, generations=30, n_elites=2, seed=4)
 

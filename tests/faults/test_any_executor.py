@@ -18,9 +18,9 @@ from loky import get_reusable_executor
 
 import walkerlab as wl
 from tests.faults import number
-from tests.test_cluster import started
-from walkerlab.gate import PausableExecutor
-from walkerlab.workers import n_workers
+from tests.simulation.test_cluster import started
+from walkerlab.simulation.pausable import PausableExecutor
+from walkerlab.simulation.workers import n_workers
 
 WORLDS = {
     "flat": {},

@@ -13,8 +13,8 @@ import pytest
 
 import walkerlab as wl
 from tests.faults import number
-from walkerlab import outputs
 from walkerlab.__main__ import main
+from walkerlab.evolution import outputs
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no process groups to send Ctrl-C to")
 

@@ -16,9 +16,9 @@ import pytest
 import walkerlab as wl
 from tests.faults import number
 from tests.faults.standins import SETTINGS, attempt, evaluate, text
-from tests.test_store import KILLED_HALF_WAY
-from walkerlab import evolution
+from tests.runfile.test_store import KILLED_HALF_WAY
 from walkerlab.__main__ import main
+from walkerlab.evolution import evolution
 
 as_root = pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root may do that")
 NOBODY = 65534

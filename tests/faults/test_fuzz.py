@@ -16,11 +16,11 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from tests.faults import mutants, number
+from tests.genome.test_genome import obeys_every_limit
 from tests.strategies import all_settings
-from tests.test_genome import obeys_every_limit
-from walkerlab.genome import Genome, GenomeError
-from walkerlab.quantity import SettingsError
-from walkerlab.settings import Robot, Settings
+from walkerlab.genome.genome import Genome, GenomeError
+from walkerlab.settings.fields import SettingsError
+from walkerlab.settings.settings import Robot, Settings
 
 ROBOTS = [
     Robot(),
@@ -81,7 +81,7 @@ def settings_or_refusal(make, *args, **values):
         return None if is_brief(message) else error
     assert isinstance(made, Settings)
     assert Settings.model_validate_json(made.model_dump_json()) == made
-    assert eval(repr(made), vars(sys.modules["walkerlab.settings"])) == made
+    assert eval(repr(made), vars(sys.modules["walkerlab.settings.settings"])) == made
     assert made._repr_html_().endswith("</div>")
     return made
 

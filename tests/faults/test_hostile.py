@@ -14,10 +14,11 @@ import walkerlab as wl
 from tests.faults import bombs, number
 from tests.faults.standins import attempt
 from tests.frontends import book, run_all
-from tests.test_layouts import KEPT
-from tests.test_panel import button, curve_says, picture, says
-from walkerlab import layouts, outputs
+from tests.runfile.test_schema import KEPT
+from tests.widgets.test_panel import button, curve_says, picture, says
 from walkerlab.__main__ import main
+from walkerlab.evolution import outputs
+from walkerlab.runfile import schema
 
 SQL = "'); DROP TABLE records; --"
 SCRIPT = "<script>window.hacked = 1</script><img src=x onerror='window.hacked = 2'>"
@@ -44,11 +45,11 @@ def forge(honest, tmp_path):
         with closing(sqlite3.connect(path)) as db, db:
             for statement in statements:
                 db.execute(*([statement] if isinstance(statement, str) else [statement[0], statement[1:]]))
-            layouts.write_settings(db, json.dumps(settings(json.loads(layouts.fact(db, "settings")))))
+            schema.write_settings(db, json.dumps(settings(json.loads(schema.fact(db, "settings")))))
             made_with = [row for (row,) in db.execute("SELECT made_with FROM provenance")]
             db.execute("DELETE FROM generations")
             for (generation,) in db.execute("SELECT DISTINCT generation FROM records").fetchall():
-                layouts.seal(db, generation, made_with[0])
+                schema.seal(db, generation, made_with[0])
         return path
 
     return forged

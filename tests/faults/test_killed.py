@@ -11,7 +11,7 @@ import pytest
 import walkerlab as wl
 from tests.faults import number
 from tests.faults.standins import SETTINGS, evaluate, text
-from walkerlab import evolution
+from walkerlab.evolution import evolution
 
 REAL = SETTINGS.with_(population_size=8, generations=8)
 CHILD = """

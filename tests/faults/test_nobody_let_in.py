@@ -16,7 +16,7 @@ import pytest
 
 from tests.conftest import lacking
 from tests.faults import number
-from tests.test_cluster import until
+from tests.simulation.test_cluster import until
 
 psutil = pytest.importorskip("psutil")
 

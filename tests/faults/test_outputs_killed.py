@@ -14,9 +14,9 @@ import pytest
 
 import walkerlab as wl
 from tests.faults import number
-from walkerlab import outputs
-from walkerlab.report.pictures import KINDS, PICTURES
-from walkerlab.store import RUN_FILE
+from walkerlab.evolution import outputs
+from walkerlab.runfile.store import RUN_FILE
+from walkerlab.view.report.pictures import KINDS, PICTURES
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="nothing there kills like SIGKILL")
 
@@ -31,7 +31,7 @@ WRITERS = {
 }
 CHILD = """
 import sys; sys.path.insert(0, sys.argv[1]); folder = sys.argv[2]
-import walkerlab.evolution, walkerlab.outputs, walkerlab.report
+import walkerlab.evolution.evolution, walkerlab.evolution.outputs, walkerlab.view.report
 print("ready", flush=True)
 {}
 print("done", flush=True)

@@ -12,11 +12,11 @@ from matplotlib.figure import Figure
 
 import walkerlab as wl
 from walkerlab.__main__ import main
-from walkerlab.markup import cell, printable
-from walkerlab.plots import fitness_curve, save
-from walkerlab.report.code import own_functions
-from walkerlab.report.page import _for_spreadsheets
-from walkerlab.run import Run
+from walkerlab.evolution.run import Run
+from walkerlab.text.html import cell, printable
+from walkerlab.view.plots import fitness_curve, save
+from walkerlab.view.report.code import own_functions
+from walkerlab.view.report.page import _for_spreadsheets
 
 SMALL = wl.Settings().with_(population_size=4, generations=2, duration=1)
 STRANGE = "=x\x1b]0;pwned\x07\x1b[2J\x00\u202e\ud800</script><img src=x onerror=alert(1)>\nimport this"
@@ -110,7 +110,7 @@ def test_no_name_of_a_function_gets_out_of_a_comment():
 def test_show_moves_no_cursor(tmp_path, capsys, monkeypatch, run):
     evolved(tmp_path / "run.walk")
     strange = Run(SMALL, run.records.assign(operators=STRANGE))
-    monkeypatch.setattr("walkerlab.run.load", lambda path: strange)
+    monkeypatch.setattr("walkerlab.evolution.run.load", lambda path: strange)
     assert main(["show", str(tmp_path)]) == 0
     shown = capsys.readouterr().out
     assert "pwned" in shown

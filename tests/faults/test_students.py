@@ -13,9 +13,9 @@ import pytest
 
 import walkerlab as wl
 from tests.faults import number
-from walkerlab import evaluation, fitness
-from walkerlab.live import LiveRun, State
-from walkerlab.phenotype import express
+from walkerlab.evolution.live import LiveRun, State
+from walkerlab.genome.phenotype import express
+from walkerlab.simulation import evaluation, fitness
 
 SETTINGS = wl.Settings().with_(duration=1, population_size=12, generations=5, n_elites=2, seed=3)
 SLOTS = ("selection", "crossover", "mutation", "fitness")

@@ -15,12 +15,12 @@ import pytest
 
 import walkerlab as wl
 from tests.faults import number
-from tests.test_workers import SETTINGS, UNIX, expected, lost, processes, workers  # noqa: F401
-from walkerlab import evaluation, waiting
+from tests.simulation.test_workers import SETTINGS, UNIX, expected, lost, processes, workers  # noqa: F401
 from walkerlab.__main__ import main
-from walkerlab.live import LiveRun, State
-from walkerlab.waiting import wait_for
-from walkerlab.workers import WorkerLostWarning, WorkersLostError, replace_hung_workers
+from walkerlab.evolution.live import LiveRun, State
+from walkerlab.simulation import evaluation, timeouts
+from walkerlab.simulation.timeouts import wait_for
+from walkerlab.simulation.workers import WorkerLostWarning, WorkersLostError, replace_hung_workers
 
 ALL = None
 
@@ -41,9 +41,9 @@ def test_workers_that_hang_are_replaced_and_the_records_do_not_change(n_stopped,
 
     walks, stopped = [], []
     evolution = wl.Evolution(SETTINGS, on_walks=on_walks)
-    monkeypatch.setattr(waiting, "wait_for", wait_briefly)
+    monkeypatch.setattr(timeouts, "wait_for", wait_briefly)
     monkeypatch.setattr(
-        waiting, "replace_hung_workers", lambda executor, silence: replace_hung_workers(executor, silence / 200)
+        timeouts, "replace_hung_workers", lambda executor, silence: replace_hung_workers(executor, silence / 200)
     )
     with pytest.warns(WorkerLostWarning, match="they gave no answer any more"):
         for _ in evolution:
@@ -62,7 +62,7 @@ def waits(monkeypatch):
         durations.append(seconds)
         return wait_for(future, seconds / 1000)
 
-    monkeypatch.setattr(waiting, "wait_for", wait_briefly)
+    monkeypatch.setattr(timeouts, "wait_for", wait_briefly)
     return durations
 
 
@@ -74,7 +74,7 @@ def test_a_thread_that_hangs_ends_the_run_and_keeps_its_generations(monkeypatch,
 
     released, path = threading.Event(), tmp_path / "run.walk"
     monkeypatch.setattr(evaluation, "_walk_all", walk)
-    monkeypatch.setattr(waiting, "MIN_TIME_LIMIT", 3)
+    monkeypatch.setattr(timeouts, "MIN_TIME_LIMIT", 3)
     monkeypatch.setenv("WALKERLAB_PATIENCE", "3")
     with ThreadPoolExecutor(2) as threads:
         with pytest.raises(
@@ -129,7 +129,7 @@ class Cluster(Queueing):
 @pytest.mark.parametrize("executor", [Queueing(), Cluster()])
 def test_an_executor_that_waits_for_workers_does_not_count_as_hanging(executor, waits):
     future = executor.submit(abs, -1)
-    results = waiting.results_in_order([future], executor, limit=20)
+    results = timeouts.results_in_order([future], executor, limit=20)
     thread = threading.Thread(target=lambda: (until(lambda: len(waits) > 100), future.set_result(1)), daemon=True)
     thread.start()
     assert list(results) == [1]
@@ -141,13 +141,13 @@ def test_the_greatest_time_limit_of_all_waiting_callers_applies(waits):
     hanging.set_running_or_notify_cancel()
     both[0].set_running_or_notify_cancel()
     both[0].set_result(1)
-    patient = waiting.results_in_order(both, Queueing(), limit=100)
+    patient = timeouts.results_in_order(both, Queueing(), limit=100)
     assert next(patient) == 1, "it is waiting now"
     with pytest.raises(WorkersLostError, match="100 s"):
-        next(waiting.results_in_order([hanging], Queueing(), limit=10))
+        next(timeouts.results_in_order([hanging], Queueing(), limit=10))
     patient.close()
     with pytest.raises(WorkersLostError, match="10 s"):
-        next(waiting.results_in_order([hanging], Queueing(), limit=10))
+        next(timeouts.results_in_order([hanging], Queueing(), limit=10))
 
 
 def test_tasks_have_one_robot_in_a_slow_world_and_many_in_a_usual_one(monkeypatch):
@@ -211,8 +211,8 @@ def evolving(tmp_path, monkeypatch):
     threads = ThreadPoolExecutor(1)
 
     def evolve(action):
-        monkeypatch.setattr("walkerlab.outputs.write", lambda *_: None)
-        monkeypatch.setattr("walkerlab.evolution.evaluate", lambda *args, **kwargs: (
+        monkeypatch.setattr("walkerlab.evolution.outputs.write", lambda *_: None)
+        monkeypatch.setattr("walkerlab.evolution.evolution.evaluate", lambda *args, **kwargs: (
             action() if (tmp_path / "run.walk").exists() and wl.load(tmp_path).n_generations == 2 else None,
             evaluation.evaluate(*args, **{**kwargs, "executor": threads}),
         )[1])  # fmt: skip

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 
 from walkerlab.ga import crossover, mutation, selection
-from walkerlab.genes import Genes
+from walkerlab.ga.genes import Genes
 from walkerlab.randomness import stream
 
 

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from walkerlab.records import name_fitness
+from walkerlab.runfile.records import name_fitness
 from walkerlab.widgets.curve import Curve
 
 

@@ -9,12 +9,12 @@ from hypothesis import strategies as st
 
 import walkerlab as wl
 from tests.strategies import genomes, robots
-from tests.test_markup import HOSTILE
-from walkerlab import sketch
+from tests.text.test_html import HOSTILE
 from walkerlab.commands.worlds import GENOME
-from walkerlab.genome import GenomeError
+from walkerlab.genome.genome import GenomeError
+from walkerlab.view import sketch
 from walkerlab.widgets.editor import SAID, SIZE, Editor
-from walkerlab.widgets.mended import laid_out, mended, place_of
+from walkerlab.widgets.repairs import laid_out, mended, place_of
 
 G = wl.Genome.parse(GENOME)
 WORDS = str(G).split()

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 from traitlets import TraitError
 
 from tests.strategies import all_settings
-from walkerlab.choices import Structure
 from walkerlab.ga.selection import tournament
-from walkerlab.quantity import OneOf, SettingsError
-from walkerlab.settings import Algorithm, Robot, Settings, Simulation, Terrain
+from walkerlab.settings.choices import Structure
+from walkerlab.settings.fields import OneOf, SettingsError
+from walkerlab.settings.settings import Algorithm, Robot, Settings, Simulation, Terrain
 from walkerlab.widgets.controls import OWN, controls_of, idle
 from walkerlab.widgets.form import KINDS, Form
 from walkerlab.widgets.presets import PRESETS

@@ -10,9 +10,9 @@ import pandas as pd
 import pytest
 
 import walkerlab as wl
-from walkerlab.live import LiveRun, State
-from walkerlab.number_format import with_unit
-from walkerlab.report.code import as_python
+from walkerlab.evolution.live import LiveRun, State
+from walkerlab.text.numbers import with_unit
+from walkerlab.view.report.code import as_python
 from walkerlab.widgets.card import card
 
 SMALL = wl.Settings().with_(population_size=6, generations=4, duration=1)

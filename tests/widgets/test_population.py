@@ -8,10 +8,10 @@ import pytest
 import traitlets
 
 import walkerlab as wl
-from walkerlab.records import name_fitness, tidy
+from walkerlab.runfile.records import name_fitness, tidy
 from walkerlab.widgets import population
+from walkerlab.widgets.listing import COLUMNS, DRAWN, LISTED, order, roster
 from walkerlab.widgets.population import Population
-from walkerlab.widgets.roster import COLUMNS, DRAWN, LISTED, order, roster
 
 RNG = np.random.default_rng(5)
 GENES = [str(wl.Genome.random(wl.Robot(), rng=RNG)) for _ in range(5)]

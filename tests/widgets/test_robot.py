@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.viewer.replay import Frame
+from walkerlab.view.replay.page import Frame
 from walkerlab.widgets.robot import RobotRoom
 
 

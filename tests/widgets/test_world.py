@@ -5,8 +5,8 @@ import threading
 import pytest
 
 import walkerlab as wl
-from walkerlab import sketch
 from walkerlab.commands.worlds import GENOME
+from walkerlab.view import sketch
 from walkerlab.widgets.world import World
 
 

@@ -8,9 +8,9 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from walkerlab.files import PathError, absolute_path
-from walkerlab.quantity import Choice, Declared, Domain, OneOf, Quantity, number_text, told_with
-from walkerlab.settings import Settings
+from walkerlab.settings.fields import Choice, Declared, Domain, OneOf, Quantity, number_text, told_with
+from walkerlab.settings.settings import Settings
+from walkerlab.system.files import PathError, absolute_path
 
 NEGATIVE = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
 """How a word begins that is a number for Python, and no flag."""

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from walkerlab.commands.terminal import REFUSED, say
-from walkerlab.files import replacing
+from walkerlab.system.files import replacing
 
 FOLDER = "walkerlab-notebooks"
 FIRST = "00_meet_a_walker.ipynb"

@@ -18,7 +18,7 @@ from socket import socket
 
 from PIL import Image
 
-from walkerlab.files import file_path, replacing
+from walkerlab.system.files import file_path, replacing
 
 PANEL = """import walkerlab as wl
 lab = wl.Lab(wl.Settings().with_(generations=20, seed=3))

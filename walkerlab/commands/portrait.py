@@ -13,12 +13,12 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from walkerlab import plots
-from walkerlab.files import file_path, replacing
-from walkerlab.number_format import with_unit
-from walkerlab.rollout import simulate
-from walkerlab.run import Run, load
-from walkerlab.scene import compile_scene
+from walkerlab.evolution.run import Run, load
+from walkerlab.simulation.rollout import simulate
+from walkerlab.system.files import file_path, replacing
+from walkerlab.text.numbers import with_unit
+from walkerlab.view import plots
+from walkerlab.world.scene import compile_scene
 
 SIZE = (1500, 620)  # pixels
 MOMENTS = np.linspace(0.1, 0.5, 4)  # of the walk, as shares

@@ -7,23 +7,23 @@ import sys
 from typing import TYPE_CHECKING
 
 from walkerlab.commands.terminal import INTERRUPTED, tell
-from walkerlab.files import folder_path, quoted, shown
-from walkerlab.fileset import OutputError
-from walkerlab.interrupts import interrupts_held
-from walkerlab.markup import printable
+from walkerlab.system.file_sets import OutputError
+from walkerlab.system.files import folder_path, quoted, shown
+from walkerlab.system.interrupts import interrupts_held
+from walkerlab.text.html import printable
 
 if TYPE_CHECKING:
-    from walkerlab.run import Run
+    from walkerlab.evolution.run import Run
 
 
 def evolve(given: argparse.Namespace) -> int:
     """Evolve into a new folder."""
     with interrupts_held():
-        from walkerlab import story
         from walkerlab.commands import flags
-        from walkerlab.run import load
-        from walkerlab.store import RUN_FILE, RunFileError
-        from walkerlab.workers import n_cores
+        from walkerlab.evolution.run import load
+        from walkerlab.runfile.store import RUN_FILE, RunFileError
+        from walkerlab.simulation.workers import n_cores
+        from walkerlab.view import summary
 
     settings = flags.settings_of(vars(given), given.strangers)
     path = folder_path(given.out, "--out") / RUN_FILE
@@ -34,9 +34,9 @@ def evolve(given: argparse.Namespace) -> int:
             f"Begin a new one:  walkerlab evolve --out ANOTHER-FOLDER"
         )
     if not given.quiet:
-        print(story.opening(settings, n_cores()), flush=True)
+        print(summary.opening(settings, n_cores()), flush=True)
     with interrupts_held():
-        from walkerlab import evolution  # for which mujoco is loaded
+        from walkerlab.evolution import evolution  # for which mujoco is loaded
     try:
         run = evolution.evolve(settings, path, progress=not given.quiet)
     except KeyboardInterrupt:
@@ -48,9 +48,10 @@ def evolve(given: argparse.Namespace) -> int:
 def resume(given: argparse.Namespace) -> int:
     """Go on with a run, or if it is done, write what is missing beside it."""
     with interrupts_held():
-        from walkerlab import outputs, story
-        from walkerlab.run import load, with_functions
-        from walkerlab.workers import n_cores
+        from walkerlab.evolution import outputs
+        from walkerlab.evolution.run import load, with_functions
+        from walkerlab.simulation.workers import n_cores
+        from walkerlab.view import summary
 
     run = with_functions(load(given.path), {})
     done, wanted = run.n_generations, given.generations
@@ -62,9 +63,9 @@ def resume(given: argparse.Namespace) -> int:
             print(f"All {done} generations are done; to go on: walkerlab {_to_go_on(run)}")
         return 0
     if not given.quiet and done < wanted:
-        print(story.opening(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
+        print(summary.opening(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
     with interrupts_held():
-        from walkerlab import evolution
+        from walkerlab.evolution import evolution
     return _finish(evolution.resume(given.path, given.generations, progress=not given.quiet), quiet=given.quiet)
 
 
@@ -76,7 +77,7 @@ def _to_go_on(run: Run) -> str:
 
 def _named(run: Run) -> str:
     """Name a run as briefly as a shell takes it: by its folder, if its file is the run file of that folder."""
-    from walkerlab import store
+    from walkerlab.runfile import store
 
     assert run.path
     return quoted(run.path.parent if run.path.name == store.RUN_FILE else run.path)
@@ -85,7 +86,8 @@ def _named(run: Run) -> str:
 def _finish(run: Run, *, quiet: bool) -> int:
     """Write what belongs into the run's folder, and say what has come of it and what to do next."""
     with interrupts_held():
-        from walkerlab import outputs, story
+        from walkerlab.evolution import outputs
+        from walkerlab.view import summary
 
     assert run.path
     folder, wanted = run.path.parent, run.settings.algorithm.generations
@@ -94,7 +96,7 @@ def _finish(run: Run, *, quiet: bool) -> int:
         print(f"\n{kept(run)}", file=sys.stderr if quiet else sys.stdout)
     if not quiet:
         print()
-        tell(story.champion_story(run.records, run.settings.model_dump()))
+        tell(summary.champion_story(run.records, run.settings.model_dump()))
         if run.champion.verdict == "ok":
             print(run.confirm())
         print("\nDrawing the report …", flush=True)
@@ -114,7 +116,7 @@ def _finish(run: Run, *, quiet: bool) -> int:
 
 
 def _write_outputs(run: Run) -> None:
-    from walkerlab import outputs
+    from walkerlab.evolution import outputs
 
     assert run.path
     try:
@@ -128,8 +130,9 @@ def _write_outputs(run: Run) -> None:
 
 def show(given: argparse.Namespace) -> int:
     """Print a run."""
-    from walkerlab import store, story
-    from walkerlab.run import load
+    from walkerlab.evolution.run import load
+    from walkerlab.runfile import store
+    from walkerlab.view import summary
 
     run, path = load(given.path), store.locate(given.path)
     settings, records = run.settings.model_dump(), run.records
@@ -137,17 +140,17 @@ def show(given: argparse.Namespace) -> int:
     whose, made_with = store.read_facts(path)
     for about, facts in (("it has", whose), ("made with", made_with)):
         tell(f"{about} {', '.join(printable(f'{name} {fact}') for name, fact in facts.items())}")
-    tell(f"\n{story.changed_settings(settings)}")
+    tell(f"\n{summary.changed_settings(settings)}")
     if not run.n_generations:
         tell(f"\nNo generation is done yet. Start with the first one: walkerlab {_to_go_on(run)}")
         return 0
     best = run.champion
     for part in (
-        story.by_generation(records, settings),
-        story.verdict_counts(records),
-        story.champion_story(records, settings),
-        story.gene(best),
-        story.descent(records, best.individual),
+        summary.by_generation(records, settings),
+        summary.verdict_counts(records),
+        summary.champion_story(records, settings),
+        summary.gene(best),
+        summary.descent(records, best.individual),
     ):
         tell(f"\n{part}")
     return 0
@@ -155,8 +158,8 @@ def show(given: argparse.Namespace) -> int:
 
 def rescue(given: argparse.Namespace) -> int:
     """Save what is whole of a damaged run."""
-    from walkerlab import run as runs
-    from walkerlab.store import RUN_FILE, RunFileError
+    from walkerlab.evolution import run as runs
+    from walkerlab.runfile.store import RUN_FILE, RunFileError
 
     out = shown(folder_path(given.out, "--out"))
     if (given.out / RUN_FILE).exists():
@@ -173,8 +176,8 @@ def stopped(given: argparse.Namespace) -> str:
     """Say how far a command had come that was stopped."""
     if given.run not in (evolve, resume):
         return "Stopped."
-    from walkerlab.run import load
-    from walkerlab.store import RunFileError
+    from walkerlab.evolution.run import load
+    from walkerlab.runfile.store import RunFileError
 
     try:
         return kept(load(given.path if given.run is resume else given.out))

@@ -5,7 +5,7 @@ from __future__ import annotations  # as the doctor's
 import sys
 from typing import TextIO
 
-from walkerlab.markup import printable
+from walkerlab.text.html import printable
 
 INTERRUPTED = 130  # what a shell expects of a program that Ctrl-C ended
 REFUSED = 2  # what it expects of one that was asked for something impossible

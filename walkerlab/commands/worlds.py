@@ -17,10 +17,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from PIL import Image
 
-from walkerlab.files import file_path, replacing
-from walkerlab.ground import height, slope
-from walkerlab.scene import Scene, compile_scene
-from walkerlab.settings import Settings
+from walkerlab.settings.settings import Settings
+from walkerlab.system.files import file_path, replacing
+from walkerlab.world.heights import height, slope
+from walkerlab.world.scene import Scene, compile_scene
 
 GENOME = (
     "wl1 segments=3"

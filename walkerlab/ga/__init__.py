@@ -9,10 +9,10 @@ that it is handed says how good they are. Operators are plain functions without 
 """
 
 from walkerlab.ga import crossover, mutation, selection
-from walkerlab.ga.check import check_cross, check_mutate, check_select
+from walkerlab.ga.checks import check_cross, check_mutate, check_select
 from walkerlab.ga.crossover import Children
 from walkerlab.ga.loop import NOT_COUNTED, Operators, Population, first_population, next_population
-from walkerlab.ga.own import OperatorError, name_of
+from walkerlab.ga.user_functions import OperatorError, name_of
 
 __all__ = [
     "NOT_COUNTED",

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
+from walkerlab.ga.genes import Floats, Genes, Indices
 from walkerlab.ga.ranges import wrap
-from walkerlab.genes import Floats, Genes, Indices
 
 
 class Children(NamedTuple):

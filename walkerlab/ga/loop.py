@@ -9,10 +9,10 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from walkerlab.ga.crossover import Children
-from walkerlab.ga.own import OperatorError
+from walkerlab.ga.genes import Floats, Genes, Indices
 from walkerlab.ga.selection import require_finite
 from walkerlab.ga.slots import Cross, Mutate, Select, run_cross, run_mutate, run_select
-from walkerlab.genes import Floats, Genes, Indices
+from walkerlab.ga.user_functions import OperatorError
 from walkerlab.randomness import stream
 from walkerlab.readonly import ReadOnlyArrays
 

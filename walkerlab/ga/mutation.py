@@ -8,8 +8,8 @@ wherever its range leaves room.
 import numpy as np
 from numpy.random import Generator
 
+from walkerlab.ga.genes import Floats, Genes
 from walkerlab.ga.ranges import reflect, wrap
-from walkerlab.genes import Floats, Genes
 
 FLOOR = 0.1
 """Least size that a step is measured by, as a part of the gene's range: without it a zero would stay a zero."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from walkerlab.genes import Floats
+from walkerlab.ga.genes import Floats
 
 
 def wrap(values: Floats, low: Floats, high: Floats) -> Floats:

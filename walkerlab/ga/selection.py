@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.random import Generator
 
-from walkerlab.genes import Floats, Indices
+from walkerlab.ga.genes import Floats, Indices
 
 CONSOLATION = 0.05
 """What ``gradient`` grants the least fit, as a part of the distance between the worst and the best."""

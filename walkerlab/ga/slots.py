@@ -11,8 +11,8 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 from walkerlab.ga.crossover import Children
-from walkerlab.ga.own import IN_A_RUN, OperatorError, Slot, ask, portrait
-from walkerlab.genes import Floats, Genes, Indices
+from walkerlab.ga.genes import Floats, Genes, Indices
+from walkerlab.ga.user_functions import IN_A_RUN, OperatorError, Slot, ask, portrait
 
 Select: TypeAlias = Callable[..., Indices]
 """``select(fitness, n_parents, *, rng)`` -> (n_parents,) indices into ``fitness``."""

@@ -4,12 +4,12 @@ from typing import Any
 
 import pandas as pd
 
-from walkerlab import story
-from walkerlab.judge import VERDICTS
-from walkerlab.markup import Html, details, facts, shown, table
-from walkerlab.plots.style import with_unit
-from walkerlab.quantity import count
-from walkerlab.records import BY_HAND, births, champion
+from walkerlab.runfile.records import BY_HAND, births, champion
+from walkerlab.settings.fields import count
+from walkerlab.simulation.validity import VERDICTS
+from walkerlab.text.html import Html, details, facts, shown, table
+from walkerlab.view import summary
+from walkerlab.view.plots.style import with_unit
 
 COUNTS = "ok"
 SOME = 4  # parents that are named
@@ -51,7 +51,7 @@ def _made(row: Any) -> str:
 
 
 def _line(records: pd.DataFrame, individual: int) -> Html:
-    line = story.line_of_descent(records, individual)
+    line = summary.line_of_descent(records, individual)
     if len(line) < 2:
         return Html("")
     rows = [

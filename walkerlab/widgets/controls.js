@@ -1,5 +1,5 @@
 // The kinds of controls. Each is made from what controls.py says of a setting and from a function to tell its value;
-// it gives the elements of its row, and a function to show a value. part.js stands before this, form.js behind it.
+// it gives the elements of its row, and a function to show a value. component.js stands before this, form.js behind it.
 
 const fresh = () => `wl-${Math.random().toString(36).slice(2)}`;
 const focused = (element) => element.getRootNode().activeElement === element;

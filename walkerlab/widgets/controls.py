@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from typing import Any, TypeAlias, cast
 
-from walkerlab.glossary import DRAWN, rows_of
-from walkerlab.quantity import PAIR, Declared, Domain, OneOf, Quantity
-from walkerlab.settings import Settings
+from walkerlab.settings.fields import PAIR, Declared, Domain, OneOf, Quantity
+from walkerlab.settings.glossary import DRAWN, rows_of
+from walkerlab.settings.settings import Settings
 
 Control: TypeAlias = dict[str, Any]
 """What a browser needs to know of one setting.

@@ -11,10 +11,10 @@ import ipywidgets
 import pandas as pd
 from matplotlib.figure import Figure
 
-from walkerlab import plots
-from walkerlab.markup import Html, inline_svg, tag
-from walkerlab.plots.style import COLUMNS, fitness_measure
-from walkerlab.snapshots import LIVE_STYLE, WHITE, HasSnapshot
+from walkerlab.text.html import Html, inline_svg, tag
+from walkerlab.view import plots
+from walkerlab.view.plots.style import COLUMNS, fitness_measure
+from walkerlab.view.snapshots import LIVE_STYLE, WHITE, HasSnapshot
 
 SIZE = (6.4, 3.5)  # inches
 MARGINS = {"left": 0.14, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows

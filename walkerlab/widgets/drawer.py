@@ -5,8 +5,8 @@ from typing import Any
 
 import traitlets
 
-from walkerlab.markup import Html, code, details, join, tag
-from walkerlab.widgets.part import Part, script, style
+from walkerlab.text.html import Html, code, details, join, tag
+from walkerlab.widgets.component import Part, script, style
 
 
 class Drawer(Part):

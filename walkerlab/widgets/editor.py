@@ -6,14 +6,14 @@ from typing import Any
 
 import traitlets
 
-from walkerlab import sketch
-from walkerlab.genome import Genome, GenomeError
-from walkerlab.markup import Html, code, join, tag
+from walkerlab.genome.genome import Genome, GenomeError
 from walkerlab.randomness import stream
-from walkerlab.settings import Settings
-from walkerlab.snapshots import image
-from walkerlab.widgets.mended import laid_out, mended, place_of
-from walkerlab.widgets.part import Part, script, style
+from walkerlab.settings.settings import Settings
+from walkerlab.text.html import Html, code, join, tag
+from walkerlab.view import sketch
+from walkerlab.view.snapshots import image
+from walkerlab.widgets.component import Part, script, style
+from walkerlab.widgets.repairs import laid_out, mended, place_of
 
 SIZE = (300, 190)  # pixels of the drawing
 SAID = 5  # genes at most, of which it is said that they were brought within the limits

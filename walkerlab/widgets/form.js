@@ -1,5 +1,5 @@
 // The form: tabs of rows, a row to each setting. What a control says goes to Python, which knows what can be, and
-// answers with what is wrong, and with what does not matter now. part.js and controls.js stand before this.
+// answers with what is wrong, and with what does not matter now. component.js and controls.js stand before this.
 const PAUSE = 100; // ms between two values that are sent while a slider is moved
 const ROOMY = 8; // rows that need no tabs
 

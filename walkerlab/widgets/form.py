@@ -5,12 +5,12 @@ from typing import Any, cast
 
 import traitlets
 
-from walkerlab.glossary import rows_of
-from walkerlab.markup import Html, join, table, tag
-from walkerlab.quantity import Domain, SettingsError, did_you_mean, function_name
-from walkerlab.settings import Settings
+from walkerlab.settings.fields import Domain, SettingsError, did_you_mean, function_name
+from walkerlab.settings.glossary import rows_of
+from walkerlab.settings.settings import Settings
+from walkerlab.text.html import Html, join, table, tag
+from walkerlab.widgets.component import Part, script, style
 from walkerlab.widgets.controls import OWN, PLACE, controls_of, idle, in_words, label
-from walkerlab.widgets.part import Part, script, style
 from walkerlab.widgets.presets import PRESETS, worlds
 
 Named = dict[str, Any]

@@ -16,30 +16,30 @@ from typing import cast
 
 import ipywidgets
 
-from walkerlab.arguments import require_settings
-from walkerlab.evolution import n_walks
-from walkerlab.faults import Fault
-from walkerlab.files import absolute_path
-from walkerlab.forecast import in_words, seconds_of
-from walkerlab.genome import Genome
-from walkerlab.live import LiveRun, State
-from walkerlab.markup import Html, details, tag
-from walkerlab.records import join
-from walkerlab.run import Run
-from walkerlab.settings import Settings
-from walkerlab.snapshots import HasSnapshot, pieces_of
-from walkerlab.store import RunFileError
-from walkerlab.widgets.cell import made_before
+from walkerlab.errors import Fault
+from walkerlab.evolution.evolution import n_walks
+from walkerlab.evolution.forecast import in_words, seconds_of
+from walkerlab.evolution.live import LiveRun, State
+from walkerlab.evolution.run import Run
+from walkerlab.genome.genome import Genome
+from walkerlab.runfile.records import join
+from walkerlab.runfile.store import RunFileError
+from walkerlab.settings.arguments import require_settings
+from walkerlab.settings.settings import Settings
+from walkerlab.simulation.workers import check_executor
+from walkerlab.system.files import absolute_path
+from walkerlab.text.html import Html, details, tag
+from walkerlab.view.snapshots import HasSnapshot, pieces_of
+from walkerlab.widgets.cells import made_before
 from walkerlab.widgets.controls import in_words as in_labels
-from walkerlab.widgets.desk import Desk
+from walkerlab.widgets.drawing_thread import Desk
 from walkerlab.widgets.form import Form
-from walkerlab.widgets.kept import Kept, new_file
 from walkerlab.widgets.population import Population
 from walkerlab.widgets.robot import RobotRoom
+from walkerlab.widgets.run_folders import Kept, new_file
 from walkerlab.widgets.runs import RunsRoom
 from walkerlab.widgets.transport import Transport
 from walkerlab.widgets.world import World
-from walkerlab.workers import check_executor
 
 OFTEN = 0.2  # s between two words on how far a run has come
 

@@ -6,15 +6,15 @@ import threading
 import pandas as pd
 import traitlets
 
-from walkerlab import sketch
-from walkerlab.markup import Html, table, tag
-from walkerlab.plots.style import table_of
-from walkerlab.records import join
-from walkerlab.run import Run
-from walkerlab.settings import Settings
-from walkerlab.snapshots import image
-from walkerlab.widgets.part import Part, script, style
-from walkerlab.widgets.roster import COLUMNS, DRAWN, order, roster
+from walkerlab.evolution.run import Run
+from walkerlab.runfile.records import join
+from walkerlab.settings.settings import Settings
+from walkerlab.text.html import Html, table, tag
+from walkerlab.view import sketch
+from walkerlab.view.plots.style import table_of
+from walkerlab.view.snapshots import image
+from walkerlab.widgets.component import Part, script, style
+from walkerlab.widgets.listing import COLUMNS, DRAWN, order, roster
 
 SIZE = (100, 56)  # pixels of a picture
 IN_SNAPSHOT = 12  # robots at most in the static picture

@@ -6,18 +6,18 @@ from typing import Any
 
 import ipywidgets
 
-from walkerlab import sketch
-from walkerlab.genome import Genome
-from walkerlab.markup import Html, details, join, shown, tag
-from walkerlab.records import births
-from walkerlab.run import Run
-from walkerlab.settings import Settings
-from walkerlab.snapshots import HasSnapshot
-from walkerlab.viewer import Replay, replay
-from walkerlab.viewer.replay import Frame
+from walkerlab.evolution.run import Run
+from walkerlab.genome.genome import Genome
+from walkerlab.runfile.records import births
+from walkerlab.settings.settings import Settings
+from walkerlab.text.html import Html, details, join, shown, tag
+from walkerlab.view import sketch
+from walkerlab.view.replay import Replay, replay
+from walkerlab.view.replay.page import Frame
+from walkerlab.view.snapshots import HasSnapshot
 from walkerlab.widgets.card import card
+from walkerlab.widgets.component import answer_at_once
 from walkerlab.widgets.editor import Editor
-from walkerlab.widgets.part import answer_at_once
 
 POSTER = (640, 360)  # pixels
 FIRST = "No robot has walked yet. This one is drawn by chance: play its walk, or edit its gene."

@@ -7,19 +7,19 @@ from typing import Any
 
 import ipywidgets
 
-from walkerlab import outputs
-from walkerlab.faults import Fault
-from walkerlab.files import absolute_path, shown
-from walkerlab.markup import Html, join
-from walkerlab.plots.style import RUNS
-from walkerlab.report.code import as_python, own_functions
-from walkerlab.run import Run, load
-from walkerlab.snapshots import HasSnapshot
+from walkerlab.errors import Fault
+from walkerlab.evolution import outputs
+from walkerlab.evolution.run import Run, load
+from walkerlab.system.files import absolute_path, shown
+from walkerlab.text.html import Html, join
+from walkerlab.view.plots.style import RUNS
+from walkerlab.view.report.code import as_python, own_functions
+from walkerlab.view.snapshots import HasSnapshot
 from walkerlab.widgets.curve import Curve
-from walkerlab.widgets.desk import Desk
 from walkerlab.widgets.drawer import Drawer
-from walkerlab.widgets.kept import Kept, best_of, name_of, new_file, run_files, told_apart
-from walkerlab.widgets.shelf import Shelf
+from walkerlab.widgets.drawing_thread import Desk
+from walkerlab.widgets.run_folders import Kept, best_of, name_of, new_file, run_files, told_apart
+from walkerlab.widgets.run_list import Shelf
 
 
 class RunsRoom(HasSnapshot, ipywidgets.Box):

@@ -5,13 +5,13 @@ from typing import Any
 
 import traitlets
 
-from walkerlab import sketch
-from walkerlab.genome import Genome
-from walkerlab.markup import Html
+from walkerlab.genome.genome import Genome
 from walkerlab.randomness import stream
-from walkerlab.settings import Settings
-from walkerlab.snapshots import image
-from walkerlab.widgets.part import Part, script, style
+from walkerlab.settings.settings import Settings
+from walkerlab.text.html import Html
+from walkerlab.view import sketch
+from walkerlab.view.snapshots import image
+from walkerlab.widgets.component import Part, script, style
 
 
 class World(Part):

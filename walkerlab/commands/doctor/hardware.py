@@ -9,9 +9,9 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from walkerlab import graphics
-from walkerlab.commands.doctor import mends
+from walkerlab.commands.doctor import fixes
 from walkerlab.commands.doctor.finding import Finding
+from walkerlab.view import opengl
 
 MB = 1e6  # bytes
 ONE_RUN, ROOMY = 5 * MB, 200 * MB  # of a run's whole folder, and of what a course should have left
@@ -26,7 +26,7 @@ print(wl.load({path!r}).n_generations)
 """
 
 WORK = """
-from walkerlab.workers import default_executor
+from walkerlab.simulation.workers import default_executor
 print(default_executor().submit(abs, -1).result())
 """
 
@@ -76,10 +76,10 @@ def cores() -> Iterator[Finding]:
     """Count the cores that walks are shared out to, and say why there are not more."""
     granted, there = os.environ.get("LOKY_MAX_CPU_COUNT"), os.cpu_count() or 1
     if granted is not None and not granted.strip().isdecimal():
-        unset = mends.unset("LOKY_MAX_CPU_COUNT")
+        unset = fixes.unset("LOKY_MAX_CPU_COUNT")
         yield Finding("fault", f"LOKY_MAX_CPU_COUNT is {granted!r}; it must be a whole number", unset)
         return
-    from walkerlab.workers import n_cores
+    from walkerlab.simulation.workers import n_cores
 
     usable = n_cores()
     bound_to = len(os.sched_getaffinity(0)) if sys.platform == "linux" else there
@@ -92,7 +92,7 @@ def cores() -> Iterator[Finding]:
         if bound_to <= usable
         else "limit"
     )
-    said, mend = mends.CORES[why]
+    said, mend = fixes.CORES[why]
     counted = f"{usable} of {there} cores may be used" if there > 1 else "this machine has one core"
     if usable > 1:
         yield Finding("ok", counted + (f": {said}" if said else ""))
@@ -103,7 +103,7 @@ def cores() -> Iterator[Finding]:
 def keep() -> Iterator[Finding]:
     """Keep a small run here, as evolving does: some network drives cannot lock a file."""
     with tempfile.TemporaryDirectory(prefix="walkerlab-", dir=Path.cwd(), ignore_cleanup_errors=True) as inside:
-        done, answer = graphics.run_python(KEEP.format(path=str(Path(inside, "run.walk"))))
+        done, answer = opengl.run_python(KEEP.format(path=str(Path(inside, "run.walk"))))
     if done:
         yield Finding("ok", "a run can be kept here")
     else:
@@ -113,20 +113,20 @@ def keep() -> Iterator[Finding]:
 
 def workers() -> Iterator[Finding]:
     """Start a worker process, and wait for its answer."""
-    done, answer = graphics.run_python(WORK, {"LOKY_MAX_CPU_COUNT": "1"})
+    done, answer = opengl.run_python(WORK, {"LOKY_MAX_CPU_COUNT": "1"})
     if done:
         yield Finding("ok", "worker processes start")
     else:
-        yield Finding("fault", f"no worker process starts: {answer}", mends.workers(answer))
+        yield Finding("fault", f"no worker process starts: {answer}", fixes.workers(answer))
 
 
 def drawing() -> Iterator[Finding]:
     """Look for a GL that draws without a screen."""
-    if found := graphics.find_backend():
+    if found := opengl.find_backend():
         backend, renderer = found
         tip = f" (pictures of your own: set MUJOCO_GL={backend} before Python starts)" if backend else ""
         yield Finding("ok", f"films and 3D pictures can be drawn by {renderer}{tip}")
     else:
         yield Finding(
-            "note", f"{graphics.unavailable_message()}: only films and 3D pictures need it", graphics.how_to_fix()
+            "note", f"{opengl.unavailable_message()}: only films and 3D pictures need it", opengl.how_to_fix()
         )

@@ -8,9 +8,9 @@ import sys
 from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, requires, version
 
-from walkerlab import graphics
-from walkerlab.commands.doctor import mends
+from walkerlab.commands.doctor import fixes
 from walkerlab.commands.doctor.finding import Finding
+from walkerlab.view import opengl
 
 OLDEST_PYTHON = (3, 11)
 
@@ -68,7 +68,7 @@ def python() -> Iterator[Finding]:
     if sys.version_info[:2] >= OLDEST_PYTHON:
         yield Finding("ok", f"{name}, {platform.system()} {platform.machine()}")
     else:
-        yield Finding("fault", f"{name} is too old; walkerlab needs {needed} or newer", mends.newer_python(needed))
+        yield Finding("fault", f"{name} is too old; walkerlab needs {needed} or newer", fixes.newer_python(needed))
 
 
 def packages() -> Iterator[Finding]:
@@ -77,10 +77,10 @@ def packages() -> Iterator[Finding]:
         needed = requires("walkerlab") or []
         from packaging.requirements import Requirement
     except PackageNotFoundError:
-        yield Finding("fault", "walkerlab itself is not installed", mends.install(mends.source()))
+        yield Finding("fault", "walkerlab itself is not installed", fixes.install(fixes.source()))
         return
     except ImportError:
-        yield Finding("fault", "packaging is not installed; walkerlab needs it", mends.install("packaging"))
+        yield Finding("fault", "packaging is not installed; walkerlab needs it", fixes.install("packaging"))
         return
     wrong, n_good = dict[str, Requirement](), 0
     for one in map(Requirement, needed):
@@ -99,7 +99,7 @@ def packages() -> Iterator[Finding]:
     for can_wait in (False, True):
         if names := [name for name in wrong if (name in CAN_WAIT) == can_wait]:
             said = "\n".join(_wrong(name, str(wrong[name].specifier)) for name in names)
-            yield Finding("note" if can_wait else "fault", said, mends.install(*(str(wrong[name]) for name in names)))
+            yield Finding("note" if can_wait else "fault", said, fixes.install(*(str(wrong[name]) for name in names)))
 
 
 def _wrong(name: str, specifier: str) -> str:
@@ -118,16 +118,16 @@ def _version(package: str) -> str | None:
 
 def walk() -> Iterator[Finding]:
     """Let one robot walk."""
-    done, answer = graphics.run_python(WALK)
+    done, answer = opengl.run_python(WALK)
     chosen = os.environ.get("MUJOCO_GL")
     if done:
         yield Finding("ok", f"a robot walks, {answer} times faster than in real time on one core")
-    elif chosen and graphics.run_python(WALK, {"MUJOCO_GL": ""})[0]:
-        yield Finding("fault", f"no robot can walk while MUJOCO_GL is {chosen!r}: {answer}", mends.unset("MUJOCO_GL"))
+    elif chosen and opengl.run_python(WALK, {"MUJOCO_GL": ""})[0]:
+        yield Finding("fault", f"no robot can walk while MUJOCO_GL is {chosen!r}: {answer}", fixes.unset("MUJOCO_GL"))
     else:
-        are_sound, broken = graphics.run_python(LOAD.format(modules=MODULES))
+        are_sound, broken = opengl.run_python(LOAD.format(modules=MODULES))
         culprit = broken.partition(" is broken")[0]
         if are_sound or culprit not in MODULES:
-            yield Finding("fault", f"no robot can walk: {answer}", mends.install("--force-reinstall", mends.source()))
+            yield Finding("fault", f"no robot can walk: {answer}", fixes.install("--force-reinstall", fixes.source()))
         else:
-            yield Finding("fault", f"no robot can walk: {broken}", mends.repair(culprit, broken))
+            yield Finding("fault", f"no robot can walk: {broken}", fixes.repair(culprit, broken))

@@ -1,0 +1,486 @@
+import argparse
+import os
+import re
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+from contextlib import closing
+from pathlib import Path
+from types import SimpleNamespace
+
+import mujoco
+import pandas as pd
+import pytest
+
+import walkerlab as wl
+from walkerlab.__main__ import main
+from walkerlab.commands import flags, lab
+from walkerlab.evolution import outputs
+
+TINY = ["--population-size", "6", "--generations", "2", "--duration", "1", "--quiet"]
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw nothing, which takes its time: for tests of what else a command does."""
+
+    def write(run: wl.Run, folder: Path) -> None:
+        for name in outputs.FILES.keys() - {"run.walk"}:
+            (folder / name).touch()
+        run.records.to_csv(folder / "records.csv", index=False)
+
+    monkeypatch.setattr(outputs, "write", write)
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("done") / "walk"
+    assert main(["evolve", "--out", str(folder), *TINY]) == 0
+    return folder
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if not path.is_dir()}
+
+
+def at_the_top(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+# ------------------------------------------------------------------------------------------------- the flags
+
+
+def help_of(command: str, capsys: pytest.CaptureFixture[str]) -> str:
+    with pytest.raises(SystemExit) as stopped:
+        main([command, "--help"])
+    assert stopped.value.code == 0
+    return " ".join(capsys.readouterr().out.split())
+
+
+def test_every_setting_has_a_flag_and_every_flag_a_setting(capsys):
+    declared = {(name, field) for name, domain in wl.Settings() for field in type(domain).declared()}
+    assert set(flags.flag_names()) == declared
+    own = {"--help", "--out", "--quiet"}
+    shown = set(re.findall(r" (--[a-z][a-z-]*)", help_of("evolve", capsys).partition("options:")[2]))
+    assert shown - own == set(flags.flag_names().values())
+
+
+def test_the_help_gives_each_setting_its_meaning_range_and_default(capsys):
+    said = help_of("evolve", capsys)
+    for _, domain in wl.Settings():
+        for declared in type(domain).declared().values():
+            assert f"{declared.about}: {declared.range}" in said
+    assert "the rise of each stair: 0.01 to 0.4 m [0.08]" in said
+
+
+def test_a_field_that_two_domains_share_gets_a_flag_for_each():
+    both = parsed("--seed", "3", "--terrain-seed", "4")
+    assert (both.algorithm.seed, both.terrain.seed) == (3, 4)
+
+
+def test_a_preset_is_called_by_its_name():
+    assert parsed("--gravity", "moon") == parsed("--gravity", "0", "0", "-1.62")
+
+
+def parsed(*words: str) -> wl.Settings:
+    parser = argparse.ArgumentParser()
+    flags.add_flags(parser)
+    given, strangers = parser.parse_known_args(words)
+    return flags.settings_of(vars(given), strangers)
+
+
+def test_flags_say_what_python_says():
+    words = "--structure 2 --step-height 0.1 --segments 2 3 --gravity 0 0 -3.7 --selection top_half 0 --camera front"
+    assert parsed(*words.split()) == wl.Settings().with_(
+        structure="stairs",
+        step_height=0.1,
+        segments=(2, 3),
+        gravity=(0, 0, -3.7),
+        selection=["top_half", "gradient"],
+        camera="front",
+    )
+    assert parsed() == wl.Settings()
+
+
+@pytest.mark.parametrize("number", ["-1", "-1.", "-.5", "-1e0", "-1E+0", "-.5e-3", "-1_0.0", "-1_0e-1", "5", "+5.e-1"])
+def test_a_number_is_a_number_however_python_spells_it(number):
+    assert parsed("--incline", number).terrain.incline == float(number)
+    assert parsed("--gravity", "0", number, "-1").terrain.gravity == (0, float(number), -1)
+    assert parsed("--gravity", number, number, number, "--incline", "2") == wl.Settings().with_(
+        gravity=(float(number),) * 3, incline=2
+    )
+
+
+@pytest.mark.parametrize("number", ["-inf", "-Infinity", "-nan", "-1e999", "-1x"])
+def test_what_is_out_of_range_is_told_so_and_not_taken_for_a_flag(number):
+    with pytest.raises(wl.SettingsError, match=r"Terrain.incline is .*; it must be ") as caught:
+        parsed("--incline", number)
+    assert "flag" not in str(caught.value)
+
+
+def test_all_faults_of_a_call_are_told_at_once_and_nothing_is_made(here, capsys):
+    words = "evolve --step-height 0.9 --segments 2 --gravity 0 0 down --selection best --step-hight 1 --duration nan"
+    assert main(words.split()) == 2
+    said = capsys.readouterr().err
+    for fault in (
+        "Terrain.step_height is 0.9 m; it must be 0.01 to 0.4 m.",
+        "Robot.segments is [2]; it must be 2 numbers: min, max.",
+        "Terrain.gravity's z is 'down'; it must be a number, -30 to 30 m/s².",
+        "Algorithm.selection is 'best'; it must be one of gradient (0)",
+        "Simulation.duration is nan s;",
+        "There is no flag '--step-hight'. Did you mean --step-height?",
+    ):
+        assert fault in said
+    assert "Traceback" not in said
+    assert not list(here.iterdir())
+
+
+# ---------------------------------------------------------------------------------------------------- evolve
+
+
+def test_a_run_leaves_its_files_and_no_others(done):
+    assert at_the_top(done) == set(outputs.FILES)
+    run = wl.load(done / "run.walk")
+    assert run.n_generations == 2
+    pd.testing.assert_frame_equal(pd.read_csv(done / "records.csv", keep_default_na=False), run.records)
+    assert wl.Genome.parse((done / "champion.txt").read_text(encoding="utf-8")) == run.champion.genome
+    n_legs = wl.express(run.champion.genome).n_legs
+    assert mujoco.MjModel.from_xml_path(str(done / "champion.xml")).nu == 2 * n_legs
+    assert "generation</text>" in (done / "fitness.svg").read_text(encoding="utf-8")
+    assert (done / "fitness.png").read_bytes().startswith(b"\x89PNG")
+    report = (done / "report.html").read_text(encoding="utf-8")
+    assert 'href="replay.html"' in report
+    assert str(run.champion.genome) in report
+    assert "<html" in (done / "replay.html").read_text(encoding="utf-8")
+
+
+def test_quiet_says_nothing_and_loud_tells_what_came_and_what_next(here, undrawn, capfd):
+    assert main(["evolve", *TINY]) == 0
+    assert capfd.readouterr() == ("", "")
+    assert main(["evolve", *TINY[:-1], "--out", "loud"]) == 0
+    said = capfd.readouterr().out
+    champion = wl.load("loud/run.walk").champion
+    assert f"robot {champion.individual}, born in generation {champion.generation}" in said
+    assert f"{champion.fitness:.3f} m" in said
+    for word in [*outputs.FILES, "walkerlab show loud", "walkerlab resume loud --generations", "walkerlab lab"]:
+        assert word in said
+
+
+def test_what_to_do_next_stands_in_two_columns_whatever_the_length_of_the_folders_name(here, undrawn, capsys):
+    folder = "a folder with a name that is longer than a column ever was"
+    assert main(["evolve", *TINY[:-1], "--out", folder]) == 0
+    lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  walkerlab ")]
+    assert f'  walkerlab resume "{folder}" --generations 4   evolve on' in lines
+    assert len({line.rindex("   ") for line in lines}) == 1
+
+
+def test_a_run_is_never_written_over(done, capsys):
+    before = contents(done)
+    assert main(["evolve", "--out", str(done), *TINY]) == 2
+    said = capsys.readouterr().err
+    assert f"walkerlab resume {done} --generations 4\n" in said
+    assert "--out" in said
+    assert contents(done) == before
+
+
+def test_a_folder_that_cannot_be_is_told_without_a_traceback(here, capsys):
+    Path("walk").write_text("a file, not a folder")
+    assert main(["evolve", *TINY]) == 2
+    assert "walk" in capsys.readouterr().err
+
+
+def test_a_run_in_which_no_walk_counts_still_ends_well(here, capsys):
+    assert main(["evolve", *TINY[:-1], "--forgive", "restless", "too_high", "--gravity", "0", "0", "1"]) == 0
+    said = capsys.readouterr().out
+    assert "No walk counted" in said
+    assert "airborne" in said
+    assert at_the_top(here / "walk") == set(outputs.FILES)
+    assert main(["show", "walk"]) == 0
+
+
+# ---------------------------------------------------------------------------------------------------- Ctrl-C
+
+
+def started(folder: Path) -> subprocess.Popen[str]:
+    """Start an endless run in a process group of its own, as a terminal does."""
+    command = [sys.executable, "-m", "walkerlab", "evolve", "--out", str(folder)]
+    command += ["--population-size", "4", "--n-elites", "0", "--generations", "10000", "--duration", "1"]
+    pipe = subprocess.PIPE
+    return subprocess.Popen(command, stdout=pipe, stderr=pipe, text=True, encoding="utf-8", start_new_session=True)
+
+
+def n_generations(folder: Path) -> int:
+    return wl.load(folder / "run.walk").n_generations
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no process groups to send Ctrl-C to")
+def test_ctrl_c_keeps_what_is_done_and_a_resume_adds_to_it(tmp_path, capsys):
+    folder = tmp_path / "walk"
+    process = started(folder)
+    assert process.stderr
+    assert any("generation 2" in line for line in process.stderr)  # the bar ends its lines with a carriage return
+    os.killpg(process.pid, signal.SIGINT)
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 130
+    assert "Traceback" not in err
+    assert f"walkerlab resume {folder}" in out
+    assert at_the_top(folder) == set(outputs.FILES)
+    kept = n_generations(folder)
+    assert kept > 2
+    assert f"Stopped after {kept} of 10000 generations" in out
+    assert main(["resume", str(folder), "--generations", str(kept + 1), "--quiet"]) == 0
+    assert n_generations(folder) == kept + 1
+    assert pd.read_csv(folder / "records.csv").generation.nunique() == kept + 1
+
+
+def test_ctrl_c_before_the_first_generation_keeps_the_settings_and_every_command_says_so(
+    here, undrawn, monkeypatch, capsys
+):
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr("walkerlab.evolution.evolution.evaluate", interrupted)
+        assert main(["evolve", *TINY]) == 130
+        kept = (
+            "Stopped before the first generation was done; the settings are kept.\nResume with: walkerlab resume walk\n"
+        )
+        assert capsys.readouterr().err.endswith(kept)
+        assert main(["resume", "walk", "--quiet"]) == 130
+        assert capsys.readouterr().err.endswith(kept)
+    assert at_the_top(here / "walk") == {"run.walk"}
+    assert main(["show", "walk"]) == 0
+    shown = capsys.readouterr().out
+    assert "0 of 2 generations" in shown
+    assert "population_size = 6" in shown
+    assert "No generation is done yet. Start with the first one: walkerlab resume walk" in shown
+    assert main(["evolve", *TINY]) == 2
+    assert "Go on with it:    walkerlab resume walk\n" in capsys.readouterr().err
+    assert main(["rescue", "walk", "--out", "saved"]) == 0
+    assert "No generation is whole; the settings are saved in saved" in capsys.readouterr().out
+    for folder in ("walk", "saved"):
+        assert main(["resume", folder, "--quiet"]) == 0
+    assert main(["evolve", *TINY, "--out", "uninterrupted"]) == 0
+    tables = [contents(here / name)["records.csv"] for name in ("walk", "saved", "uninterrupted")]
+    assert tables[0] == tables[1] == tables[2]
+
+
+def test_ctrl_c_before_the_run_begins_leaves_no_run_behind(here, monkeypatch, capsys):
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("walkerlab.evolution.evolution.evolve", interrupted)
+    assert main(["evolve", *TINY]) == 130
+    assert "there is no run file" in capsys.readouterr().err
+    assert not (here / "walk" / "run.walk").exists()
+
+
+# --------------------------------------------------------------------------------------------- resume and show
+
+
+def test_resume_takes_the_folder_or_the_file_and_gives_the_table_of_an_uninterrupted_run(here, undrawn):
+    assert main(["evolve", "--out", "whole", *TINY[:2], "--generations", "4", *TINY[4:]]) == 0
+    assert main(["evolve", "--out", "parts", *TINY]) == 0
+    assert main(["resume", "parts", "--generations", "3", "--quiet"]) == 0
+    assert main(["resume", "parts/run.walk", "--generations", "4", "--quiet"]) == 0
+    whole, parts = wl.load("whole/run.walk"), wl.load("parts/run.walk")
+    pd.testing.assert_frame_equal(whole.records, parts.records)
+    assert contents(Path("whole"))["records.csv"] == contents(Path("parts"))["records.csv"]
+
+
+def test_resuming_a_finished_run_says_how_to_go_on_and_leaves_it_as_it_was(done, capfd):
+    before = contents(done)
+    assert main(["resume", str(done)]) == 0
+    told = f"All 2 generations are done; to go on: walkerlab resume {done} --generations 4\n"
+    assert capfd.readouterr() == (told, "")
+    assert main(["resume", str(done), "--quiet"]) == 0
+    assert capfd.readouterr() == ("", "")
+    assert contents(done) == before
+
+
+def test_resuming_a_finished_run_makes_up_for_files_that_a_stop_has_left_out(here, undrawn):
+    assert main(["evolve", *TINY]) == 0
+    Path("walk/fitness.svg").unlink()
+    assert main(["resume", "walk", "--quiet"]) == 0
+    assert at_the_top(here / "walk") == set(outputs.FILES)
+
+
+def test_a_report_from_before_the_last_generation_is_made_anew(here: Path, undrawn: None) -> None:
+    main(["evolve", *TINY])
+    wl.resume("walk", 3, progress=False)  # and killed before anything was drawn
+    assert len(pd.read_csv("walk/records.csv")) == 12
+    assert main(["resume", "walk", "--quiet"]) == 0
+    assert len(pd.read_csv("walk/records.csv")) == 18
+
+
+def test_resume_opens_as_evolve_does_and_names_a_file_that_has_another_name(here, undrawn, capsys):
+    assert main(["evolve", *TINY]) == 0
+    Path("walk/run.walk").rename("mine.walk")
+    assert main(["resume", "mine.walk", "--generations", "3"]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("6 robots, 3 generations (2 of them done), ")
+    assert "walkerlab show mine.walk " in said
+    assert "walkerlab resume mine.walk --generations 6 " in said
+
+
+@pytest.mark.parametrize("command", ["resume", "show"])
+def test_no_run_there_is_told_without_a_traceback(here, command, capsys):
+    assert main([command, "nowhere"]) == 2
+    assert "there is no run file at nowhere" in capsys.readouterr().err
+    Path("text.walk").write_text("hello, I am no run")
+    assert main([command, "text.walk"]) == 2
+    assert "text.walk" in capsys.readouterr().err
+
+
+def test_resume_refuses_to_undo_generations(done, capsys):
+    assert main(["resume", str(done), "--generations", "1"]) == 2
+    assert "2 generations already" in capsys.readouterr().err
+    assert n_generations(done) == 2
+
+
+def test_show_tells_settings_versions_generations_verdicts_champion_and_descent(done, capsys):
+    assert main(["show", str(done)]) == 0
+    said = capsys.readouterr().out
+    champion = wl.load(done / "run.walk").champion
+    for word in (
+        "2 of 2 generations",
+        f"mujoco {mujoco.__version__}",
+        "Algorithm.population_size = 6  (default 60)",
+        "ok: The walk counts.",
+        str(champion.genome),
+        "line of descent",
+    ):
+        assert word in said
+    assert "step_height" not in said  # it is as by default
+    n_grown, n_carried = len(wl.express(champion.genome).segments), champion.genome.n_parts
+    assert (f"beyond the first {n_grown} are not grown" in said) == (n_grown < n_carried)
+
+
+def test_what_is_whole_of_a_damaged_run_is_saved_and_gone_on_with(
+    done: Path, here: Path, undrawn: None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    damaged = here / "damaged"
+    shutil.copytree(done, damaged)
+    with closing(sqlite3.connect(damaged / "run.walk")) as db, db:
+        db.execute("UPDATE records SET fitness = 99 WHERE generation = 1 AND individual = 8")
+    before = (damaged / "run.walk").read_bytes()
+    assert main(["show", "damaged"]) == 2
+    told = capsys.readouterr().err
+    assert "generation 1 is not as it was written" in told
+    assert main(re.search(r"walkerlab (rescue \S+),", told).group(1).replace('"', "").split()) == 0
+    assert "1 of 2 generations are whole, and saved in rescued" in capsys.readouterr().out
+    assert main(["rescue", "damaged"]) == 2
+    assert "--out ANOTHER-FOLDER" in capsys.readouterr().err
+    assert main(["rescue", "nowhere", "--out", "new"]) == 2
+    assert "there is no run file at nowhere" in capsys.readouterr().err
+    assert (damaged / "run.walk").read_bytes() == before
+    assert main(["resume", "rescued", "--quiet"]) == 0
+    assert wl.load("rescued").records.equals(wl.load(done).records)
+
+
+def test_walks_are_told_from_rows_because_elites_do_not_walk_again(done):
+    from walkerlab.view.summary import verdict_counts
+
+    assert verdict_counts(wl.load(done).records).startswith(
+        "Verdicts of 10 robots (12 rows in the table, where elites stand once for each generation):"
+    )
+
+
+@pytest.mark.parametrize(
+    ("n_generations", "shown"),
+    [
+        (1, [0]),
+        (12, list(range(12))),
+        (13, [0, 2, 4, 6, 8, 10, 12]),
+        (25, [0, 5, 10, 15, 20, 24]),
+        (1000, [*range(0, 1000, 100), 999]),
+    ],
+)
+def test_generations_are_listed_in_round_steps_and_the_last_is_always_there(done, n_generations, shown):
+    from walkerlab.view.summary import by_generation
+
+    one = wl.load(done).records.query("generation == 0")
+    records = pd.concat([one.assign(generation=number) for number in range(n_generations)])
+    _, header, *rows = by_generation(records, wl.Settings().model_dump()).splitlines()
+    assert header.split() == ["generation", "best", "[m]", "median", "[m]", "counted"]
+    assert [int(row.split()[0]) for row in rows] == shown
+
+
+def test_a_line_of_descent_goes_back_to_a_random_robot_by_the_fitter_parent(done):
+    from walkerlab.view.summary import descent
+
+    run = wl.load(done / "run.walk")
+    births = run.records[run.records.generation == run.records.born].set_index("individual")
+    child = int(births.index.max())
+    (first, *rest) = [int(line.split()[0]) for line in descent(run.records, child).splitlines()[2:]]
+    assert first == child
+    assert births.born[rest[-1]] == 0
+    parents = [int(parent) for parent in births.parents[child].split()]
+    assert rest[0] in parents
+    assert births.fitness[rest[0]] == max(births.fitness[parent] for parent in parents)
+
+
+# ------------------------------------------------------------------------------------------------------- lab
+
+
+def test_lab_copies_the_notebooks_but_never_over_a_students_work(here, monkeypatch, capsys):
+    calls: list[list[str]] = []
+    server = SimpleNamespace(identity_provider=SimpleNamespace(token="a token"), start=lambda: None)
+    monkeypatch.setattr(
+        "jupyterlab.labapp.LabApp.initialize_server", lambda options: (calls.append(options), server)[1]
+    )
+    assert main(["lab", "--no-browser", "--port", "8899"]) == 0
+    n = len(lab.originals())
+    assert f"New in {lab.FOLDER}: {n} notebook{'' if n == 1 else 's'}. " in capsys.readouterr().out
+    first = here / lab.FOLDER / lab.FIRST
+    assert first.read_bytes() == next(path for path in lab.originals() if path.name == lab.FIRST).read_bytes()
+    first.write_text("mine")
+    assert main(["lab"]) == 0
+    assert f"All notebooks are in {lab.FOLDER} already. " in capsys.readouterr().out
+    assert first.read_text() == "mine"
+    assert all("--ServerApp.ip=127.0.0.1" in call for call in calls)
+    assert calls[0][-2:] == ["--no-browser", "--port=8899"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal that lets a server end in good order")
+def test_lab_prints_the_address_of_the_first_notebook(here):
+    command = [sys.executable, "-m", "walkerlab", "lab", "--no-browser", "--allow-root"]
+    own = {name: str(here) for name in ("HOME", "JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR")}
+    with subprocess.Popen(command, env={**os.environ, **own}, stderr=subprocess.PIPE, text=True) as server:
+        assert server.stderr
+        address = next(line for line in server.stderr if "http://127.0.0.1" in line)
+        server.terminate()
+        server.stderr.read()
+    assert f"/lab/tree/{lab.FIRST}?token=" in address
+
+
+# ------------------------------------------------------------------------------------------------ the grammar
+
+
+def test_alone_it_gives_its_help(capsys):
+    assert main([]) == 0
+    assert "evolve walkers into a new folder" in capsys.readouterr().out
+
+
+def test_an_unknown_command_is_met_with_the_one_that_was_meant(capsys):
+    assert main(["evovle", "--quiet"]) == 2
+    assert capsys.readouterr().err == "There is no command 'evovle'. Did you mean: walkerlab evolve?\n"
+    assert main(["dance"]) == 2
+    assert "There are evolve, resume, show, rescue, doctor, lab." in capsys.readouterr().err
+
+
+def test_help_is_quick_because_nothing_heavy_is_loaded():
+    code = (
+        "import sys; from walkerlab.commands.parser import grammar; grammar();"
+        "print({'mujoco', 'pandas', 'matplotlib', 'dm_control'} & set(sys.modules))"
+    )
+    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert answer.stdout.strip() == "set()"

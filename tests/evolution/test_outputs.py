@@ -1,0 +1,158 @@
+"""The files beside a run: replaced as one set; where a run goes does not depend on where Python goes meanwhile."""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import mujoco
+import pytest
+
+import walkerlab as wl
+from walkerlab.__main__ import main
+from walkerlab.evolution import outputs
+from walkerlab.runfile.store import RUN_FILE
+from walkerlab.system.file_sets import STAGE, OutputError
+from walkerlab.system.files import PathError
+
+SMALL = wl.Settings().with_(population_size=4, generations=2, duration=1)
+
+
+@pytest.fixture(scope="module")
+def threads():
+    with ThreadPoolExecutor(1) as pool:
+        yield pool
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path / "home"))
+    return tmp_path
+
+
+@pytest.fixture
+def written(here, threads, monkeypatch):
+    """A run, and old files beside it that only say so; the parts that take long are not drawn."""
+    monkeypatch.setattr(outputs.plots, "save", lambda _axes, *paths: [path.write_text("new") for path in paths])
+    monkeypatch.setattr(outputs.report, "write", lambda *_, **__: None)
+    run = wl.evolve(SMALL, here / "walk" / RUN_FILE, threads, progress=False)
+    for name in outputs.FILES.keys() - {RUN_FILE}:
+        (here / "walk" / name).write_text("old")
+        os.utime(here / "walk" / name, (0, 0))
+    return run
+
+
+def texts(folder):
+    return {path.name: path.read_text() for path in folder.iterdir() if path.name != RUN_FILE}
+
+
+def unreadable(*_):
+    raise ValueError("XML Error: cannot be read")
+
+
+def test_a_part_that_fails_leaves_the_old_files_and_is_named(written, here, monkeypatch):
+    monkeypatch.setattr(mujoco.MjModel, "from_xml_string", unreadable)
+    monkeypatch.setattr(mujoco.MjModel, "from_xml_path", unreadable)
+    before = texts(here / "walk")
+    with pytest.raises(
+        OutputError, match=r"walk\. All files stay as they were\.\n  champion\.xml: ValueError: XML Error"
+    ):
+        outputs.write(written, here / "walk")
+    assert texts(here / "walk") == before
+    os.utime(here / "walk" / "champion.xml")
+    with pytest.raises(OutputError, match="All other files are written"):
+        outputs.write(wl.load("walk"), Path("walk"))
+    assert texts(here / "walk")["champion.xml"] == "old", "it is of the run as it is"
+    assert texts(here / "walk")["champion.png"] == "new"
+
+
+def test_in_a_new_folder_all_that_can_be_made_is_written(written, here, monkeypatch):
+    monkeypatch.setattr(mujoco.MjModel, "from_xml_string", unreadable)
+    monkeypatch.setattr(mujoco.MjModel, "from_xml_path", unreadable)
+    with pytest.raises(OutputError, match=r"champion\.xml"):
+        outputs.write(written, here / "new")
+    assert {"champion.txt", "champion.png", "fitness.svg", "fitness.png"} == texts(here / "new").keys()
+
+
+def test_the_command_names_the_part_that_failed_and_how_all_are_made(written, here, monkeypatch, capsys):
+    monkeypatch.setattr(mujoco.MjModel, "from_xml_string", unreadable)
+    monkeypatch.setattr(mujoco.MjModel, "from_xml_path", unreadable)
+    assert main(["resume", "walk", "--quiet"]) == 2
+    told = capsys.readouterr().err
+    assert "The run is whole" in told
+    assert "champion.xml: ValueError: XML Error" in told
+    assert "all of them are made by: walkerlab resume walk\n" in told
+    assert "None" not in told
+
+
+def test_files_that_cannot_be_written_are_told_in_words(written, here):
+    (here / "file").touch()
+    with pytest.raises(PathError, match="that is a file"):
+        outputs.write(written, here / "file")
+    (here / "walk" / STAGE).write_text("in the way")
+    with pytest.raises(OutputError, match="nothing can be written into walk: "):
+        outputs.write(written, here / "walk")
+
+
+# ---------------------------------------------------------------------------------------------------------- paths
+
+
+def test_a_run_that_has_begun_goes_to_its_file_wherever_python_goes(here, threads, monkeypatch):
+    (here / "elsewhere").mkdir()
+    evolution = wl.Evolution(SMALL, "walk/run.walk", threads)
+    for _ in evolution:
+        monkeypatch.chdir(here / "elsewhere")
+    run = evolution.run
+    assert run.path == here / "walk" / "run.walk"
+    assert len(run.records) == 8
+    assert str(here / "walk" / "run.walk") in repr(run)
+    assert not list((here / "elsewhere").iterdir())
+    assert wl.resume(here / "walk", 3, threads, progress=False).n_generations == 3
+    monkeypatch.chdir(here)
+    assert ", in walk" + os.sep + "run.walk)" in repr(run)
+
+
+def test_every_entry_knows_the_home_folder(here, threads, monkeypatch):
+    run = wl.evolve(SMALL, "~/runs/run.walk", threads, progress=False)
+    assert run.path == here / "home" / "runs" / "run.walk"
+    assert wl.load("~/runs").path == run.path
+    genome = run.champion.genome
+    assert wl.export_mjcf(genome, SMALL, "~/x").parent == here / "home" / "x"
+    assert wl.replay(genome, SMALL).to_html("~/x/walk.html").parent == here / "home" / "x"
+    wl.plots.save(wl.plots.body(genome), "~/x/body.svg")
+    assert (here / "home" / "x" / "body.svg").is_file()
+    lab = wl.Lab(SMALL, "~/runs", executor=threads)
+    assert lab.runs.drawer.files == [os.path.join("home", "runs", "run.walk")]
+    monkeypatch.chdir(here / "home")
+    lab.runs.drawer._hear(None, {"load": lab.runs.drawer.files[0]}, [])
+    assert lab.run.path == run.path, "what is listed can be loaded from anywhere"
+    lab.close()
+    monkeypatch.chdir(here)
+    assert main(["show", "~/runs"]) == 0
+    assert main(["rescue", "~/runs", "--out=~/saved"]) == 0
+    assert (here / "home" / "saved" / RUN_FILE).is_file()
+    assert {path.name for path in here.iterdir()} == {"home"}
+
+
+@pytest.mark.parametrize("path", [":memory:", "file:y.walk", "", "a\0b", "new/"])
+def test_what_no_run_can_be_kept_in_is_rejected_before_anything_walks(here, path, monkeypatch):
+    monkeypatch.setattr("walkerlab.evolution.evolution.evaluate", None)
+    for use in (wl.load, lambda path: wl.evolve(SMALL, path), lambda path: wl.rescue("x.walk", path)):
+        with pytest.raises(wl.RunFileError):
+            use(path)
+    assert not list(here.iterdir())
+
+
+@pytest.mark.parametrize("path", [":memory:", "file:y", ""])
+def test_so_it_is_for_folders_and_on_the_command_line(here, path, capsys):
+    for use in (
+        lambda: wl.Lab(SMALL, path),
+        lambda: wl.export_mjcf("", SMALL, path),
+    ):
+        with pytest.raises(PathError):
+            use()
+    with pytest.raises(SystemExit):
+        main(["evolve", f"--out={path}"])
+    assert f"the path is {path!r}" in capsys.readouterr().err
+    assert not list(here.iterdir())

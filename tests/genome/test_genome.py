@@ -1,0 +1,529 @@
+import random
+import re
+import time
+from collections import Counter
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+from walkerlab.breeding import crossover_population, generate_robot_population, mutate_population
+from walkerlab.evolution.run import Run
+from walkerlab.genome.genome import Genome, GenomeError, read_genomes
+from walkerlab.genome.phenotype import express
+from walkerlab.genome.repair import gene_table, genes_of, repair
+from walkerlab.runfile import records
+from walkerlab.settings.settings import Algorithm, Crossover, Feature, Mutation, Robot, Settings
+from walkerlab.simulation.evaluation import Evaluation
+from walkerlab.simulation.rollout import simulate
+
+from .strategies import finite, genomes, robots, tables
+
+NEARLY = 1e-9
+
+
+def rng(*seed):
+    return np.random.default_rng(seed)
+
+
+def in_range(value, limits):
+    low, high = limits
+    return low - NEARLY * abs(low) <= value <= high + NEARLY * abs(high)
+
+
+def obeys_every_limit(values, robot):
+    """Look at the robot that (n_genes,) values express."""
+    body = express(Genome(values))
+    assert robot.segments[0] <= len(body.segments) <= robot.segments[1]
+    assert robot.legs[0] <= body.n_legs <= robot.legs[1]
+    assert in_range(sum(segment.mass for segment in body.segments), robot.weight)
+    assert in_range(sum(segment.length for segment in body.segments), robot.body_length)
+    assert all(in_range(segment.length, robot.segment_length) for segment in body.segments)
+    legs = [segment.legs for segment in body.segments if segment.legs]
+    assert all(in_range(one.force, robot.leg_force) for one in legs)
+    assert 2 * len(legs) == body.n_legs == 2 * sum(body.plan)
+    assert (body.weight, body.body_length) == pytest.approx(
+        (sum(segment.mass for segment in body.segments), sum(segment.length for segment in body.segments))
+    )
+    return True
+
+
+def lies_in_its_ranges(population, robot):
+    """Look at the genes of (n, n_genes), grown or not."""
+    table = gene_table(robot)
+    is_count, is_cyclic = (table.kind == "count").to_numpy(), (table.kind == "cyclic").to_numpy()
+    assert population.shape[1] == len(table)
+    assert np.all((table.low.to_numpy() <= population) & (population <= table.high.to_numpy()))
+    assert np.all(population[:, is_count] == np.rint(population[:, is_count]))
+    assert np.all(population[:, is_cyclic] < table.high.to_numpy()[is_cyclic])
+    return True
+
+
+# ------------------------------------------------------------------------------------------------ the gene table
+
+
+@hypothesis_settings(max_examples=40)
+@given(robots())
+def test_the_gene_table_has_a_row_for_each_gene_and_its_ranges_are_the_limits(robot):
+    table = gene_table(robot).set_index("gene", drop=False)
+    assert list(table.columns) == ["gene", "unit", "low", "high", "kind", "meaning"]
+    assert len(table) == len(genes_of(robot)) == 2 + 12 * robot.segments[1]
+    assert table.index.is_unique
+    assert set(table.kind) <= {"real", "count", "cyclic"}
+    assert (table.low <= table.high).all()
+    for part in range(1, robot.segments[1] + 1):
+        assert tuple(table.loc[f"seg{part}.length", ["low", "high"]]) == robot.segment_length
+        assert tuple(table.loc[f"seg{part}.leg_force", ["low", "high"]]) == robot.leg_force
+        assert tuple(table.loc[f"seg{part}.legs", ["low", "high"]]) == (0, 1)
+    assert robot.segments[0] <= table.low["segments"] <= table.high["segments"] <= robot.segments[1]
+
+
+def test_a_gene_table_is_made_from_the_limits():
+    for make in (gene_table, genes_of, lambda robot: generate_robot_population(robot, 2, seed=0)):
+        with pytest.raises(ValueError, match=r"takes the limits, a Robot such as settings\.robot; got a Settings"):
+            make(Settings())
+
+
+def test_every_feature_can_be_favored():
+    for feature in Feature:
+        found = [genes_of(Robot()).names[i] for i in genes_of(Robot()).find(feature.name)]
+        assert found
+        assert {name.rpartition(".")[2] for name in found} == {feature.name}
+
+
+# ------------------------------------------------------------------------------------------------------ genomes
+
+
+def test_a_genome_is_read_only_and_its_own():
+    given_values = Genome.random(Robot(), rng=rng(0)).values.copy()
+    genome = Genome(given_values)
+    given_values[0] = 99
+    assert genome.values[0] != 99
+    with pytest.raises(ValueError, match="read-only"):
+        genome.values[0] = 99
+    with pytest.raises(AttributeError):
+        genome.values = given_values
+
+
+@given(genomes(), genomes())
+def test_genomes_are_equal_when_their_values_are(one, other):
+    same = one.values.tolist() == other.values.tolist()
+    assert (one == other) == same
+    assert (len({one, other}) == 1) == same
+    assert one == Genome(one.values.tolist())
+    assert hash(one) == hash(Genome(one.values.tolist()))
+    assert one != str(one)
+
+
+def test_zero_and_minus_zero_are_one_gene():
+    plus, minus = Genome(np.zeros(14)), Genome(-np.zeros(14))
+    assert plus == minus
+    assert (hash(plus), str(plus)) == (hash(minus), str(minus))
+
+
+def test_what_is_no_genome_is_refused():
+    good = Genome.random(Robot(), rng=rng(0)).values
+    for bad in (good[:-1], good[:2], [], good[np.newaxis], np.zeros(2 + 12 * 9), 3.0):
+        with pytest.raises(ValueError, match="a genome has 2 genes and 12 more for each of 1 to 8 segments"):
+            Genome(bad)
+    for bad in (np.nan, np.inf, -np.inf):
+        with pytest.raises(ValueError, match=r"gene 3 .* not a finite number"):
+            Genome(np.where(np.arange(len(good)) == 3, bad, good))
+
+
+@given(genomes())
+def test_a_genome_is_the_same_as_its_text_and_its_values(genome):
+    assert Genome.of(genome) is genome
+    for given_one in (str(genome), genome.values, genome.values.tolist(), tuple(genome.values)):
+        assert Genome.of(given_one) == genome
+    several = [genome, str(genome), genome.values]
+    assert read_genomes(several) == read_genomes(np.tile(genome.values, (3, 1))) == [genome] * 3
+    assert read_genomes(np.array([str(genome)], dtype=object)) == [genome]
+
+
+def test_what_is_not_even_numbers_is_refused_in_words():
+    for bad in ({}, object(), b"wl1", [None], "wl1".split, [[1], [2, 3]], [10**400] * 14):
+        with pytest.raises(ValueError, match=r"^a genome('s values are a row of numbers| has 2 genes)|finite number"):
+            Genome.of(bad)
+    for bad in (None, 3, b"wl1", Genome.random(Robot(), rng=rng(0))):
+        with pytest.raises(GenomeError, match="a genome is read from its text, a str; got "):
+            Genome.parse(bad)
+
+
+def test_an_individual_stands_for_its_genome():
+    genome = Genome.random(Robot(), rng=rng(0))
+    run = run_of_one(genome)
+    evaluation = evaluation_of(genome)
+    for one in (run.champion, evaluation, run.records.iloc[0], *run.records.itertuples()):
+        assert Genome.of(one) == genome
+    assert read_genomes([run.champion, evaluation]) == [genome, genome]
+    assert read_genomes(run.records.genome) == [genome]
+    settings = Settings().with_(duration=1)
+    assert simulate(run.champion, settings).distance == simulate(genome, settings).distance
+
+
+@pytest.mark.parametrize("read", [Genome.of, read_genomes])
+def test_what_is_given_in_place_of_a_genome_is_told_the_mend(read):
+    run = run_of_one(Genome.random(Robot(), rng=rng(0)))
+    one = read == Genome.of
+    for wrong, mend in (
+        (run, r"^this is a run, .*; give run\.champion$" if one else r"several genomes.* run\.records\.genome$"),
+        (
+            run.records,
+            r"^this is a table, .*; give a cell of its column genome: table\.genome\[0\]$"
+            if one
+            else r"several genomes.* table\.genome$",
+        ),
+        (run.records[["fitness"]], "^this is a table" if one else "several genomes"),
+        (Settings(), "^these are settings, .*it comes first"),
+    ):
+        with pytest.raises(TypeError, match=mend):
+            read(wrong)
+
+
+def evaluation_of(genome):
+    return Evaluation(
+        genome=genome, fitness=1.0, verdict="ok", reason="", distance=1.0, velocity=0.1, n_segments=2, n_legs=2,
+        weight=5.0, body_length=0.6,
+    )  # fmt: skip
+
+
+def run_of_one(genome):
+    """Make a run in which one robot walked."""
+    row = {"generation": 0, "individual": 1, "born": 0, "parents": "", "operators": "random"}
+    table = pd.DataFrame([{**row, **vars(evaluation_of(genome)), "genome": str(genome)}])
+    return Run(Settings(), records.tidy(table))
+
+
+def test_a_single_genome_is_not_taken_for_several():
+    genome = Genome.random(Robot(), rng=rng(0))
+    for single in (genome, str(genome), genome.values, run_of_one(genome).champion):
+        with pytest.raises(ValueError, match="put it in a list"):
+            read_genomes(single)
+    for nobody in ([], (), np.array([]), np.empty((0, 50))):
+        assert read_genomes(nobody) == []
+
+
+@given(robots(), st.integers(0, 2**32 - 1))
+def test_a_random_genome_is_made_from_rng_alone_and_obeys(robot, seed):
+    state, numpys = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
+    genome = Genome.random(robot, rng=rng(seed))
+    assert genome == Genome.random(robot, rng=rng(seed))
+    assert (random.getstate(), np.random.get_state()[1].tolist()) == (state, numpys)  # noqa: NPY002
+    assert obeys_every_limit(genome.values, robot)
+    assert lies_in_its_ranges(genome.values[np.newaxis], robot)
+    assert np.array_equal(repair(genome.values[np.newaxis], robot)[0], genome.values)
+
+
+def test_random_genomes_differ_and_reach_every_body_plan():
+    drawn = generate_robot_population(Robot(), 1000, seed=1)
+    assert len(np.unique(drawn, axis=0)) == 1000
+    plans = Counter(express(Genome(values)).plan for values in drawn)
+    for n in range(1, 5):
+        assert sum(len(plan) == n for plan in plans) == 2**n - 1  # all but the one without legs
+
+
+# ----------------------------------------------------------------------------------------------------- the text
+
+
+VARIED = [
+    Robot(),
+    Robot(segments=(1, 8), body_length=(0.3, 3.0)),
+    Robot(segments=(1, 1), legs=(2, 2), segment_length=(0.4, 0.5)),
+    Robot(weight=(1.23456789, 1.23456789), body_length=(1 / 3, 2 / 3), segment_length=(0.1, 1 / 7)),
+    Robot(leg_force=(0.1, 500.0), weight=(0.1, 200.0), segments=(3, 6), body_length=(0.7, 2.0)),
+]
+
+
+def test_ten_thousand_random_genomes_come_back_from_their_text():
+    for robot in VARIED:
+        genes = genes_of(robot)
+        drawn = rng(len(genes)).uniform(genes.low, genes.high, (2000, len(genes)))
+        repaired = repair(drawn[:1000], robot)
+        for values in (*repaired, *drawn[1000:]):
+            assert Genome.parse(str(Genome(values))).values.tobytes() == (values + 0.0).tobytes()
+
+
+@given(genomes())
+def test_any_finite_numbers_come_back_from_their_text(genome):
+    assert Genome.parse(str(genome)) == genome
+    word_by_word = str(genome).replace(" | ", "|\n")
+    assert Genome.parse(word_by_word) == genome
+
+
+def test_the_text_is_short_as_repair_leaves_no_long_numbers():
+    for values in generate_robot_population(Robot(), 50, seed=3):
+        assert all(len(number) <= 3 for number in re.findall(r"\.(\d+)", str(Genome(values))))
+
+
+def test_the_text_reads_in_the_order_of_the_body():
+    text = str(Genome.random(Robot(segments=(2, 2)), rng=rng(0)))
+    number = r"-?\d+(\.\d+)?"
+    segment = rf"\| seg length={number} mass={number} (no)?legs length={number} force={number}"
+    swing = rf"amplitude={number} phase={number} offset={number}"
+    step = rf"\| step hip {swing} knee {swing} stride={number}"
+    assert re.fullmatch(rf"wl1 segments=2 {segment} {segment} \| gait frequency={number} {step} {step}", text)
+
+
+def test_a_text_may_be_edited_by_hand():
+    text = str(Genome.random(Robot(), rng=rng(0)))
+    genome = Genome.parse(text)
+    assert Genome.parse(text.replace(" ", "\n\t  ")) == genome
+    assert Genome.parse(text.replace(" | ", "|")) == genome
+    assert Genome.parse(f"  {text}\n") == genome
+    edited = Genome.parse(re.sub(r"frequency=\S+", "frequency=+1.50e0", text))
+    assert edited.values[1] == 1.5
+    assert np.count_nonzero(edited.values != genome.values) <= 1
+
+
+def complaint(text):
+    with pytest.raises(GenomeError) as caught:
+        Genome.parse(text)
+    return str(caught.value)
+
+
+def points_at(text, place):
+    """Make sure that a text is refused, and that the number and the caret point at this place in it."""
+    message = complaint(text)
+    head, shown, caret = message.split("\n")
+    assert int(re.search(r"at character (\d+) expected", head).group(1)) == place + 1
+    assert caret.strip() == "^"
+    assert shown[caret.index("^") :] == re.sub(r"[\0\x1b\u202e]", "�", re.sub(r"\s", " ", text[place : place + 30]))
+    return head
+
+
+SHORT = str(Genome.random(Robot(segments=(2, 2)), rng=rng(4)))
+
+
+def starts(tokens):
+    return [sum(len(token) + 1 for token in tokens[:i]) for i in range(len(tokens) + 1)]
+
+
+def test_each_missing_word_is_pointed_at():
+    tokens = SHORT.split()
+    for i, missing in enumerate(tokens):
+        left = tokens[:i] + tokens[i + 1 :]
+        at_end = i == len(left)
+        head = points_at(" ".join(left), len(" ".join(left)) if at_end else starts(left)[i])
+        assert f"got '{'the end of the text' if at_end else left[i]}'" in head
+        if missing != "seg":  # without its name a segment is taken for the gait
+            assert f"expected '{missing.removeprefix('no').partition('=')[0]}" in head
+
+
+def test_each_word_too_many_is_pointed_at():
+    tokens = SHORT.split()
+    for i in range(len(tokens)):
+        more = tokens[: i + 1] + tokens[i:]
+        assert f"got '{tokens[i]}'" in points_at(" ".join(more), starts(more)[i + 1])
+
+
+def test_each_two_words_in_the_wrong_order_are_pointed_at():
+    tokens = SHORT.split()
+    for i, (one, other) in enumerate(pairwise(tokens)):
+        swapped = [*tokens[:i], other, one, *tokens[i + 2 :]]
+        assert f"got '{other}'" in points_at(" ".join(swapped), starts(swapped)[i])
+
+
+def test_each_corrupt_word_is_pointed_at():
+    tokens = SHORT.split()
+    for i, token in enumerate(tokens):
+        key = token.partition("=")[0] if "=" in token else token
+        bad = [f"{token}x", f"x{token}", token.upper(), "…", "0", "=", "\0", "\x1b[2J", "\u202e", "１"]
+        bad += [
+            f"{key}={number}"
+            for number in ("", "nan", "inf", "1e999", "1e9999", "0x1", "1_0", "1,5", "--1", "1.2.3", "１", "١٢")
+        ]
+        for corrupt in bad:
+            if "|" in corrupt:  # a bar is a word by itself, wherever it stands
+                continue
+            words = [*tokens[:i], corrupt, *tokens[i + 1 :]]
+            assert f"got {corrupt!r}" in points_at(" ".join(words), starts(words)[i])
+
+
+@pytest.mark.parametrize("blank", [" ", "\n", "\t", "\r\n", "  \n  ", "\v", "\u2028", "\u3000"])
+def test_the_caret_stands_under_the_place_whatever_the_blanks(blank):
+    tokens = SHORT.replace("frequency", "freqency").split()
+    text = blank.join(tokens)
+    assert "expected 'frequency=' and a number" in points_at(text, text.index("freqency"))
+
+
+def test_more_segments_than_there_can_be_are_told_so():
+    most = str(Genome(np.zeros(2 + 12 * 8)))
+    one_more = most.replace("| gait", "| seg length=0 mass=0 nolegs length=0 force=0 | gait")
+    head = points_at(one_more, one_more.rindex("seg "))
+    assert "after at most 8 segments" in head
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "x" * 10**6,
+        "|" * 10**6,
+        "|" * 19_999,
+        " " * 10**6,
+        "seg " * 4_999,
+        "wl1 segments=" + "1" * 19_000 + "x",
+        "wl1 segments=1." + "1" * 19_000 + "x",
+        "wl1 segments=" + "1" * 19_000,
+        "wl1 segments=2 | seg length=1e" + "9" * 19_000,
+    ],
+)
+def test_huge_texts_are_refused_quickly_and_briefly(text):
+    begun = time.perf_counter()
+    assert len(complaint(text)) < 400
+    assert time.perf_counter() - begun < 0.5
+
+
+def is_genome_or_complaint(text):
+    try:
+        genome = Genome.parse(text)
+    except GenomeError as error:
+        return "not a genome: at character " in str(error)
+    return Genome.parse(str(genome)) == genome
+
+
+@given(st.text())
+def test_any_text_is_a_genome_or_a_complaint(text):
+    assert is_genome_or_complaint(text)
+    assert is_genome_or_complaint("wl1 segments=" + text)
+
+
+words = st.sampled_from([*dict.fromkeys(SHORT.split()), "legs=0.5", "length=-1", "length=.", "|seg", "12", "١٢", "²"])
+
+
+@hypothesis_settings(max_examples=200)
+@given(st.lists(st.tuples(st.integers(0, len(SHORT)), st.integers(0, 9), st.text(max_size=4) | words), max_size=4))
+def test_a_mutated_text_is_a_genome_or_a_complaint(edits):
+    text = SHORT
+    for start, n_lost, new in edits:
+        text = text[:start] + new + text[start + n_lost :]
+    assert is_genome_or_complaint(text)
+
+
+@given(st.lists(words, max_size=60))
+def test_words_in_any_order_are_a_genome_or_a_complaint(several):
+    assert is_genome_or_complaint(" ".join(["wl1", "segments=1", "|", *several]))
+
+
+# --------------------------------------------------------------------------------------------------- the limits
+
+
+@st.composite
+def limits_and_tables(draw):
+    robot = draw(robots())
+    return robot, draw(tables(robot))
+
+
+@hypothesis_settings(max_examples=200)
+@given(limits_and_tables())
+def test_repair_makes_anything_obey_and_leaves_alone_what_does(drawn):
+    robot, anything = drawn
+    before = anything.copy()
+    repaired = repair(anything, robot)
+    assert np.array_equal(anything, before)
+    assert repaired is not anything
+    assert lies_in_its_ranges(repaired, robot)
+    assert all(obeys_every_limit(values, robot) for values in repaired)
+    assert repair(repaired, robot).tobytes() == repaired.tobytes()
+
+
+@hypothesis_settings(max_examples=25)
+@given(limits_and_tables())
+def test_repair_treats_each_genome_by_itself(drawn):
+    robot, anything = drawn
+    alone = [repair(row[np.newaxis], robot)[0] for row in anything]
+    assert np.array_equal(repair(anything, robot), alone)
+    assert repair(anything[:0], robot).shape == (0, anything.shape[1])
+
+
+@hypothesis_settings(max_examples=25)
+@given(st.integers(0, 2**32 - 1))
+def test_repair_changes_no_more_than_it_must(seed):
+    robot = Robot()
+    genes = genes_of(robot)
+    inside = np.round(rng(seed).uniform(genes.low, genes.high, (20, len(genes))), 3)
+    values = np.where(genes.is_count, np.rint(inside), np.where(inside < genes.high, inside, genes.low))
+    repaired = repair(values, robot)
+    free = [i for i, name in enumerate(genes.names) if name.rpartition(".")[2] not in ("length", "mass", "legs")]
+    assert np.array_equal(repaired[:, free], values[:, free])
+    unexpressed = np.arange(genes.n_parts) >= genes.n_grown(values)[:, np.newaxis]
+    assert np.array_equal(genes.parts(repaired)[unexpressed], genes.parts(values)[unexpressed])
+
+
+def test_repair_refuses_what_is_no_table_of_numbers():
+    robot = Robot()
+    good = generate_robot_population(robot, 3, seed=0)
+    for bad in (good[0], good[:, :-1], good[np.newaxis], np.zeros((3, 0))):
+        with pytest.raises(
+            ValueError, match=re.escape(f"must have the shape (n, 50) for these limits; got {bad.shape}")
+        ):
+            repair(bad, robot)
+    for bad in (np.nan, np.inf, -np.inf):
+        with pytest.raises(ValueError, match=f"genome 2: seg1.mass is {bad}; it must be a finite number"):
+            repair(np.where((np.arange(150) == 2 * 50 + 3).reshape(3, 50), bad, good), robot)
+
+
+@hypothesis_settings(max_examples=100)
+@given(genomes(), robots())
+def test_any_genome_can_be_brought_within_any_limits(genome, robot):
+    fitted = genome.within(robot)
+    assert obeys_every_limit(fitted.values, robot)
+    assert lies_in_its_ranges(fitted.values[np.newaxis], robot)
+    assert fitted.within(robot) == fitted
+
+
+@hypothesis_settings(max_examples=50)
+@given(robots(), robots(), st.integers(0, 2**32 - 1))
+def test_a_genome_within_wider_limits_keeps_its_robot(narrow, wide, seed):
+    genome = Genome.random(narrow, rng=rng(seed))
+    assert genome.within(narrow) == genome
+    roomy = Robot(
+        weight=(0.1, 200.0),
+        body_length=(0.05, 8.0),
+        segments=(1, 8),
+        segment_length=(0.05, 2.0),
+        legs=(2, 16),
+        leg_force=(0.1, 500.0),
+    )
+    bodies = [express(one) for one in (genome, genome.within(roomy))]
+    assert [one.plan for one in bodies] == [bodies[0].plan] * 2
+    assert bodies[1].weight == pytest.approx(bodies[0].weight, abs=0.005)
+    assert bodies[1].body_length == pytest.approx(bodies[0].body_length, abs=0.005)
+    assert obeys_every_limit(genome.within(roomy).within(wide).values, wide)
+
+
+@hypothesis_settings(max_examples=40)
+@given(robots(), st.lists(finite, min_size=1))
+def test_what_is_expressed_are_the_grown_segments_alone(robot, noise):
+    values = generate_robot_population(robot, 1, seed=len(noise))[0]
+    n_grown = int(values[0])
+    other = np.where(np.arange(len(values)) < 2 + 12 * n_grown, values, np.resize(noise, len(values)))
+    assert express(Genome(values)) == express(Genome(other))
+    assert len(express(Genome(values)).segments) == n_grown
+
+
+@pytest.mark.parametrize("mutation", Mutation)
+@pytest.mark.parametrize("crossover", Crossover)
+@hypothesis_settings(max_examples=6)
+@given(data=st.data())
+def test_every_robot_obeys_every_limit_after_any_operator(crossover, mutation, data):
+    robot = data.draw(robots())
+    algorithm = Algorithm(
+        crossover=[crossover, *data.draw(st.lists(st.sampled_from(Crossover), max_size=1))],
+        mutation=[mutation, *data.draw(st.lists(st.sampled_from(Mutation), max_size=1))],
+        mutation_rate=data.draw(st.sampled_from([0.08, 1.0]) | st.floats(0, 1)),
+        mutation_scale=data.draw(st.sampled_from([0.2, 2.0]) | st.floats(0, 2)),
+        favored_gene=data.draw(st.sampled_from(Feature)),
+        seed=data.draw(st.integers(0, 2**31 - 1)),
+    )
+    fitness = np.array(data.draw(st.lists(st.floats(-1e6, 1e6), min_size=6, max_size=6)))
+    population = generate_robot_population(robot, 6, seed=algorithm.seed)
+    for generation in (1, 2):
+        children = crossover_population(population, fitness, 6, robot, algorithm, generation=generation)
+        population = mutate_population(children.genomes, robot, algorithm, generation=generation)
+        assert lies_in_its_ranges(population, robot)
+        assert all(obeys_every_limit(values, robot) for values in population)

@@ -1,0 +1,208 @@
+"""A run never refuses its own file: whatever it can hold is loaded, resumed and gives the same table."""
+
+import json
+import sqlite3
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from functools import partial
+from itertools import cycle
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import walkerlab as wl
+from tests.faults.standins import walk
+from walkerlab.evolution import evolution
+from walkerlab.runfile import records, schema
+from walkerlab.settings.fields import OneOf
+from walkerlab.simulation.validity import VERDICTS
+
+SETTINGS = wl.Settings().with_(population_size=12, generations=2, duration=1, n_elites=2, seed=4)
+PLACES = wl.Settings.places()
+CHOICES = [
+    (name, member)
+    for name, (domain, field) in PLACES.items()
+    if isinstance(declared := type(getattr(SETTINGS, domain)).declared()[field], OneOf)
+    for member in declared.choices
+]
+same = partial(pd.testing.assert_frame_equal, check_exact=True)
+
+
+@pytest.fixture(autouse=True)
+def standing_in(monkeypatch):
+    """Let walks get every verdict there is, one after the other."""
+    verdicts = cycle(VERDICTS)
+
+    def evaluate(genomes, settings, executor=None, *, on_done):
+        on_done(len(genomes))
+        walks = [walk(values) for values in genomes]
+        for one, verdict in zip(walks, verdicts, strict=False):
+            fitness = 1.0 if verdict == "ok" else -np.inf
+            vars(one).update(verdict=verdict, fitness=fitness, reason="" if verdict == "ok" else "0.5; 0.2 is allowed")
+        return walks
+
+    monkeypatch.setattr(evolution, "evaluate", evaluate)
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "run.walk"
+
+
+def test_every_verdict_is_stored_loaded_resumed_and_rescued(path, tmp_path):
+    run = wl.evolve(SETTINGS, path, progress=False)
+    assert set(run.records.verdict) == set(VERDICTS)
+    same(wl.load(path).records, run.records)
+    same(wl.rescue(path, tmp_path / "rescued.walk").records, run.records)
+    resumed = wl.resume(path, 3, progress=False).records
+    same(resumed[resumed.generation < 2], run.records)
+
+
+@pytest.mark.parametrize(("name", "member"), CHOICES, ids=[f"{name}-{member.name}" for name, member in CHOICES])
+def test_every_choice_of_every_setting_is_stored_and_loaded(path, name, member):
+    settings = SETTINGS.with_(**{name: member})
+    list(wl.Evolution(settings, path))
+    loaded = wl.load(path)
+    assert loaded.settings == settings
+    assert loaded.n_generations == 2
+
+
+def test_a_verdict_that_is_not_known_here_is_refused_with_the_fix(path):
+    table = wl.evolve(SETTINGS, path, progress=False).records
+    for verdict in ("on fire", "ok\x1b[2J"):
+        with pytest.raises(ValueError, match="pip install --upgrade walkerlab") as caught:
+            records.check(table.assign(verdict=verdict))
+        assert repr(verdict) in str(caught.value)
+
+
+# ------------------------------------------------------------------- settings that a file cannot hold, before a walk
+
+
+def max(rollout):
+    """Shadow a built-in function, as students do."""
+    return 1.0
+
+
+def height(rollout, **_):
+    return 1.0
+
+
+def spaced(rollout):
+    return 1.0
+
+
+spaced.__name__ = "my height"
+
+
+@pytest.mark.parametrize(
+    "fitness",
+    [max, spaced, partial(height, **{"a b": 1}), partial(height, k="x" * 10**6), partial(height, k=10**5000)],
+    ids=["built-in", "name", "argument", "long", "huge"],
+)
+def test_what_a_file_cannot_hold_is_refused_before_a_robot_walks(path, fitness, monkeypatch):
+    monkeypatch.setattr(evolution, "evaluate", None)
+    with pytest.raises(wl.SettingsError, match=r"cannot be stored|a run file cannot hold"):
+        wl.evolve(SETTINGS.with_(fitness=fitness), path, progress=False)
+    assert not path.exists()
+
+
+# ------------------------------------------------------------------------------------------- before generation 0
+
+
+def interrupted(*_, **__):
+    raise KeyboardInterrupt
+
+
+def test_a_run_that_was_stopped_before_generation_0_is_resumed_to_the_same_table(path, monkeypatch):
+    monkeypatch.undo()
+    settings = SETTINGS.with_(population_size=4, n_elites=1)
+    with ThreadPoolExecutor(1) as pool:
+        whole = wl.evolve(settings, executor=pool, progress=False).records
+        wl.Evolution(settings, path)  # and its process is killed
+        run = wl.load(path)
+        assert repr(run) == f"Run(no generation is done yet, in {path})"
+        assert "no" in run._repr_html_().lower()
+        assert run.settings == settings
+        assert run.n_generations == len(run.records) == 0
+        same(wl.resume(path, executor=pool, progress=False).records, whole)
+
+
+def test_the_settings_are_in_the_file_before_a_robot_walks_and_a_second_maker_is_refused(path, monkeypatch):
+    n_walks = []
+
+    def evaluate(*_, **__):
+        n_walks.append(1)
+        assert wl.load(path).settings == SETTINGS
+        with pytest.raises(wl.RunFileError, match="exists already"):
+            wl.evolve(SETTINGS, path, progress=False)
+        raise wl.OperatorError("a fault")
+
+    monkeypatch.setattr(evolution, "evaluate", evaluate)
+    with pytest.raises(wl.OperatorError) as caught:
+        wl.evolve(SETTINGS, path, progress=False)
+    assert len(n_walks) == 1
+    assert caught.value.kept == path
+    assert f"No generation was done; the settings are kept in {path}." in caught.value.__notes__[0]
+    assert f"wl.resume({str(path)!r})" in caught.value.__notes__[0]
+
+
+def test_ctrl_c_before_generation_0_says_what_is_kept_and_how_to_resume(path, monkeypatch):
+    monkeypatch.setattr(evolution, "evaluate", interrupted)
+    with pytest.raises(KeyboardInterrupt, match="the run has no file"):
+        wl.evolve(SETTINGS, progress=False)
+    for attempt in (lambda: wl.evolve(SETTINGS, path, progress=False), lambda: wl.resume(path, progress=False)):
+        with pytest.raises(KeyboardInterrupt) as caught:
+            attempt()
+        assert f"the settings are kept, resume with: wl.resume({str(path)!r})" in str(caught.value)
+
+
+@pytest.mark.parametrize("wrong", ["fitness", "executor", "patience", "path", "settings"])
+def test_input_that_is_refused_before_a_walk_leaves_no_file(tmp_path, wrong, monkeypatch):
+    monkeypatch.undo()
+    settings, path, executor = SETTINGS, tmp_path / "run.walk", ThreadPoolExecutor(1)
+    match wrong:
+        case "fitness":
+            settings = settings.with_(fitness=lambda rollout: None)
+        case "executor":
+            executor.shutdown()
+        case "patience":
+            monkeypatch.setenv("WALKERLAB_PATIENCE", "soon")
+        case "path":
+            path = "a\0b"
+        case _:
+            settings = {"generations": 3}
+    with pytest.raises((ValueError, TypeError, RuntimeError)):
+        wl.evolve(settings, path, executor, progress=False)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_run_without_generations_can_be_rescued(path, tmp_path):
+    wl.Evolution(SETTINGS, path)
+    assert wl.rescue(path, tmp_path / "rescued.walk").settings == SETTINGS
+    same(wl.resume(tmp_path / "rescued.walk", progress=False).records, wl.load(tmp_path / "rescued.walk").records)
+
+
+# --------------------------------------------------------------------------------------------------- keys and bars
+
+
+def test_a_key_that_is_there_twice_is_refused_by_its_name(path):
+    text = SETTINGS.model_dump_json()
+    assert wl.Settings.model_validate_json(text) == SETTINGS
+    twice = text.replace('"seed":4', '"seed":4,"seed":5')
+    assert twice != text
+    with pytest.raises(wl.SettingsError, match="'seed' occurs more than once"):
+        wl.Settings.model_validate_json(twice)
+    wl.Evolution(SETTINGS, path)
+    with closing(sqlite3.connect(path)) as db, db:
+        schema.write_settings(db, json.dumps(SETTINGS.model_dump()).replace('"seed": 4', '"seed": 4, "seed": 5'))
+    with pytest.raises(wl.RunFileError, match="'seed' occurs more than once"):
+        wl.load(path)
+
+
+def test_a_run_with_nothing_left_to_walk_shows_no_bar(path, capfd):
+    wl.evolve(SETTINGS, path, progress=False)
+    wl.resume(path)
+    assert capfd.readouterr() == ("", "")
+    wl.resume(path, 3)
+    assert "10/10" in capfd.readouterr().err

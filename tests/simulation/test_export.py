@@ -1,0 +1,120 @@
+"""An exported robot is the same one: exact numbers, in a file that older versions of MuJoCo load as well."""
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+from hypothesis import strategies as st
+
+import walkerlab as wl
+from benchmarks import plain_walk
+from walkerlab.randomness import stream
+from walkerlab.settings.settings import Obstacle, Structure
+from walkerlab.simulation.export import _exact_xml
+from walkerlab.simulation.rollout import walk
+from walkerlab.world.scene import describe_scene
+
+GENOME = wl.Genome.random(wl.Robot(), rng=stream(4, "check"))
+
+WORLDS = [{"structure": structure} for structure in Structure]
+WORLDS += [{"obstacle": obstacle, "structure": "incline", "seed": 3} for obstacle in Obstacle if obstacle]
+WORLDS += [{"carry_weight": 1, "drag_weight": 2, "wind": (1, 0, 0)}, {"texture": "gravel", "timestep": 0.003}]
+
+SCHEMA = Path(__file__).parent / "kept" / "mjcf_3.9.txt"
+
+
+def export(world, folder, name="walker"):
+    return wl.export_mjcf(GENOME, wl.Settings().with_(**world), folder, name)
+
+
+ADDED = re.compile(r"_|n(names|text|numeric|key|buffer)|(name|text|numeric|key)_|names|paths|\w+_nameadr|signature")
+"""Fields of a model for its names, the keyframe, texts and numbers that only the file has, and for its memory."""
+
+WITHOUT_EFFECT = {"actuator_ctrlspec"}  # whether an actuator's one input is called a position
+
+
+def fields(model):
+    """Return every number of a model but those."""
+    owners = {"": model, "opt.": model.opt, "stat.": model.stat}
+    owners |= {f"{name}.": getattr(model.vis, name) for name in ("map", "scale", "rgba", "headlight", "global_")}
+    names = [(owner, name) for owner, of in owners.items() for name in dir(of) if not ADDED.match(name)]
+    values = {owner + name: getattr(owners[owner], name) for owner, name in names if name not in WITHOUT_EFFECT}
+    return {name: value for name, value in values.items() if isinstance(value, np.ndarray | int | float)}
+
+
+@pytest.mark.parametrize("world", WORLDS, ids=str)
+def test_the_file_compiles_to_the_same_model_bit_for_bit(world, tmp_path):
+    written = fields(describe_scene(GENOME, wl.Settings().with_(**world), scenery=True)[1].model)
+    read = fields(mujoco.MjModel.from_xml_path(str(export(world, tmp_path))))
+    assert len(read) > 400
+    assert [name for name in written if not np.array_equal(written[name], read[name])] == []
+
+
+def test_plain_mujoco_repeats_the_walk_without_walkerlab(tmp_path):
+    worlds = [{}, {"structure": "stairs", "obstacle": "rock"}, {"drag_weight": 1, "timestep": 0.004}]
+    files = [str(export(world, tmp_path / "new", str(number))) for number, world in enumerate(worlds)]
+    script = Path(plain_walk.__file__)
+    assert "walkerlab" not in script.read_text(encoding="utf-8").partition('"""\n\n')[2]
+    command = [sys.executable, script, "1", *files]
+    lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+    distances = [wl.simulate(GENOME, wl.Settings().with_(duration=1, **world)).distance for world in worlds]
+    assert [json.loads(line)["distance"] for line in lines] == pytest.approx(distances, abs=1e-6)
+
+
+def test_the_file_holds_the_start_the_gait_and_the_gene(tmp_path):
+    model = mujoco.MjModel.from_xml_path(str(export({"structure": "incline"}, tmp_path)))
+    scene = wl.compile_scene(GENOME, wl.Settings().with_(structure="incline"))
+    np.testing.assert_array_equal(model.key("start").qpos, scene.start)
+    np.testing.assert_array_equal(model.key("start").ctrl, scene.rest)
+    np.testing.assert_array_equal(
+        [model.numeric(f"gait_{of}").data for of in ("amplitude", "phase", "offset")], scene.gait
+    )
+    assert model.numeric("gait_frequency").data.item() == scene.phenotype.frequency
+    assert model.numeric("settle_steps").data.item() == walk(scene).settled / scene.settings.simulation.timestep
+    assert wl.Genome.parse(bytes(model.text_data).decode().rstrip("\0")) == GENOME
+
+
+def test_older_versions_know_every_attribute(tmp_path):
+    """That they load the file is measured: ``python benchmarks/mujoco_versions.py``."""
+    known, element = {"worldbody": set()}, ""
+    for line in SCHEMA.read_text(encoding="utf-8").splitlines():
+        if name := line[:30].split():
+            element = name[0].removeprefix("(world)")
+        known.setdefault(element, set()).update(line[30:].split())
+    everything = {"structure": "rough", "texture": "gravel", "obstacle": "rock", "carry_weight": 1, "drag_weight": 1}
+    root = ElementTree.parse(export(everything, tmp_path)).getroot()
+    assert {(one.tag, key) for one in root.iter() for key in one.attrib if key not in known[one.tag]} == set()
+
+
+@hypothesis_settings(max_examples=50)
+@given(st.lists(st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=False), min_size=1, max_size=20))
+def test_every_number_is_read_as_it_was_written(numbers):
+    spec = mujoco.MjSpec()
+    spec.modelname = "1.50000000000000000"
+    spec.add_numeric(name="numbers", data=numbers, size=len(numbers))
+    spec.compile()
+    text = _exact_xml(spec)
+    assert mujoco.MjModel.from_xml_string(text).numeric("numbers").data.tolist() == numbers
+    assert ElementTree.fromstring(text).get("model") == spec.modelname
+
+
+def test_others_still_get_the_digits_that_mujoco_gives(tmp_path):
+    spec = mujoco.MjSpec()
+    spec.add_numeric(name="third", data=[1 / 3], size=1)
+    spec.compile()
+    export({}, tmp_path)
+    assert 'data="0.333333"' in spec.to_xml()
+
+
+def test_the_file_has_the_name_that_was_given(tmp_path):
+    path = wl.export_mjcf(str(GENOME), wl.Settings(), tmp_path / "Größe", name="fido & <2>".replace("<2>", "Ω"))
+    assert path == tmp_path / "Größe" / "fido & Ω.xml"
+    assert ElementTree.parse(path).getroot().get("model") == "fido & Ω"

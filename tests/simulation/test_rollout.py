@@ -1,0 +1,106 @@
+"""A rollout records the walk exactly, and its verdict excludes invalid walks."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import mujoco
+import numpy as np
+import pytest
+
+import walkerlab as wl
+from walkerlab.randomness import stream
+from walkerlab.simulation.rollout import walk
+
+SETTINGS = wl.Settings().with_(duration=2.0)
+GENOMES = [wl.Genome.random(wl.Robot(), rng=stream(2, "check", i)) for i in range(8)]
+
+
+def test_the_recorded_walk_equals_a_loop_of_mj_step():
+    scene = wl.compile_scene(GENOMES[0], SETTINGS)
+    rollout = walk(scene)
+    data = mujoco.MjData(scene.model)
+    scene.place(data)
+    data.ctrl[:] = scene.rest
+    for _ in range(round(rollout.settled / 0.005)):
+        mujoco.mj_step(scene.model, data)
+    start = data.time
+    for i, control in enumerate(scene.controls(401)):
+        if i % 4 == 0:
+            assert data.time - start == pytest.approx(rollout.time[i // 4], abs=1e-9)
+            np.testing.assert_array_equal(data.qpos, rollout.poses[i // 4])
+        data.ctrl[:] = control
+        mujoco.mj_step(scene.model, data)
+        if i % 4 == 0:
+            np.testing.assert_array_equal(data.body("walker/").subtree_com, rollout.com[i // 4])
+
+
+def test_a_walk_is_sampled_from_its_start_to_its_end():
+    rollout = wl.simulate(GENOMES[0], SETTINGS)
+    assert rollout.time[0] == 0
+    assert rollout.time[-1] == pytest.approx(2.0)
+    assert len(rollout.time) == len(rollout.com) == len(rollout.on_ground) == len(rollout.poses) == 101
+
+
+def test_recording_poses_does_not_change_the_walk():
+    with_poses, without = wl.simulate(GENOMES[1], SETTINGS), wl.simulate(GENOMES[1], SETTINGS, poses=False)
+    np.testing.assert_array_equal(with_poses.com, without.com)
+    assert without.poses.size == 0
+
+
+def test_movement_while_settling_is_not_part_of_the_walk():
+    """The walk starts once the body is at rest, so its first samples hardly move."""
+    for genome in GENOMES:
+        rollout = wl.simulate(genome, SETTINGS)
+        if rollout.settled < 3:
+            assert np.abs(np.diff(rollout.com[:3, 0])).max() < 0.02
+
+
+@pytest.mark.parametrize("timestep", [0.005, 0.0075, 0.0095])
+def test_the_airborne_time_does_not_depend_on_the_timestep(timestep):
+    """With upward gravity a robot is airborne for the whole duration."""
+    upward = wl.Settings(terrain=wl.Terrain(gravity=(0, 0, 0.5))).with_(
+        duration=1.0, timestep=timestep, forgive=["restless", "too_high"]
+    )
+    assert wl.simulate(GENOMES[0], upward).time[-1] == pytest.approx(1.0, abs=timestep)
+    assert wl.simulate(GENOMES[0], upward.with_(max_airborne=1.02)).verdict == "ok"
+    assert wl.simulate(GENOMES[0], upward.with_(max_airborne=0.9)).verdict == "airborne"
+
+
+def test_arrays_of_a_rollout_are_read_only():
+    rollout = wl.simulate(GENOMES[0], SETTINGS)
+    for array in (rollout.time, rollout.com, rollout.on_ground, rollout.sink, rollout.work, rollout.poses):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 0
+
+
+def test_warnings_about_other_simulations_reach_the_previous_handler():
+    received = []
+    mujoco.set_mju_user_warning(received.append)
+    with ThreadPoolExecutor(4) as threads:
+        list(threads.map(lambda genome: wl.simulate(genome, SETTINGS), GENOMES))
+    model = mujoco.MjModel.from_xml_string(
+        "<mujoco><worldbody><body><freejoint/><geom size='1'/></body></worldbody></mujoco>"
+    )
+    data = mujoco.MjData(model)
+    data.qvel[:] = np.inf
+    mujoco.mj_step(model, data)
+    assert received
+
+
+def test_a_simulation_that_diverges_is_unstable_and_prints_nothing(capfd):
+    scene = wl.compile_scene(GENOMES[0], SETTINGS)
+    scene.model.dof_armature[:] = 0
+    scene.model.actuator_gainprm[:, 0] *= 1e9
+    scene.model.actuator_biasprm[:, 1] *= 1e9
+    scene.model.actuator_forcelimited[:] = 0
+    rollout = walk(scene)
+    assert rollout.verdict == "unstable"
+    assert not rollout.counts
+    assert "".join(capfd.readouterr()) == ""
+
+
+def test_robots_are_airborne_for_longer_on_the_moon():
+    def hang_time(gravity):
+        settings = wl.Settings(terrain=wl.Terrain(gravity=(0, 0, gravity)))
+        return sum((~wl.simulate(genome, settings, poses=False).on_ground).mean() for genome in GENOMES)
+
+    assert hang_time(-1.62) > 1.5 * hang_time(-9.81)

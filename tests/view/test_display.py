@@ -1,0 +1,159 @@
+"""What stands last in a cell is shown for people: all of it, in words, with units, and harmless."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import settings as hypothesis_settings
+
+import walkerlab as wl
+from tests.strategies import all_settings, genomes
+from tests.text.test_html import HOSTILE, Seen, assert_harmless
+from walkerlab.runfile.records import Individual, join
+from walkerlab.settings.fields import Quantity
+from walkerlab.settings.glossary import rows_of
+from walkerlab.simulation.fitness import distance, velocity
+from walkerlab.simulation.validity import VERDICTS
+from walkerlab.text.numbers import with_unit
+from walkerlab.view.summary import changed_settings
+
+DOMAINS = (wl.Terrain, wl.Robot, wl.Algorithm, wl.Simulation)
+GENOME = wl.Genome.random(wl.Robot(segments=(2, 4)), rng=np.random.default_rng(2))
+
+
+def shown(thing):
+    return assert_harmless(thing._repr_html_())
+
+
+def hostile_function(*args):
+    return 1.0
+
+
+hostile_function.__name__ = HOSTILE
+
+
+@pytest.fixture(scope="module")
+def run():
+    return wl.evolve(wl.Settings().with_(generations=2, population_size=6, duration=1), progress=False)
+
+
+@pytest.mark.parametrize("domain", DOMAINS)
+def test_every_setting_is_shown_with_its_value_unit_and_meaning(domain):
+    for text in (shown(domain()).text, shown(wl.Settings()).text):
+        for name, declared in domain.declared().items():
+            value = getattr(domain(), name)
+            assert name in text
+            assert declared.about in text
+            if isinstance(declared, Quantity) and not declared.parts:
+                assert f"{value:.10g}{f' {declared.unit}' if declared.unit else ''}" in text
+            assert not isinstance(declared, Quantity) or declared.unit in text
+
+
+@hypothesis_settings(max_examples=25)
+@given(settings=all_settings)
+def test_settings_are_shown_once_each_and_what_differs_is_marked(settings):
+    seen = shown(settings)
+    assert seen.text.count("●\N{NO-BREAK SPACE}") == len(settings.changes())
+    assert len([row for row in seen.all("tr") if row.get("class") == "strong"]) == len(settings.changes())
+    for _, domain in settings:
+        for row in rows_of(domain):
+            assert row.value in seen.text
+            assert row.about in seen.text
+
+
+@given(settings=all_settings)
+def test_what_differs_makes_the_same_settings_again(settings):
+    assert wl.Settings().with_(**settings.changes()) == settings
+    assert eval(settings.as_python(), {"wl": wl}) == settings
+
+
+def test_of_several_operators_and_of_presets_people_read_the_names():
+    settings = wl.Settings().with_(
+        gravity="moon", selection=["top_half", partial(wl.ga.selection.tournament, size=7)], weight=(2, 5)
+    )
+    text = shown(settings).text
+    for words in ("(0, 0, -1.62) m/s², moon", "top_half, tournament(size=7)", "2 to 5 kg"):
+        assert words in text
+
+
+def test_a_setting_is_shown_with_all_its_digits():
+    settings = wl.Settings().with_(step_height=1 / 3, weight=(1 / 3, 2 / 3), wind=(1 / 3, 0, 0))
+    for words in (f"{1 / 3!r} m", f"{1 / 3!r} to {2 / 3!r} kg", f"({1 / 3!r}, 0, 0) m/s"):
+        assert words in shown(settings).text
+    assert f"Terrain.step_height = {1 / 3!r}  (default 0.08)" in changed_settings(settings.model_dump())
+
+
+def test_names_that_cannot_be_typed_do_nothing_when_pasted():
+    settings = wl.Settings().with_(mutation=[hostile_function, partial(hostile_function, **{HOSTILE: 1})])
+    assert HOSTILE in shown(settings).text
+    with pytest.raises(wl.SettingsError):
+        eval(settings.as_python(), {"wl": wl})
+    assert repr(wl.Algorithm(fitness=lambda rollout: 1.0)) == "Algorithm(fitness='<lambda>')"
+
+
+@given(genome=genomes())
+def test_any_genome_is_shown_whole_with_its_text(genome):
+    seen = shown(genome)
+    assert str(genome) in seen.text
+    assert len(seen.all("tr")) == 3 + 2 * genome.n_parts
+
+
+def test_what_is_not_grown_is_faint_and_said_to_be():
+    seen = shown(GENOME)
+    n_grown = len(wl.express(GENOME).segments)
+    assert n_grown < GENOME.n_parts, "or this shows nothing"
+    assert seen.text.count("(not grown)") == 2 * (GENOME.n_parts - n_grown)
+    assert [row.get("class") for row in seen.all("tr")].count("faint") == 2 * (GENOME.n_parts - n_grown)
+
+
+def test_the_names_of_a_genome_are_those_of_its_text():
+    text = shown(GENOME).text
+    for word in ("seg", "length", "mass", "legs", "force", "frequency", "hip", "knee", "amplitude", "phase", "stride"):
+        assert word in str(GENOME)
+        assert word in text
+
+
+def test_an_individual_is_shown_with_its_verdict_in_words_and_its_parents():
+    text = shown(Individual(7, GENOME, 1.5, "ok", "", 3, (1, 2))).text
+    assert "Robot 7" in text
+    assert "1, 2" in text
+    assert VERDICTS["ok"] in text
+    text = shown(Individual(7, GENOME, -np.inf, "fell", HOSTILE, 0, ())).text
+    assert VERDICTS["fell"] in text
+    assert HOSTILE in text
+    assert "inf" not in text
+    assert_harmless(Individual(7, GENOME, 1.5, HOSTILE, HOSTILE, 3, ())._repr_html_())
+
+
+def test_a_walk_is_shown_with_its_verdict_and_its_figures():
+    rollout = wl.simulate(GENOME, wl.Settings().with_(duration=1))
+    assert (rollout.distance, rollout.velocity) == (distance(rollout), velocity(rollout))
+    text = shown(rollout).text
+    assert VERDICTS[rollout.verdict] in text
+    assert rollout.reason in text
+    for words in (with_unit(rollout.distance, "m"), with_unit(rollout.velocity, "m/s"), " J", "1 s"):
+        assert words in text
+
+
+def test_a_run_says_what_it_reached_shows_it_and_says_what_next(run):
+    seen = shown(run)
+    assert f"robot {run.champion.individual}" in seen.text
+    assert with_unit(run.champion.fitness, "m") in seen.text
+    assert len(seen.all("svg")) == 2
+    for words in ("run.champion", "run.replay()", "run.save_report("):
+        assert words in seen.text
+    assert len(Seen(run._repr_html_() + run._repr_html_()).all("svg")) == 4
+
+
+def test_a_run_without_a_generation_is_a_sentence():
+    seen = shown(wl.Run(wl.Settings(), join([])))
+    assert "No generation is done yet" in seen.text
+    assert not seen.all("svg")
+
+
+def test_a_run_with_a_hostile_name_is_harmless(run, tmp_path):
+    settings = run.settings.with_(fitness=hostile_function)
+    named = wl.Run(settings, run.records.copy(), tmp_path / HOSTILE.replace("/", " "))
+    text = shown(named).text
+    assert HOSTILE in text

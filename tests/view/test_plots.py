@@ -1,0 +1,912 @@
+"""A picture shows the numbers of the table or of the walk, and says what they are."""
+
+import io
+import math
+import re
+import struct
+from dataclasses import replace
+from itertools import combinations
+from xml.etree import ElementTree
+
+import matplotlib as mpl
+import mujoco
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib import pyplot
+from matplotlib.collections import PolyCollection, QuadMesh
+from matplotlib.figure import Figure
+from matplotlib.patches import StepPatch
+
+import walkerlab as wl
+from walkerlab.breeding import generate_robot_population, operators
+from walkerlab.ga.loop import first_population, next_population
+from walkerlab.genome.repair import genes_of, repair
+from walkerlab.runfile.records import (
+    COLUMNS,
+    Walked,
+    births,
+    fitter_line,
+    join,
+    name_fitness,
+    parent_numbers,
+    tabulate,
+    tidy,
+)
+from walkerlab.settings.choices import Obstacle, Structure
+from walkerlab.simulation.fitness import poorest_walk
+from walkerlab.simulation.footfalls import find_footfalls, foot_names
+from walkerlab.simulation.validity import VERDICTS
+from walkerlab.view import summary
+from walkerlab.view.plots import genomes as plots_of_genomes
+from walkerlab.view.plots.ancestry import MOST, SOME
+from walkerlab.view.plots.bodies import add_body, at_rest
+from walkerlab.world.geometry import skins
+from walkerlab.world.heights import height
+
+
+def made_up(n=8, seed=0):
+    rng = np.random.default_rng(seed)
+    rows = pd.DataFrame(
+        [(g, i, g, "", "random", rng.normal(g), "ok" if i else "airborne") for g in range(5) for i in range(n)],
+        columns=list(COLUMNS)[:7],
+    )
+    rows.loc[rows.verdict != "ok", "fitness"] = -np.inf
+    table = rows.assign(distance=0.0, velocity=0.0, n_segments=1, n_legs=2, weight=1.0, body_length=1.0, genome="")
+    return tidy(table)
+
+
+def bred(generations=6, size=10, *, void=0.2, **changes):
+    """Breed robots as a run does, and rate them by chance instead of letting them walk."""
+    settings = wl.Settings().with_(population_size=size, **changes)
+    genes, rng = genes_of(settings.robot), np.random.default_rng(0)
+
+    def rate(values):
+        robot, counts = wl.express(wl.Genome(values)), rng.random() >= void
+        measured = (len(robot.segments), robot.n_legs, robot.weight, robot.body_length)
+        fitness, verdict = (rng.normal(), "ok") if counts else (-np.inf, rng.choice(list(VERDICTS)[1:]))
+        return Walked(fitness, str(verdict), "", rng.normal(), rng.normal(), *measured, str(wl.Genome(values)))
+
+    def evaluate(genomes):
+        return [rate(values) for values in genomes]
+
+    population = first_population(generate_robot_population(settings.robot, size, seed=0), evaluate)
+    tables = [tabulate(population, "")]
+    for _ in range(generations - 1):
+        population = next_population(
+            population, operators(settings.algorithm), genes, evaluate,
+            repair=lambda genomes: repair(genomes, settings.robot), n_elites=settings.algorithm.n_elites, seed=0,
+        )  # fmt: skip
+        tables.append(tabulate(population, ""))
+    table = join(tables)
+    name_fitness(table, "distance", "m")
+    return table
+
+
+@pytest.fixture(scope="module")
+def records():
+    return bred()
+
+
+GENOME = wl.Genome.random(wl.Robot(), rng=np.random.default_rng(2))
+SETTINGS = wl.Settings().with_(duration=2.0)
+
+OF_A_TABLE = {
+    "fitness_curve": wl.plots.fitness_curve,
+    "diversity": wl.plots.diversity,
+    "trait": lambda records, ax: wl.plots.trait(records, "weight", ax),
+    "genes": wl.plots.genes,
+    "verdicts": wl.plots.verdicts,
+    "family_tree": wl.plots.family_tree,
+}
+OF_A_ROBOT = {
+    "distance_over_time": lambda ax: wl.plots.distance_over_time(wl.simulate(GENOME, SETTINGS), ax),
+    "gait": lambda ax: wl.plots.gait(GENOME, SETTINGS, ax),
+    "body": lambda ax: wl.plots.body(GENOME, ax),
+    "stride": lambda ax: wl.plots.stride(GENOME, SETTINGS, ax),
+}
+of_a_table = pytest.mark.parametrize("draw", OF_A_TABLE.values(), ids=OF_A_TABLE)
+
+
+def every(records):
+    return {name: lambda ax, draw=draw: draw(records, ax) for name, draw in OF_A_TABLE.items()} | OF_A_ROBOT
+
+
+@pytest.fixture
+def ax():
+    return Figure().add_subplot()
+
+
+def render(axes):
+    axes.get_figure(root=True).canvas.draw()
+
+
+def numbers(text):
+    return [float(found) for found in re.findall(r"-?\d+(?:\.\d+)?", text.replace("−", "-"))]
+
+
+# --------------------------------------------------------------------------------------------------- of all pictures
+
+
+def test_every_picture_is_drawn_on_the_axes_given_and_says_what_it_shows(records):
+    for name, draw in every(records).items():
+        axes = Figure().add_subplot()
+        assert draw(axes) is axes, name
+        render(axes)
+        assert wl.plots.alt_text(axes).endswith("."), name
+        assert not pyplot.get_fignums(), f"{name} opened a figure that nobody asked for"
+
+
+def test_without_axes_every_picture_opens_one_white_figure(records):
+    for name, draw in every(records).items():
+        axes = draw(None)
+        assert pyplot.get_fignums() == [axes.figure.number], name
+        assert mpl.colors.same_color(axes.figure.get_facecolor(), "white")
+        pyplot.close(axes.figure)
+
+
+@pytest.mark.parametrize("kind", ["svg", "pdf", "png"])
+def test_every_picture_carries_its_words_into_the_file(records, tmp_path, kind):
+    for name, draw in every(records).items():
+        axes, path = draw(Figure().add_subplot()), tmp_path / f"{name}.{kind}"
+        wl.plots.save(axes, path)
+        assert wl.plots.alt_text(axes) in words_of(path), name
+
+
+def words_of(path):
+    """Read the description out of a file, each kind in its own way."""
+    data = path.read_bytes()
+    if path.suffix == ".svg":
+        desc = ElementTree.fromstring(data).find("{http://www.w3.org/2000/svg}desc")
+        return desc.text
+    if path.suffix == ".png":
+        texts, place = [], 8
+        while place < len(data):
+            (length,), kind = struct.unpack(">I", data[place : place + 4]), data[place + 4 : place + 8]
+            chunk = data[place + 8 : place + 8 + length]
+            texts += [chunk.decode("latin-1" if kind == b"tEXt" else "utf-8")] if kind in (b"tEXt", b"iTXt") else []
+            place += 12 + length
+        return "\n".join(texts)
+    subject = re.search(
+        rb"/Subject \((.*?)(?<!\\)\)\s*/|/Subject \((.*?)(?<!\\)\)\s*>>|/Subject <([0-9a-fA-F]+)>", data, re.S
+    )
+    plain = next(part for part in subject.groups() if part is not None)
+    plain = re.sub(rb"\\([()\\])", rb"\1", plain)
+    return plain.decode("utf-16") if plain.startswith(b"\xfe\xff") else plain.decode("latin-1")
+
+
+STRANGE = ["dark_background", {"text.color": "lime", "font.size": 22, "xtick.direction": "in", "lines.linewidth": 9}]
+
+
+def pixels(figure):
+    figure.savefig(file := io.BytesIO(), format="png")
+    return file.getvalue()
+
+
+def test_whatever_the_style_our_own_figures_look_the_same(records, tmp_path):
+    for name, draw in every(records).items():
+        with pyplot.style.context(STRANGE):
+            axes = draw(None)
+            wl.plots.save(axes, tmp_path / "strange.svg")
+            strange = pixels(axes.figure)
+            assert mpl.rcParams["lines.linewidth"] == 9, "the user's style stays as it was"
+        plain = draw(None)
+        wl.plots.save(plain, tmp_path / "plain.svg")
+        assert strange == pixels(plain.figure), name
+        assert (tmp_path / "strange.svg").read_bytes() == (tmp_path / "plain.svg").read_bytes(), name
+        pyplot.close("all")
+
+
+def test_a_second_run_on_a_figure_of_ours_keeps_its_look(records):
+    def twice():
+        axes = wl.plots.fitness_curve(records, label="a")
+        return pixels(wl.plots.fitness_curve(records, axes, label="b").figure)
+
+    with pyplot.style.context(STRANGE):
+        strange = twice()
+    assert strange == twice()
+    pyplot.close("all")
+
+
+def test_on_dark_axes_of_a_user_nothing_is_lost(records):
+    def light(colour):
+        return float(np.dot(mpl.colors.to_rgb(colour), (0.3, 0.6, 0.1)))
+
+    with pyplot.style.context("dark_background"):
+        for name, draw in every(records).items():
+            axes = draw(Figure().add_subplot())
+            texts = [text for text in axes.findobj(mpl.text.Text) if text.get_text().strip()]
+            assert all(light(text.get_color()) > 0.3 for text in texts), name
+        bars = wl.plots.gait(GENOME, SETTINGS, Figure().add_subplot()).collections
+        assert all(light(bar.get_facecolor()[0]) > 0.9 for bar in bars)
+        body = wl.plots.body(GENOME, Figure().add_subplot())
+        assert all(light(line.get_color()) > 0.4 for line in body.lines)
+        stride = wl.plots.stride(GENOME, SETTINGS, Figure().add_subplot())
+        caught = [one for one in stride.collections if type(one) is PolyCollection]
+        assert light(caught[0].get_edgecolor()[0]) < light(caught[-1].get_edgecolor()[0])
+
+
+def test_axes_that_are_not_plain_are_refused_in_a_sentence(records):
+    for kind, name in (("polar", "PolarAxes"), ("3d", "Axes3D")):
+        axes = Figure().add_subplot(projection=kind)
+        for draw in every(records).values():
+            with pytest.raises(TypeError, match=rf"needs plain axes, as of figure.add_subplot\(\); got {name}"):
+                draw(axes)
+    with pytest.raises(TypeError, match="got ndarray"):
+        wl.plots.fitness_curve(records, np.array([1]))
+
+
+@pytest.mark.parametrize("label", ["cost $5 to $6", r"$\foo$", "_mine", r"\$1 of $2"])
+def test_a_text_of_the_user_is_shown_as_it_stands(label, ax, tmp_path):
+    records = bred(3, 6)
+    records.loc[records.index[-1], "verdict"] = label
+    name_fitness(records, label, "$")
+    drawn = [
+        wl.plots.fitness_curve(records, ax, label=label),
+        wl.plots.trait(records.assign(**{label: 1.5}), label, Figure().add_subplot(), label=label),
+        wl.plots.diversity(records, Figure().add_subplot(), label=label),
+        wl.plots.distance_over_time(wl.simulate(GENOME, SETTINGS), Figure().add_subplot(), label=label),
+        wl.plots.verdicts(records, Figure().add_subplot()),
+        wl.plots.family_tree(records, Figure().add_subplot(), individual=int(records.individual.iloc[-1])),
+    ]
+    for axes in drawn:
+        wl.plots.save(axes, tmp_path / "a.svg")
+        words = " ".join(
+            "".join(one.itertext()) for one in ElementTree.parse(tmp_path / "a.svg").iter() if is_text(one)
+        )
+        assert label in words.replace("\N{ZERO WIDTH SPACE}", "")
+        if axes.get_legend():
+            said = " ".join(text.get_text() for text in axes.get_legend().get_texts())
+            assert label.replace("$", r"\$") in said
+
+
+def is_text(element):
+    return element.tag.endswith("}text")
+
+
+def test_text_stays_text_in_svg_and_the_same_picture_is_the_same_file(tmp_path):
+    for path in (tmp_path / "a.svg", tmp_path / "b.svg"):
+        wl.plots.save(wl.plots.fitness_curve(made_up(), Figure().add_subplot()), path, str(tmp_path / "a.png"))
+    assert "generation</text>" in (tmp_path / "a.svg").read_text()
+    assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+    assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_is_wiped_off_is_no_longer_told_of(ax):
+    wl.plots.verdicts(made_up(), ax)
+    ax.clear()
+    assert wl.plots.alt_text(ax) == ""
+    alone = wl.plots.alt_text(wl.plots.fitness_curve(made_up(), Figure().add_subplot()))
+    assert wl.plots.alt_text(wl.plots.fitness_curve(made_up(), ax)) == alone
+
+
+def test_a_figure_is_laid_out_anew_after_it_was_saved(tmp_path):
+    figure = Figure(layout="constrained")
+    engine = figure.get_layout_engine()
+    wl.plots.save(wl.plots.fitness_curve(made_up(), figure.add_subplot()), tmp_path / "a.png")
+    assert figure.get_layout_engine() is engine
+
+
+@of_a_table
+@pytest.mark.parametrize(
+    "table",
+    [
+        join([]),
+        bred(generations=1, size=4),
+        bred(void=1.0),
+        bred(size=4, mutation="randomized", mutation_rate=0.0),
+        bred(size=4, robot=wl.Robot(segments=(1, 1), legs=(2, 2), weight=(5, 5), leg_force=(7, 7))),
+        bred(generations=1, size=4).iloc[:1],
+        bred(size=5, crossover="none"),
+        bred(size=12, crossover="randomized"),
+    ],
+    ids=[
+        "empty",
+        "one generation",
+        "none counted",
+        "clones",
+        "constant genes",
+        "one robot",
+        "one parent",
+        "many parents",
+    ],
+)
+def test_a_table_in_which_there_is_little_to_see_is_drawn_all_the_same(draw, table, ax, tmp_path):
+    draw(table, ax)
+    wl.plots.save(ax, tmp_path / "a.svg", tmp_path / "a.png")
+    assert wl.plots.alt_text(ax)
+
+
+# ------------------------------------------------------------------------------------------------------------- curves
+
+
+def test_the_curve_is_best_median_and_quartiles_of_the_walks_that_count(ax):
+    records = made_up()
+    wl.plots.fitness_curve(records, ax)
+    lines = {line.get_label(): line.get_ydata() for line in ax.lines}
+    for generation in range(5):
+        counted = records[(records.generation == generation) & (records.verdict == "ok")].fitness
+        assert lines["best"][generation] == pytest.approx(max(counted))
+        assert lines["median"][generation] == pytest.approx(np.median(counted))
+    assert ax.get_xlabel() == "generation"
+
+
+def test_axes_bear_the_name_and_unit_of_the_fitness(ax):
+    run = wl.Run(wl.Settings(), made_up())
+    wl.plots.fitness_curve(run.records, ax)
+    assert ax.get_ylabel() == "distance [m]"
+
+
+@pytest.mark.parametrize("draw", [wl.plots.fitness_curve, wl.plots.diversity])
+def test_several_runs_on_one_axes_can_be_told_apart_even_without_colour(ax, draw):
+    for seed, label in enumerate(("gentle", "harsh")):
+        draw(bred(seed + 3), ax, label=label)
+    solid = [line for line in ax.lines if line.get_linestyle() == "-"]
+    assert [line.get_label().partition(":")[0] for line in solid] == ["gentle", "harsh"]
+    for look in ("color", "marker"):
+        assert solid[0].properties()[look] != solid[1].properties()[look]
+    assert all(label in wl.plots.alt_text(ax) for label in ("entle", "arsh"))
+
+
+def test_the_words_name_the_first_and_last_of_best_and_median(records, ax):
+    wl.plots.fitness_curve(records, ax)
+    counted = records[records.verdict == "ok"].groupby("generation").fitness
+    told = [counted.max().iloc[0], counted.max().iloc[-1], counted.median().iloc[0], counted.median().iloc[-1]]
+    assert numbers(wl.plots.alt_text(ax)) == pytest.approx([records.generation.nunique(), *told], abs=0.006)
+    assert " m" in wl.plots.alt_text(ax)
+
+
+@pytest.mark.parametrize("name", ["weight", "body_length", "n_legs", "n_segments", "velocity", "distance", "fitness"])
+def test_a_trait_is_median_and_best_robot_with_its_unit(records, ax, name):
+    wl.plots.trait(records, name, ax)
+    lines = {line.get_label(): line for line in ax.lines}
+    walked = name in ("velocity", "distance", "fitness")
+    for generation, all_of_it in records.groupby("generation"):
+        counted = all_of_it[all_of_it.verdict == "ok"]
+        place = lines["median"].get_xdata().tolist().index(generation)
+        how = "lower" if name.startswith("n_") else "linear"
+        middle = np.quantile((counted if walked else all_of_it)[name], 0.5, method=how)
+        assert lines["median"].get_ydata()[place] == pytest.approx(middle)
+        fittest = counted.loc[counted.fitness.idxmax()]
+        assert lines["best robot"].get_ydata()[place] == fittest[name]
+    unit = records.attrs["units"].get(name)
+    assert ax.get_ylabel().endswith(f"[{unit}]" if unit else "s")
+
+
+def test_the_median_of_legs_is_a_number_of_legs_that_a_robot_has(ax):
+    records = made_up(4).assign(n_legs=[2, 2, 4, 4] * 5)
+    wl.plots.trait(records, "n_legs", ax)
+    lines = {line.get_label(): line.get_ydata() for line in ax.lines}
+    assert set(lines["median"]) == {2}
+
+
+@pytest.mark.parametrize("name", ["verdict", "wieght", "generation"])
+def test_a_trait_that_is_no_number_of_a_robot_is_refused_with_those_that_are(records, name):
+    with pytest.raises(ValueError, match=rf"no column of numbers called '{name}'; it has .*weight, body_length"):
+        wl.plots.trait(records, name)
+    assert not pyplot.get_fignums()
+
+
+# ------------------------------------------------------------------------------------------- one measure, and one run
+
+
+def measuring(name, unit):
+    table = bred(2, 4, void=0)
+    name_fitness(table, name, unit)
+    return table
+
+
+DISTANCE, EFFICIENCY = measuring("distance", "m"), measuring("efficiency", "m/J")
+MEASURES = {
+    "distance [m]": lambda ax: wl.plots.fitness_curve(DISTANCE, ax, label="a"),
+    "efficiency [m/J]": lambda ax: wl.plots.fitness_curve(EFFICIENCY, ax, label="b"),
+    "weight [kg]": lambda ax: wl.plots.trait(DISTANCE, "weight", ax),
+    "number of legs": lambda ax: wl.plots.trait(DISTANCE, "n_legs", ax),
+    "genetic diversity": lambda ax: wl.plots.diversity(DISTANCE, ax),
+    "robots": lambda ax: wl.plots.verdicts(DISTANCE, ax),
+    "way forward of the centre of mass [m]": lambda ax: wl.plots.distance_over_time(wl.simulate(GENOME, SETTINGS), ax),
+}
+
+
+@pytest.mark.parametrize("second", MEASURES)
+def test_an_axis_measures_one_thing(second):
+    for first, draw in MEASURES.items():
+        axes = draw(Figure().add_subplot())
+        before = wl.plots.alt_text(axes), len(axes.lines), axes.get_ylabel()
+        if first == second:
+            MEASURES[second](axes)
+            continue
+        how = re.escape(f"show {first!r}, and cannot show {second!r} as well") + ".*Axes of its own.*plt.subplots"
+        with pytest.raises(ValueError, match=how):
+            MEASURES[second](axes)
+        assert before == (wl.plots.alt_text(axes), len(axes.lines), axes.get_ylabel()), "as it was"
+
+
+def test_on_an_axis_of_its_own_another_measure_may_share_the_picture(ax):
+    wl.plots.fitness_curve(DISTANCE, ax)
+    right = wl.plots.fitness_curve(EFFICIENCY, ax.twinx())
+    assert (ax.get_ylabel(), right.get_ylabel()) == ("distance [m]", "efficiency [m/J]")
+    ax.clear()
+    wl.plots.fitness_curve(EFFICIENCY, ax)
+
+
+def test_a_fitness_and_the_trait_that_it_measures_share_an_axis(ax):
+    wl.plots.fitness_curve(DISTANCE, ax)
+    wl.plots.trait(DISTANCE, "distance", ax)
+    assert wl.plots.trait(DISTANCE, "fitness", ax).get_ylabel() == "distance [m]"
+
+
+def test_a_table_from_a_csv_file_has_the_units_that_every_table_has(ax, tmp_path):
+    DISTANCE.to_csv(tmp_path / "records.csv", index=False)
+    table = pd.read_csv(tmp_path / "records.csv")
+    assert wl.plots.trait(table, "weight", Figure().add_subplot()).get_ylabel() == "weight [kg]"
+    assert wl.plots.fitness_curve(table, Figure().add_subplot()).get_ylabel() == "fitness"
+    wl.plots.fitness_curve(DISTANCE, ax)
+    with pytest.raises(ValueError, match=r"after read_csv.*table\.attrs = run\.records\.attrs"):
+        wl.plots.fitness_curve(table, ax)
+    table.attrs = DISTANCE.attrs
+    wl.plots.fitness_curve(table, ax)
+
+
+@of_a_table
+def test_a_table_of_several_runs_is_refused_with_the_way_to_draw_them(draw, ax):
+    runs = [bred(2, 4, void=0) for _ in range(2)]
+    with pytest.raises(ValueError, match=r"holds several runs\. .*for seed, run in .*label="):
+        draw(pd.concat(runs), ax)
+    assert not wl.plots.alt_text(ax)
+
+
+# ----------------------------------------------------------------------------------------------------------- verdicts
+
+
+@pytest.mark.parametrize("generations", [1, 6, 61, 130])
+def test_bars_add_up_to_the_population_and_there_is_one_for_each_verdict_that_occurs(generations, ax):
+    records = bred(generations, 8)
+    wl.plots.verdicts(records, ax)
+    bars = {bar.get_label(): bar.get_data() for bar in ax.patches if isinstance(bar, StepPatch)}
+    assert {"ok" if label == "counts" else label for label in bars} == set(records.verdict)
+    heights = {label: bar.values - bar.baseline for label, bar in bars.items()}
+    assert sum(heights.values()) == pytest.approx(np.full(len(next(iter(heights.values()))), 8))
+    for label, bar in bars.items():
+        together = np.diff(bar.edges)
+        n = (records.verdict == ("ok" if label == "counts" else label)).sum()
+        assert (heights[label] * together).sum() == pytest.approx(n)
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == list(bars)[::-1]
+
+
+def test_where_generations_are_missing_there_is_no_bar(ax):
+    records = bred(6, 8)
+    wl.plots.verdicts(records[records.generation.isin([0, 1, 5])], ax)
+    drawn = sum(np.nan_to_num(bar.get_data().values - bar.get_data().baseline) for bar in ax.patches)
+    assert drawn.tolist() == [8, 8, 0, 0, 0, 8]
+    assert ax.get_xlim() == (-0.5, 5.5)
+    render(ax)
+
+
+def test_no_two_verdicts_look_alike(ax):
+    table = made_up(2 * len(VERDICTS))
+    table["verdict"] = np.tile(list(VERDICTS), 10)
+    wl.plots.verdicts(table, ax)
+    looks = [(bar.get_facecolor(), bar.get_hatch()) for bar in ax.patches]
+    assert len(set(looks)) == len(looks) == len(VERDICTS)
+    hatches = [hatch for colour, hatch in looks]
+    assert len(set(hatches)) == len(hatches), "in black and white"
+
+
+# ------------------------------------------------------------------------------------------------------------ genomes
+
+
+def genomes(records):
+    return np.array([wl.Genome.parse(text).values for text in records.genome])
+
+
+def test_diversity_is_the_distance_of_two_robots_over_all_pairs(records, ax):
+    wl.plots.diversity(records, ax)
+    table, values = genes_of(wl.Robot()), genomes(records)
+    span = np.where(table.is_cyclic, table.high, np.ptp(values, axis=0))
+    for generation, diversity in zip(*ax.lines[0].get_data(), strict=True):
+        squares = []
+        for a, b in combinations(values[records.generation == generation], 2):
+            apart = np.divide(a - b, span, where=span > 0, out=np.zeros(len(table)))
+            squares.append(np.where(table.is_cyclic, np.sin(np.pi * apart), apart)[np.ptp(values, axis=0) > 0] ** 2)
+        assert diversity == pytest.approx(np.sqrt(np.mean(squares)))
+
+
+def test_of_a_large_generation_some_stand_for_all(ax, monkeypatch):
+    table = bred(size=60)
+    for read in (60, 59, 30):
+        monkeypatch.setattr(plots_of_genomes, "READ", read)
+        chosen = table[plots_of_genomes._evenly_spread(table)]
+        assert chosen.groupby("generation").size().tolist() == [read] * 6
+        places = chosen.index[chosen.generation == 0]
+        assert np.diff(places, append=60).max() <= -(-60 // read)
+        wl.plots.diversity(table, ax)
+        wl.plots.genes(table, Figure().add_subplot(), generation=2)
+    exact, *estimated = (line.get_ydata() for line in ax.lines)
+    for some in estimated:
+        np.testing.assert_allclose(some, exact, rtol=0.15)
+
+
+def test_of_a_large_generation_all_genes_are_drawn(ax, monkeypatch):
+    monkeypatch.setattr(plots_of_genomes, "READ", 4)
+    wl.plots.genes(bred(), ax)
+    assert ax.collections[0].get_array().shape[0] == 10
+
+
+def test_clones_have_no_diversity_and_the_order_of_rows_does_not_matter(records, ax):
+    clones = records.assign(genome=np.where(records.generation == 3, records.genome[0], records.genome))
+    shuffled = clones.sample(frac=1, random_state=0)
+    for table in (clones, shuffled):
+        wl.plots.diversity(table, ax)
+    first, second = (line.get_ydata() for line in ax.lines)
+    assert first[3] == pytest.approx(0, abs=1e-7)
+    assert (np.delete(first, 3) > 0).all()
+    assert first == pytest.approx(second, abs=1e-12)
+
+
+def test_the_colour_of_a_gene_is_its_place_in_its_range_and_what_is_not_grown_has_none(records, ax):
+    wl.plots.genes(records, ax, generation=2)
+    table, values = genes_of(wl.Robot()), genomes(records)
+    picture = next(child for child in ax.get_children() if isinstance(child, QuadMesh)).get_array()
+    rows = records[records.generation == 2].sort_values(["fitness", "individual"], ascending=[False, True])
+    assert picture.shape == (len(rows), len(table))
+    low = np.where(table.is_cyclic, 0, values.min(axis=0))
+    high = np.where(table.is_cyclic, table.high, values.max(axis=0))
+    for colours, text in zip(picture, rows.genome, strict=True):
+        robot, own = wl.express(wl.Genome.parse(text)), wl.Genome.parse(text).values
+        for i, name in enumerate(table.names):
+            part, _, feature = name.rpartition(".")
+            place = int(part[3:] or 0) - 1 if part else None
+            grown = place is None or place < len(robot.segments)
+            if grown and place is not None and feature not in ("length", "mass", "legs"):
+                grown = robot.segments[place].legs is not None
+            assert (colours[i] is not np.ma.masked) == grown, name
+            if grown and high[i] > low[i]:
+                assert colours[i] == pytest.approx((own[i] - low[i]) / (high[i] - low[i]))
+
+
+def test_every_gene_has_its_name_below_and_its_segment_above(records, ax):
+    wl.plots.genes(records, ax)
+    names = [label.get_text() for label in ax.get_xticklabels()]
+    expected = [name.rpartition(".")[2].replace("_", " ") for name in genes_of(wl.Robot()).names]
+    assert names == expected
+    assert {"body", "segment 1", "segment 4"} <= {text.get_text() for text in ax.texts}
+
+
+def test_the_last_population_is_shown_unless_another_is_named(records, ax):
+    wl.plots.genes(records, ax)
+    assert "generation 5" in wl.plots.alt_text(ax)
+    with pytest.raises(ValueError, match="generation 77 is not in this table; it has 0 to 5"):
+        wl.plots.genes(records, ax, generation=77)
+
+
+# -------------------------------------------------------------------------------------------------------- family tree
+
+
+def ids(axes, shape):
+    found = [re.fullmatch(shape, str(child.get_gid())) for child in axes.get_children()]
+    return {tuple(map(int, match.groups())) for match in found if match}
+
+
+def bodies(axes):
+    return {one for (one,) in ids(axes, r"robot-(\d+)")}
+
+
+def edges(axes):
+    return ids(axes, r"robot-(\d+)-to-robot-(\d+)")
+
+
+@pytest.mark.parametrize("crossover", ["paired", "none", "randomized"])
+@pytest.mark.parametrize("generations", [1, 2, 8, 40])
+def test_a_tree_has_just_those_edges_that_the_table_has(generations, crossover, ax):
+    records = bred(generations, 8, crossover=crossover)
+    wl.plots.family_tree(records, ax)
+    drawn = bodies(ax)
+    births = records.drop_duplicates("individual").set_index("individual")
+    kin = {(parent, child) for child in drawn for parent in parent_numbers(births.parents[child]) if parent in drawn}
+    assert edges(ax) == kin
+    best = records.sort_values(["fitness", "individual"], ascending=[False, True]).individual.iloc[0]
+    assert best in drawn
+
+
+def test_in_a_short_tree_every_one_of_the_line_has_both_parents_drawn(ax):
+    records = bred(8, 8)
+    wl.plots.family_tree(records, ax)
+    births = records.drop_duplicates("individual").set_index("individual")
+    number = records.sort_values(["fitness", "individual"], ascending=[False, True]).individual.iloc[0]
+    while parents := parent_numbers(births.parents[number]):
+        assert {(parent, number) for parent in parents} <= edges(ax)
+        number = max(parents, key=lambda parent: births.fitness[parent])
+
+
+def test_a_long_tree_is_drawn_in_part_and_says_how_many_are_left_out(ax):
+    records = bred(60, 6, n_elites=0)
+    youngest = int(records.individual.max())
+    wl.plots.family_tree(records, ax, individual=youngest)
+    births = records.drop_duplicates("individual").set_index("individual")
+    line = [youngest]
+    while parents := parent_numbers(births.parents[line[-1]]):
+        line.append(max(parents, key=lambda parent: births.fitness[parent]))
+    assert len(line) > MOST, "or this shows nothing"
+    assert {line[0], line[-1]} <= bodies(ax)
+    left_out = [int(match[1]) for text in ax.texts if (match := re.fullmatch(r"\s*(\d+) left out", text.get_text()))]
+    assert sum(left_out) == len(line) - SOME
+    assert len(bodies(ax) & set(line)) >= SOME
+    assert f"has {len(line)} robots" in wl.plots.alt_text(ax)
+
+
+def test_a_robot_that_never_walked_has_no_tree(records):
+    with pytest.raises(ValueError, match="individual 999 is not in this run"):
+        wl.plots.family_tree(records, Figure().add_subplot(), individual=999)
+
+
+def read_back(records, path, **options):
+    records.to_csv(path, index=False)
+    return pd.read_csv(path, **options)
+
+
+def tables_that_users_make(records, folder):
+    return {
+        "read from CSV": read_back(records, folder / "a.csv"),
+        "read as it is": read_back(records, folder / "a.csv", keep_default_na=False),
+        "from generation 3 on": records[records.generation >= 3],
+        "every second generation": records[records.generation % 2 == 0],
+        "the last generation": records[records.generation == records.generation.max()],
+        "CSV from 3 on": read_back(records[records.generation >= 3], folder / "b.csv"),
+        "shuffled": records.sample(frac=1, random_state=0),
+    }
+
+
+def test_a_robot_that_is_its_own_ancestor_ends_the_line_of_descent(records):
+    looped = records.copy()
+    last = int(looped.individual.max())
+    looped.loc[looped.individual == last, "parents"] = f"{last} {last + 1}"
+    assert fitter_line(births(looped), last) == [last]
+
+
+@pytest.mark.parametrize("crossover", ["paired", "none"])
+def test_descent_is_told_as_far_as_a_table_goes(crossover, tmp_path):
+    records = bred(8, 8, crossover=crossover)
+    for name, table in tables_that_users_make(records, tmp_path).items():
+        axes, best = Figure().add_subplot(), wl.Run(wl.Settings(), table).champion
+        wl.plots.family_tree(table, axes)
+        render(axes)
+        own = table.drop_duplicates("individual").set_index("individual")
+        assert best.individual in bodies(axes) <= set(own.index), name
+        assert {(parent, best.individual) for parent in best.parents if parent in own.index} <= edges(axes), name
+        found = wl.Run(wl.Settings(), table).lineage(best.individual)
+        assert best.individual in set(found.individual) <= set(own.index), name
+        assert str(best.individual) in summary.descent(table, best.individual), name
+        assert summary.summary(table, wl.Settings().model_dump()), name
+        assert "nan" not in found.parents.str.cat() + best.reason, name
+    whole, later = Figure().add_subplot(), Figure().add_subplot()
+    youngest = int(records.individual.max())
+    wl.plots.family_tree(records, whole, individual=youngest)
+    wl.plots.family_tree(records[records.generation >= 3], later, individual=youngest)
+    assert "begins with generation" not in whole.get_title(loc="left")
+    assert "the table begins with generation 3" in later.get_title(loc="left")
+
+
+@pytest.mark.parametrize(
+    ("cell", "numbers"), [("3 17", (3, 17)), ("", ()), (math.nan, ()), (None, ()), (5.0, (5,)), (np.int64(5), (5,))]
+)
+def test_a_cell_of_parents_is_read_however_pandas_has_it(cell, numbers):
+    assert parent_numbers(cell) == numbers
+
+
+# -------------------------------------------------------------------------------------------------------------- walks
+
+
+def test_the_way_is_that_of_the_centre_of_mass(ax):
+    rollout = wl.simulate(GENOME, SETTINGS)
+    wl.plots.distance_over_time(rollout, ax)
+    assert ax.lines[0].get_ydata() == pytest.approx(rollout.com[:, 0] - rollout.com[0, 0])
+    assert ax.get_xlabel() == "time [s]"
+    assert "not count" not in wl.plots.alt_text(ax)
+
+
+def test_a_walk_that_does_not_count_is_marked_and_the_reason_told(ax):
+    rollout = wl.simulate(GENOME, SETTINGS)
+    number = np.array([math.nan if 0.5 < time < 0.6 else 0.0 for time in rollout.time])
+    torn = replace(
+        rollout, verdict="unstable", reason="a number was not finite", com=rollout.com + number[:, np.newaxis]
+    )
+    for void in (replace(rollout, verdict="fell", reason="it lay"), torn):
+        wl.plots.distance_over_time(void, ax, label="the other")
+        assert f"does not count: {void.verdict} ({void.reason})" in wl.plots.alt_text(ax)
+        assert ax.get_legend().get_texts()[-1].get_text() == f"the other (does not count: {void.verdict})"
+    render(ax)
+
+
+def test_bars_of_a_gait_are_its_footfalls(ax):
+    wl.plots.gait(GENOME, SETTINGS, ax)
+    scene, rollout = wl.compile_scene(GENOME, SETTINGS), wl.simulate(GENOME, SETTINGS)
+    down = find_footfalls(scene, rollout.poses)
+    rows = {child.get_gid(): child for child in ax.collections if child.get_gid()}
+    assert set(rows) == set(foot_names(scene))
+    for name, on_ground in zip(foot_names(scene), down.T, strict=True):
+        spans = [path.vertices[:, 0] for path in rows[name].get_paths()]
+        middles = (rollout.time[:-1] + rollout.time[1:]) / 2
+        black = [any(span.min() < moment < span.max() for span in spans) for moment in middles]
+        assert black == on_ground[:-1].tolist()
+    shares = [label.get_text() for label in ax.child_axes[0].get_yticklabels()]
+    assert shares == [f"{share:.0%}" for share in down.mean(axis=0)]
+
+
+def test_of_a_long_walk_the_gait_shows_the_last_ten_seconds(ax):
+    wl.plots.gait(GENOME, wl.Settings().with_(duration=12), ax)
+    assert ax.get_xlim() == pytest.approx((2, 12), abs=0.03)
+    assert "in a walk of 12 s" in wl.plots.alt_text(ax)
+
+
+def test_of_several_starts_the_walk_that_counted_is_drawn():
+    settings = SETTINGS.with_(n_starts=4)
+    counted, first = poorest_walk(GENOME, settings), wl.simulate(GENOME, settings)
+    assert counted.distance != first.distance, "or this shows nothing"
+    shown = wl.plots.gait(GENOME, settings, Figure().add_subplot())
+    shares = [label.get_text() for label in shown.child_axes[0].get_yticklabels()]
+    down = find_footfalls(wl.compile_scene(GENOME, settings), counted.poses)
+    assert shares == [f"{share:.0%}" for share in down.mean(axis=0)]
+    start, end = arrow(wl.plots.stride(GENOME, settings, Figure().add_subplot()))
+    assert (start, end) == pytest.approx(counted.com[[0, -1], 0])
+
+
+def arrow(axes):
+    found = {(note.xyann[0], note.xy[0]) for note in axes.texts if getattr(note, "arrow_patch", None)}
+    (span,) = found
+    return span
+
+
+# ------------------------------------------------------------------------------------------------------------- bodies
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_body_is_drawn_to_scale_on_the_ground_and_its_measures_are_told(seed, ax):
+    genome = wl.Genome.random(wl.Robot(), rng=np.random.default_rng(seed))
+    robot = wl.express(genome)
+    wl.plots.body(genome, ax)
+    (drawn,) = ax.collections
+    assert len(drawn.get_paths()) == len(robot.segments) + 2 * robot.n_legs
+    corners = np.concatenate([path.vertices for path in drawn.get_paths()])
+    assert 0 <= corners[:, 1].min() < 0.01
+    trunk = [path.vertices for path in drawn.get_paths()][robot.n_legs : robot.n_legs + len(robot.segments)]
+    assert np.ptp(np.concatenate(trunk)[:, 0]) == pytest.approx(robot.body_length, rel=0.04)
+    assert ax.get_aspect() == 1
+    told = [len(robot.segments), robot.n_legs, robot.weight, robot.body_length]
+    assert numbers(wl.plots.alt_text(ax)) == pytest.approx(told, abs=0.006)
+    assert ax.get_title() in wl.plots.alt_text(ax)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_bar_beside_a_body_is_as_long_as_it_says(seed, ax):
+    wl.plots.body(wl.Genome.random(wl.Robot(), rng=np.random.default_rng(seed)), ax)
+    bar, label = ax.lines[-1], ax.texts[-1]
+    assert label.get_text().endswith(" m")
+    assert [np.ptp(bar.get_xdata())] == pytest.approx(numbers(label.get_text()))
+
+
+def test_a_body_can_be_put_anywhere_at_any_size_and_reports_where_it_is(ax):
+    scene = at_rest(GENOME)
+    parts = skins(scene, scene.start)
+    left, right, bottom, top = add_body(ax, parts)
+    assert add_body(ax, parts, at=(3.0, -2.0), scale=0.5) == pytest.approx(
+        (3 + left / 2, 3 + right / 2, -2 + bottom / 2, -2 + top / 2)
+    )
+    assert len(ax.get_children()) == len(Figure().add_subplot().get_children()) + 2, "and adds nothing else"
+
+
+def test_far_legs_look_different_from_near_ones_and_stand_beside_them(ax):
+    wl.plots.body(GENOME, ax)
+    (drawn,) = ax.collections
+    n_legs = wl.express(GENOME).n_legs
+    far, near = drawn.get_paths()[:n_legs], drawn.get_paths()[-n_legs:]
+    luminance = drawn.get_facecolor()[:, :3] @ (0.3, 0.6, 0.1)
+    assert luminance[:n_legs].max() + 0.1 < luminance[-n_legs:].min()
+    assert np.mean([path.vertices[:, 0].mean() for path in far]) > np.mean(
+        [path.vertices[:, 0].mean() for path in near]
+    )
+
+
+def test_without_settings_a_robot_of_any_limits_is_drawn_as_it_is(ax):
+    large = wl.Robot(segments=(6, 8), body_length=(4, 6), segment_length=(0.5, 1), weight=(50, 60), legs=(10, 16))
+    genome = wl.Genome.random(large, rng=np.random.default_rng(0))
+    wl.plots.body(genome, ax)
+    assert f"{len(wl.express(genome).segments)} segments" in wl.plots.alt_text(ax)
+
+
+def test_loads_are_drawn_when_the_settings_have_them(ax):
+    loaded = SETTINGS.with_(carry_weight=2, drag_weight=2)
+    wl.plots.body(GENOME, ax, loaded)
+    wl.plots.body(GENOME, ax)
+    with_loads, without = (len(drawn.get_paths()) for drawn in ax.collections)
+    assert with_loads > without
+
+
+class TestStride:
+    """The robot as it is drawn without GL is the robot that walked."""
+
+    genome = wl.Genome.random(wl.Robot(), rng=np.random.default_rng(2))
+    settings = wl.Settings().with_(duration=2.0)
+
+    def test_it_shows_the_body_to_scale_and_over_the_ground(self, ax):
+        wl.plots.stride(self.genome, self.settings, ax)
+        robot = wl.express(self.genome)
+        one = len(robot.segments) + 2 * robot.n_legs
+        caught = [child for child in ax.collections if type(child) is PolyCollection]
+        assert 1 <= len(caught) <= 4
+        assert all(len(body.get_paths()) == one for body in caught)
+        assert min(path.vertices[:, 1].min() for body in caught for path in body.get_paths()) > -0.02
+        assert ax.get_aspect() == 1
+
+    def test_a_robot_whose_physics_broke_down_is_drawn_as_it_started(self, ax):
+        torn = wl.Settings().with_(gravity=(-30, 12, -30), carry_weight=60, duration=2, timestep=0.01, texture_size=0.2)
+        torn = torn.with_(robot=wl.Robot(leg_force=(500, 500), weight=(0.1, 0.1), carry_weight=60))
+        rollout = wl.simulate(self.genome, torn)
+        assert rollout.verdict == "unstable", "or this shows nothing"
+        wl.plots.stride(self.genome, torn, ax)
+        assert any(type(child) is PolyCollection for child in ax.collections)
+        assert "does not count: unstable" in wl.plots.alt_text(ax)
+
+    def test_a_walk_is_drawn_until_its_numbers_ran_away(self, ax, monkeypatch):
+        rollout = wl.simulate(self.genome, self.settings)
+        poses = rollout.poses.copy()
+        poses[60:, 0] += 500
+        torn = replace(rollout, poses=poses, verdict="unstable", reason="it flew apart")
+        monkeypatch.setattr("walkerlab.view.plots.bodies.poorest_walk", lambda *_: torn)
+        wl.plots.stride(self.genome, self.settings, ax)
+        assert ax.get_xlim()[1] < 10
+        assert f"after {rollout.time[59]:.2f}".rstrip("0") + " s" in wl.plots.alt_text(ax)
+
+    def test_it_grows_darker_with_time_and_the_arrow_is_the_way_it_came(self, ax):
+        walks = {seed: wl.Genome.random(wl.Robot(), rng=np.random.default_rng(seed)) for seed in range(8)}
+        genome = max(walks.values(), key=lambda one: wl.simulate(one, self.settings).distance)
+        rollout = wl.simulate(genome, self.settings)
+        wl.plots.stride(genome, self.settings, ax)
+        caught = [child for child in ax.collections if type(child) is PolyCollection]
+        assert len(caught) > 1, "or this shows nothing"
+        edges = [float(body.get_edgecolor()[0, 0]) for body in caught]
+        assert edges == sorted(edges, reverse=True)
+        assert len(set(edges)) == len(edges)
+        forward = np.sign(rollout.distance)
+        places = [np.concatenate([path.vertices for path in body.get_paths()])[:, 0].mean() for body in caught]
+        assert forward * places[0] < forward * places[-1]
+        assert arrow(ax) == pytest.approx(rollout.com[[0, -1], 0])
+        (words,) = [text.get_text() for text in ax.texts if " in " in text.get_text()]
+        assert numbers(words) == pytest.approx([rollout.com[-1, 0] - rollout.com[0, 0], rollout.time[-1]], abs=0.006)
+
+    @pytest.mark.parametrize("obstacle", [kind for kind in Obstacle if kind])
+    def test_a_skin_reaches_as_far_as_the_thing_whichever_way(self, obstacle):
+        settings = self.settings.with_(obstacle=obstacle, carry_weight=2, drag_weight=2)
+        scene, rollout = wl.compile_scene(self.genome, settings), wl.simulate(self.genome, settings)
+        model, data = scene.model, mujoco.MjData(scene.model)
+        data.qpos[:] = rollout.poses[-1]
+        mujoco.mj_kinematics(model, data)
+        *parts, rope = skins(scene, rollout.poses[-1])
+        parts += skins(scene, rollout.poses[-1], loose=True)
+        assert len(rope[0]) == 2
+        moving = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom]]
+        ways = np.random.default_rng(0).normal(size=(20, 3))
+        for geom, (skin, _) in zip(moving, parts, strict=True):
+            for way in ways / np.linalg.norm(ways, axis=1, keepdims=True):
+                farthest = np.max((skin - data.geom_xpos[geom]) @ way)
+                along = np.abs(data.geom_xmat[geom].reshape(3, 3).T @ way)
+                size = model.geom_size[geom]
+                reach = {
+                    mujoco.mjtGeom.mjGEOM_SPHERE: size[0],
+                    mujoco.mjtGeom.mjGEOM_CAPSULE: size[0] + size[1] * along[2],
+                    mujoco.mjtGeom.mjGEOM_CYLINDER: size[0] * np.hypot(*along[:2]) + size[1] * along[2],
+                    mujoco.mjtGeom.mjGEOM_BOX: size @ along,
+                    mujoco.mjtGeom.mjGEOM_MESH: farthest,  # it is drawn by its own corners
+                }[mujoco.mjtGeom(model.geom_type[geom])]
+                assert farthest == pytest.approx(reach, rel=0.03)
+
+    @pytest.mark.parametrize("structure", [kind for kind in Structure if kind != Structure.rough])
+    def test_the_ground_is_drawn_where_mujoco_has_it(self, structure):
+        settings = self.settings.with_(structure=structure)
+        scene = wl.compile_scene(self.genome, settings)
+        data = mujoco.MjData(scene.model)
+        mujoco.mj_forward(scene.model, data)
+        for x in (-0.5, 0.7, 1.3, 2.9, 6.1):
+            above = np.array([x, 3.0, 8.0])  # beside the robot, which stands in the middle
+            depth = mujoco.mj_ray(scene.model, data, above, np.array([0, 0, -1.0]), None, 1, -1, np.zeros(1, np.int32))
+            assert 8.0 - depth == pytest.approx(height(settings.terrain, np.array([x]))[0], abs=1e-6)

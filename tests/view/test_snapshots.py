@@ -1,0 +1,211 @@
+"""Every widget leaves a static picture in the notebook, which stands alone, is small, and is kept up to date."""
+
+import importlib
+import inspect
+import pkgutil
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import ipywidgets
+import nbclient
+import nbformat
+import pytest
+
+import walkerlab as wl
+from tests.frontends import book
+from tests.text.test_html import Seen, assert_harmless
+from walkerlab import widgets
+from walkerlab.view import snapshots
+from walkerlab.view.replay.page import Frame
+from walkerlab.view.snapshots import HasSnapshot, page
+from walkerlab.widgets.component import Part
+from walkerlab.widgets.drawer import Drawer
+from walkerlab.widgets.drawing_thread import Desk
+from walkerlab.widgets.robot import RobotRoom
+from walkerlab.widgets.run_folders import Kept
+from walkerlab.widgets.run_list import Shelf
+from walkerlab.widgets.runs import RunsRoom
+from walkerlab.widgets.transport import Transport
+
+MAX_SIZE = 200_000  # characters
+EVIL = "</pre><script>alert(1)</script><img src=x onerror=alert(1)>"
+
+
+def ignore(*_):
+    pass
+
+
+def panel(run):
+    lab = wl.Lab(run.settings, executor=ThreadPoolExecutor(1))
+    lab.runs.keep(Kept("a", run.settings, run), EVIL)
+    return lab
+
+
+def runs_room(run):
+    room = RunsRoom(Path("lab"), Desk(lambda: False, ignore), ignore, ignore)
+    room.shelf.put("a", name=EVIL)
+    room.curve.draw({EVIL: run.records})
+    return room
+
+
+def robot_room(run):
+    room = RobotRoom(run.settings, ignore)
+    room.show(run, -1)
+    return room
+
+
+def drawer(_run):
+    made = Drawer(ignore, ignore, ignore)
+    made.code = EVIL
+    return made
+
+
+def shelf(_run):
+    made = Shelf()
+    made.put("a", name=EVIL, best="1 m")
+    return made
+
+
+def transport(_run):
+    made = Transport(ignore)
+    made.words = EVIL
+    return made
+
+
+MAKE = {
+    widgets.Curve: lambda run: widgets.Curve({EVIL: run.records, "other": run.records}),
+    widgets.Editor: lambda run: widgets.Editor(EVIL, run.settings),
+    widgets.Form: lambda run: widgets.Form(run.settings),
+    widgets.Lab: panel,
+    widgets.Population: lambda run: widgets.Population(run),
+    widgets.World: lambda run: widgets.World(run.settings.with_(structure="rough")),
+    Drawer: drawer,
+    Frame: lambda run: wl.replay({EVIL: run.champion}, run.settings).widget,
+    RobotRoom: robot_room,
+    RunsRoom: runs_room,
+    Shelf: shelf,
+    Transport: transport,
+}
+"""What makes each widget, with a run to show."""
+
+
+def widget_classes():
+    """Return every class of walkerlab's that a notebook shows as a widget."""
+    names = ["viewer.replay", *(f"widgets.{one.name}" for one in pkgutil.iter_modules(widgets.__path__))]
+    found = {
+        thing
+        for module in (importlib.import_module(f"walkerlab.{name}") for name in names)
+        for thing in vars(module).values()
+        if inspect.isclass(thing) and issubclass(thing, ipywidgets.DOMWidget) and thing.__module__ == module.__name__
+    }
+    return found - {Part}
+
+
+def test_every_widget_has_a_snapshot_and_is_tested():
+    assert widget_classes() == set(MAKE)
+    assert {getattr(widgets, name) for name in widgets.__all__} <= set(MAKE)
+    assert all(issubclass(kind, HasSnapshot) for kind in MAKE)
+
+
+@pytest.mark.parametrize("kind", MAKE, ids=lambda kind: kind.__name__)
+def test_a_snapshot_stands_alone_says_what_it_shows_and_is_small(kind, done, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    widget = MAKE[kind](done)
+    html = page(widget)
+    seen = assert_harmless(html)
+    assert f"Static picture of the {widget.title}. Run the cell for the live one." in seen.text
+    assert "could not be drawn" not in seen.text
+    assert widget.snapshot()
+    assert len(html) < MAX_SIZE
+    if kind in (widgets.Curve, widgets.Lab, widgets.Population, widgets.World, Frame, RobotRoom, RunsRoom):
+        assert seen.all("img")
+    widget.close()
+
+
+@pytest.mark.parametrize("kind", [widgets.Curve, widgets.Population, widgets.Editor, widgets.Form, widgets.World])
+def test_a_widget_without_anything_to_show_says_so(kind):
+    html = page(kind())
+    assert "could not be drawn" not in html
+    assert Seen(html).all("img") or "No generation was done yet." in html or "<table>" in html
+
+
+def test_a_population_with_many_robots_shows_the_first_of_them(done):
+    robots = widgets.Population(done)
+    robots.as_table = True
+    assert "<td" in page(robots)
+    robots.as_table = False
+    assert len(Seen(page(robots)).all("img")) == min(done.settings.algorithm.population_size, 12)
+
+
+def test_a_picture_that_fails_does_not_keep_the_widget_from_being_displayed(monkeypatch):
+    world = widgets.World()
+    monkeypatch.setattr(world, "snapshot", lambda: 1 / 0)
+    assert "It could not be drawn. ZeroDivisionError" in page(world)
+
+
+def test_a_snapshot_is_sent_again_only_when_it_has_changed(monkeypatch):
+    shell, sent = Shell(), []
+    monkeypatch.setattr("IPython.core.getipython.get_ipython", lambda: shell)
+    monkeypatch.setattr("IPython.display.display", lambda bundle, **options: sent.append((bundle, options)))
+    monkeypatch.setattr(snapshots, "QUIET", 60)
+    world = widgets.World()
+    world._ipython_display_()
+    (view, _), (picture, options) = sent
+    assert "application/vnd.jupyter.widget-view+json" in view
+    assert view["text/html"] == ""
+    assert options["display_id"]
+    [cell_ran] = shell.callbacks
+    cell_ran(None)
+    assert len(sent) == 2
+    world.number += 1
+    cell_ran(None)
+    assert len(sent) == 3
+    updated, how = sent[-1]
+    assert how == options | {"update": True}
+    assert updated["text/html"] != picture["text/html"]
+    world.number += 1
+    world.close()
+    assert len(sent) == 4
+    assert shell.callbacks == []
+
+
+class Shell:
+    """Stands in for a notebook's shell."""
+
+    kernel = object()
+
+    def __init__(self):
+        self.callbacks = []
+        self.events = self
+
+    def register(self, event, callback):
+        assert event == "post_run_cell"
+        self.callbacks.append(callback)
+
+    def unregister(self, event, callback):
+        self.callbacks.remove(callback)
+
+
+SHOW = """
+import walkerlab as wl
+from walkerlab.widgets import Form, World
+form = Form(only=["terrain"])
+display(form, World())
+wl.Lab(form.settings)
+"""
+
+
+def test_an_executed_notebook_holds_what_the_widgets_showed_last(tmp_path):
+    """Nbclient and nbconvert run no JavaScript: without a browser, a page is to show the last state."""
+    notebook = book(SHOW, "form.settings = form.settings.with_(step_height=0.123, structure='stairs')")
+    nbclient.NotebookClient(notebook, timeout=60, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    nbformat.validate(notebook)
+    outputs = [output.data for output in notebook.cells[0].outputs]
+    assert [sorted(one) for one in outputs[::2]] == [sorted(VIEW)] * 3
+    form, world, lab = (one["text/html"] for one in outputs[1::2])
+    assert "0.123 m" in form
+    assert Seen(world).all("img")
+    assert len(Seen(lab).all("img")) >= 2
+
+
+VIEW = {"application/vnd.jupyter.widget-view+json", "text/html", "text/plain"}

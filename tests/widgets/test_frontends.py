@@ -1,0 +1,127 @@
+"""The pieces of the panel work in JupyterLab, in Notebook 7 and under Voila, by mouse and by keyboard, at any time."""
+
+import pytest
+
+from tests.frontends import book, finish_all, open_notebook, run_all, start_all
+from tests.reach import beyond_keyboard, reached_by_keyboard, unnamed_controls
+
+# A piece in a box, with a button that Python answers and one of each kind of control.
+ECHO = '''
+import threading
+from ipywidgets import VBox
+from walkerlab.widgets.component import Part
+
+class Echo(Part):
+    _esm = """
+    function render({ model, el }) {
+        const root = document.createElement("div"), answer = document.createElement("output");
+        root.className = "wl-part wl-echo";
+        root.innerHTML = `<button>press</button>
+            <label>step height <input type="range"></label>
+            <label>camera <select><option>side<option>top</select></label>
+            <label><input type="radio" name="ground" checked> flat</label>
+            <label><input type="radio" name="ground"> stairs</label>
+            <label>seed <input type="number"></label>`;
+        root.append(answer);
+        el.append(root);
+        root.addEventListener("focusin", ({ target }) => target.setAttribute("data-lm-suppress-shortcuts", "true"));
+        const button = root.querySelector("button");
+        button.onclick = () => { root.dataset.pressed = performance.now(); model.send("press"); };
+        model.on("msg:custom", text => {
+            answer.textContent = text;
+            root.dataset.waited = performance.now() - root.dataset.pressed;
+        });
+    }
+    export default { render }"""
+
+echo = Echo()
+echo.on_msg(lambda *_: echo.send("on the cells' thread" if on_main() else "on another thread"))
+on_main = lambda: threading.current_thread() is threading.main_thread()
+VBox([echo])
+'''
+
+# A cell that goes on until it is told that it is over.
+LONG = """
+from pathlib import Path
+from time import sleep, monotonic
+
+until = monotonic() + 60
+while not Path("over").exists() and monotonic() < until:
+    sleep(0.1)
+"""
+
+
+def press(page):
+    page.get_by_role("button", name="press").click()
+    page.locator(".wl-echo[data-waited]").wait_for()
+    return float(page.locator(".wl-echo").get_attribute("data-waited")) / 1000
+
+
+def test_a_piece_is_shown_and_answers(page, jupyter, frontend):
+    assert run_all(page, jupyter.put(book(ECHO), frontend)) == []
+    assert press(page) < 1
+
+
+def test_an_error_is_told(page, jupyter, frontend):
+    [error] = run_all(page, jupyter.put(book("1 + 1", "1 / 0", "2 + 2"), frontend))
+    assert "ZeroDivisionError: division by zero" in error
+
+
+@pytest.mark.parametrize("frontend", ["JupyterLab", "Notebook 7"])
+def test_a_piece_answers_within_a_second_while_a_cell_is_running(page, jupyter, frontend):
+    over = jupyter.folder / "over"
+    over.unlink(missing_ok=True)
+    open_notebook(page, jupyter.put(book(ECHO, LONG), frontend))
+    start_all(page)
+    assert press(page) < 1
+    assert page.locator(".wl-echo output").inner_text() == "on another thread"
+    assert page.locator(".jp-InputPrompt", has_text="[*]").count() == 1, "or this shows nothing"
+    over.touch()
+    assert finish_all(page) == []
+
+
+@pytest.mark.parametrize("frontend", ["JupyterLab", "Notebook 7"])
+def test_keys_are_for_the_control_that_has_the_focus_and_not_for_the_notebook(page, jupyter, frontend):
+    assert run_all(page, jupyter.put(book("1 + 1", ECHO, "2 + 2"), frontend)) == []
+    for name, key, moved in (
+        ("step height", "ArrowDown", "49"),
+        ("camera", "ArrowDown", "top"),
+        ("seed", "ArrowUp", "1"),
+    ):
+        control = page.get_by_label(name)
+        control.focus()
+        page.keyboard.press(key)
+        assert control.input_value() == moved
+    page.get_by_label("flat").focus()
+    page.keyboard.press("ArrowDown")
+    assert page.get_by_label("stairs").is_checked()
+    page.get_by_role("button", name="press").focus()
+    page.keyboard.press("x")
+    assert page.locator(".jp-CodeCell").count() == 3, "for the notebook, x means to cut the cell"
+
+
+def test_controls_are_reached_and_named(page, jupyter, frontend):
+    assert run_all(page, jupyter.put(book(ECHO), frontend)) == []
+    page.locator(".wl-echo").wait_for()
+    assert unnamed_controls(page, ".wl-echo") == []
+    assert beyond_keyboard(page, ".wl-echo") == []
+    assert len(reached_by_keyboard(page, ".wl-echo")) == 5
+
+
+def test_what_is_out_of_reach_or_has_no_name_is_found(page):
+    page.set_content(
+        """<div id="panel"><button>named</button> <input type="range"> <button disabled></button>
+        <span role="button" tabindex="0"></span> <button tabindex="-1">never</button> <button hidden></button>
+        <div role="listbox"><i role="option" tabindex="0">a</i> <i role="option" tabindex="-1">b</i></div>
+        <div role="slider" aria-label="by mouse only"></div> <label>flat <input type="radio" name="g"></label></div>"""
+    )
+    assert unnamed_controls(page, "#panel") == [
+        '<input type="range">',
+        '<button disabled="">',
+        '<span role="button" tabindex="0">',
+        '<div role="listbox">',
+    ]
+    assert beyond_keyboard(page, "#panel") == [
+        '<button tabindex="-1"></button>',
+        '<div role="slider" aria-label="by mouse only"></div>',
+    ]

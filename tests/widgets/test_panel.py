@@ -1,0 +1,263 @@
+"""The whole panel in a real browser: everything that a student does with it, by mouse and by keyboard."""
+
+import os
+import re
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import walkerlab as wl
+from tests.frontends import book, finish_all, open_notebook, run_all, start_all
+from tests.reach import beyond_keyboard, unnamed_controls
+from tests.widgets.test_frontends import LONG
+
+PANEL = """
+import walkerlab as wl
+s = wl.Settings().with_(population_size=20, generations=60, duration=4)
+lab = wl.Lab(s)
+lab
+"""
+ROOMS = ("form", "world", "transport", "curve", "shelf", "drawer", "population", "robot")
+IN_NOTEBOOKS = pytest.mark.parametrize("frontend", ["JupyterLab", "Notebook 7"])
+
+
+def picture(page, name):
+    """Keep a picture of the page for people to look at, if they want any."""
+    if folder := os.environ.get("WALKERLAB_SCREENSHOTS"):
+        page.screenshot(path=Path(folder) / f"panel-{name}.png")
+
+
+def open_panel(page, jupyter, frontend, *cells, size=(1280, 800)):
+    page.set_viewport_size(dict(zip(("width", "height"), size, strict=True)))
+    assert run_all(page, jupyter.put(book(PANEL, *cells), frontend)) == []
+    page.locator(".wl-lab .wl-transport").first.scroll_into_view_if_needed()
+
+
+def button(page, name, within=".wl-transport"):
+    return page.locator(within).get_by_role("button", name=name, exact=True)
+
+
+def says(page, words, within=".wl-transport"):
+    page.locator(within, has_text=words).wait_for(timeout=60_000)
+
+
+def curve_says(page, words):
+    page.wait_for_function(
+        "words => document.querySelector('.wl-curve svg')?.getAttribute('aria-label').includes(words)",
+        arg=words,
+        timeout=60_000,
+    )
+
+
+def places(page):
+    """Where each room of the panel is on the page."""
+    return {room: page.locator(f".wl-lab .wl-{room}").first.bounding_box() for room in ROOMS}
+
+
+def only_run(jupyter):
+    """The run file that the panel has made."""
+    [path] = (jupyter.folder / "lab").glob("*/run.walk")
+    return path
+
+
+def test_a_student_evolves_a_walker(page, jupyter):
+    open_panel(page, jupyter, "JupyterLab")
+    says(page, "60 generations of 20 robots")
+    page.locator(".wl-lab").evaluate("panel => { panel.dataset.is = 'the first view'; }")
+    assert page.locator(".wl-snapshot").is_hidden()
+
+    # settings, by slider and by keyboard
+    page.get_by_role("tab", name="algorithm").click()
+    generations = page.get_by_role("slider", name="generations")
+    generations.focus()
+    page.keyboard.press("ArrowLeft")
+    page.locator(".wl-transport", has_not_text="60 generations of 20").wait_for()
+    page.get_by_role("spinbutton", name="generations").fill("50")
+    says(page, "50 generations of 20 robots")
+    page.get_by_role("tab", name="algorithm").focus()
+    page.keyboard.press("ArrowLeft")
+    assert page.get_by_role("tab", name="robot").get_attribute("aria-selected") == "true"
+
+    # a run that grows, pauses, goes on
+    before = places(page)
+    button(page, "Start").click()
+    curve_says(page, "generations:")
+    button(page, "Pause").click()
+    says(page, "Paused after")
+    at_rest = page.locator(".wl-transport .words").first.text_content()
+    picture(page, "paused")
+    button(page, "One generation").click()
+    page.locator(".wl-transport", has_not_text=at_rest).wait_for()
+    says(page, "Paused after")
+    assert places(page).keys() == before.keys()
+    assert [box["y"] for box in places(page).values()][:6] == [box["y"] for box in before.values()][:6], "nothing jumps"
+
+    # one robot: selected by keyboard, watched, edited, put into the next generation
+    robots = page.locator(".wl-population [role=option]")
+    robots.first.focus()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("Enter")
+    number = robots.nth(1).get_attribute("data-robot")
+    says(page, f"Robot {number}", ".wl-robot")
+    page.get_by_role("button", name="Let it walk").click()
+    replay = page.locator(".wl-robot iframe").element_handle(timeout=30_000).content_frame()
+    replay.wait_for_function("window.walkerlab && walkerlab.state.time > 0.1", timeout=30_000)
+    picture(page, "replay")
+    page.locator('button[title^="close the replay"]').click()
+    page.get_by_role("button", name="Put it into the next generation").click()
+    says(page, "It will be in generation", ".wl-robot")
+
+    # to its end; what comes out of it
+    button(page, "Go on").click()
+    page.locator(".wl-transport", has_not_text="Paused").wait_for()
+    button(page, "Stop").click()
+    says(page, "Stopped after")
+    button(page, "Export", ".wl-drawer").click()
+    says(page, "Exported into the folder", ".wl-drawer")
+    button(page, "Copy as code", ".wl-drawer").click()
+    says(page, "Copied", ".wl-drawer")
+    path = only_run(jupyter)
+    records, place = wl.load(path).records, {}
+    exec(page.get_by_label("the Python that repeats this run").input_value(), place)
+    pd.testing.assert_frame_equal(place["run"].records, records)
+    assert {"report.html", "replay.html", "fitness.svg", "records.csv"} <= {one.name for one in path.parent.iterdir()}
+    picture(page, "stopped")
+    page.set_viewport_size({"width": 900, "height": 800})
+    picture(page, "narrow")
+
+    # the snapshot has followed, and never rebuilt the panel; without a kernel it takes the panel's place
+    page.locator(".wl-snapshot", has_text="Stopped after").wait_for(state="attached")
+    assert page.locator(".wl-snapshot").is_hidden()
+    assert page.locator(".wl-lab[data-is='the first view']").count() == 1
+    page.evaluate("jupyterapp.commands.execute('docmanager:save')")
+    jupyter.end_kernels()
+    reopened = page.context.new_page()  # whose console complains that there is no such widget
+    reopened.goto(jupyter.address_of("book.ipynb", stem="reopened"))
+    snapshot = reopened.locator(".wl-snapshot", has_text="Stopped after")
+    snapshot.get_by_role("img", name="generations:").wait_for(timeout=30_000)
+    reopened.get_by_text("Error displaying widget").wait_for(state="hidden")
+    picture(reopened, "reopened")
+
+
+@IN_NOTEBOOKS
+def test_it_answers_while_a_cell_is_running(page, jupyter, frontend):
+    over = jupyter.folder / "over"
+    open_notebook(page, jupyter.put(book(PANEL, LONG, "other = 6 * 7"), frontend))
+    start_all(page)
+    button(page, "Start").click()
+    curve_says(page, "generations:")
+    button(page, "Pause").click()
+    says(page, "Paused after")
+    button(page, "Stop").click()
+    says(page, "Stopped after")
+    assert page.locator(".jp-InputPrompt", has_text="[*]").count() >= 1, "or this shows nothing"
+    over.touch()
+    assert finish_all(page) == []
+
+
+def test_cells_run_while_it_runs_and_closed_it_is_gone(page, jupyter):
+    wait = "import time\nwhile not (lab.run and lab.run.n_generations):\n    time.sleep(0.1)"
+    n_workers = (
+        "from pathlib import Path\nimport os\n\n"
+        "def workers():\n"
+        "    names = (p.read_bytes() for p in Path('/proc').glob('[0-9]*/cmdline') if "
+        "f' {os.getpid()} ' in (p.parent / 'stat').read_text()[:60])\n"
+        "    return sum(b'LokyProcess' in name for name in names)\n"
+    )
+    end = "lab.close()\nend = time.monotonic() + 20\nwhile workers() and time.monotonic() < end:\n    time.sleep(0.2)\n"
+    cells = (f"{wait}\n{n_workers}", "assert workers() > 0, 'or this shows nothing'", f"{end}assert not workers()")
+    open_notebook(page, jupyter.put(book(PANEL, *cells)))
+    start_all(page)
+    button(page, "Start").click()
+    assert finish_all(page) == []
+    assert page.locator(".wl-transport").count() == 0
+
+
+def test_every_control_has_a_name_and_comes_with_the_tab_key(page, jupyter, frontend):
+    open_panel(page, jupyter, frontend)
+    says(page, "on this computer")
+    button(page, "One generation").click()
+    says(page, "Paused after generation 0")
+    page.locator(".wl-population [role=option]").first.wait_for()
+    for tab in ("terrain", "robot", "algorithm", "simulation"):
+        page.get_by_role("tab", name=tab).click()
+        assert unnamed_controls(page, ".wl-lab") == []
+        assert beyond_keyboard(page, ".wl-lab .wl-form") == []
+    assert beyond_keyboard(page, ".wl-lab") == []
+    button(page, "Go on").click()
+    curve_says(page, "generations:")
+    button(page, "Stop").click()
+    says(page, "Stopped after")
+    picture(page, frontend.replace(" ", "-"))
+
+
+def test_what_cannot_be_keeps_start_from_being_pressed(page, jupyter):
+    open_panel(page, jupyter, "JupyterLab")
+    page.get_by_role("tab", name="algorithm").click()
+    page.get_by_role("spinbutton", name="elites").fill("20")
+    says(page, "Cannot start. Elites is 20; it must be under population size")
+    assert button(page, "Start").is_disabled()
+    assert button(page, "One generation").is_disabled()
+    assert "Elites is 20; it must be under population size" in page.locator(".wl-form").text_content()
+    picture(page, "fault")
+    page.get_by_role("spinbutton", name="elites").fill("2")
+    page.locator(".wl-transport", has_not_text="Cannot start").wait_for()
+    assert button(page, "Start").is_enabled()
+
+
+def test_two_panels_in_one_notebook(page, jupyter):
+    other = "other = wl.Lab(s.with_(seed=3))\nother"
+    open_panel(page, jupyter, "JupyterLab", other)
+    first, second = (page.locator(".wl-lab").nth(i) for i in (0, 1))
+    for panel in (first, second):
+        panel.get_by_role("button", name="One generation").click()
+        panel.locator(".wl-transport", has_text="Paused after generation 0").wait_for(timeout=60_000)
+    first.get_by_role("button", name="Go on").click()
+    first.locator(".wl-transport", has_text=re.compile(r"Generation \d+ of 0 to 59 walks")).wait_for(timeout=60_000)
+    assert second.locator(".wl-transport", has_text="Paused after generation 0").count() == 1  # though out of sight
+    first.get_by_role("button", name="Stop").click()
+    first.locator(".wl-transport", has_text="Stopped").wait_for()
+    assert second.get_by_role("button", name="Go on").is_enabled()
+
+
+def test_a_cell_that_runs_again_closes_the_panel_that_it_had(page, jupyter):
+    open_panel(page, jupyter, "JupyterLab")
+    button(page, "Start").click()
+    curve_says(page, "generations:")
+    page.locator(".jp-Cell .jp-InputArea-editor").first.click()
+    page.keyboard.press("Control+Enter")
+    says(page, "The panel that stood here is closed")
+    assert page.locator(".wl-transport").count() == 1
+    assert button(page, "Start").is_enabled()
+    page.get_by_label("a run file to load").fill(str(only_run(jupyter)))
+    button(page, "Load", ".wl-drawer").click()
+    says(page, "Loaded", ".wl-drawer")
+    button(page, "Take its settings", ".wl-drawer").click()
+    curve_says(page, "generations:")
+
+
+FAULTY = """
+import walkerlab as wl
+calls = []
+def bad(genomes, genes, *, rng):
+    calls.append(1)
+    return genomes + (undefined if len(calls) > 4 else 0)
+lab = wl.Lab(wl.Settings().with_(mutation=bad, population_size=8, generations=6, duration=1))
+lab
+"""
+
+
+def test_a_function_that_goes_wrong_is_told_with_how_to_go_on(page, jupyter):
+    page.set_viewport_size({"width": 1280, "height": 800})
+    assert run_all(page, jupyter.put(book(FAULTY), "JupyterLab")) == []
+    page.locator(".wl-lab .wl-transport").first.scroll_into_view_if_needed()
+    button(page, "Start").click()
+    says(page, "mutation 'bad' raised NameError")
+    says(page, "(line 5), while making generation 3")
+    path = only_run(jupyter).relative_to(jupyter.folder)
+    says(page, f"run = wl.resume('{path}', mutation=bad)", ".wl-drawer")
+    drawer = page.locator(".wl-drawer").first
+    drawer.scroll_into_view_if_needed()
+    assert drawer.evaluate("one => one.scrollHeight <= one.clientHeight"), "nothing of it is cut off"
+    picture(page, "fault")

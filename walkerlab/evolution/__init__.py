@@ -1,0 +1,1 @@
+"""From settings to generation after generation, and the run that results."""

@@ -1,0 +1,1 @@
+"""The table of a run, and the SQLite file that stores it."""

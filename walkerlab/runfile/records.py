@@ -1,0 +1,263 @@
+"""The tidy table: a row for each individual and generation. What is written, shown and plotted is this table."""
+
+import re
+from dataclasses import dataclass
+from operator import attrgetter
+from typing import Any, NamedTuple, Self, cast
+
+import numpy as np
+import pandas as pd
+from pandas.api.types import is_numeric_dtype
+
+from walkerlab.ga.loop import NOT_COUNTED, Population
+from walkerlab.genome.genome import Genome, in_words
+from walkerlab.settings.fields import brief
+from walkerlab.simulation.evaluation import Evaluation
+from walkerlab.simulation.fitness import LARGEST
+from walkerlab.simulation.validity import VERDICTS
+from walkerlab.text.html import facts, shown
+from walkerlab.text.numbers import significant
+
+COLUMNS: dict[str, tuple[type, str, str]] = {
+    "generation": (int, "", "0 is the random one"),
+    "individual": (int, "", "number of the robot, the same wherever it appears"),
+    "born": (int, "generation", "generation in which it first walked; an elite is older than its generation"),
+    "parents": (str, "", "numbers of its parents, joined by blanks"),
+    "operators": (str, "", "what made it: selection > crossover > mutation, random, or by hand"),
+    "fitness": (float, "", "higher is better; -inf if the walk does not count"),
+    "verdict": (str, "", "ok, or why the walk does not count"),
+    "reason": (str, "", "the figures behind the verdict"),
+    "distance": (float, "m", "net forward travel of the centre of mass"),
+    "velocity": (float, "m/s", "mean forward speed over the last two thirds of the walk"),
+    "n_segments": (int, "", "body segments"),
+    "n_legs": (int, "", "legs"),
+    "weight": (float, "kg", "the whole mass"),
+    "body_length": (float, "m", "front of the first to end of the last segment"),
+    "genome": (str, "", "the gene, as text"),
+}
+"""Each column: its type, unit and meaning."""
+
+HAS_COPY_ON_WRITE = int(pd.__version__.partition(".")[0]) >= 3
+BY_HAND = "by hand"  # what made a robot that somebody put into a generation
+
+
+class Walked(NamedTuple):
+    """What has come of a walk, as the table has it: its columns from ``fitness`` on."""
+
+    fitness: float
+    verdict: str
+    reason: str
+    distance: float
+    velocity: float
+    n_segments: int
+    n_legs: int
+    weight: float
+    body_length: float
+    genome: str
+
+    @classmethod
+    def of(cls, evaluation: Evaluation, genome: str) -> Self:
+        """Take what was measured, and the text of the genome, which takes longer to write than all else."""
+        return cls._make((*_measured(evaluation), genome))
+
+
+_measured = attrgetter(*Walked._fields[:-1])
+
+
+def tabulate(population: Population[Walked], operators: str) -> pd.DataFrame:
+    """Write a generation as a table.
+
+    Args:
+        population: evaluated.
+        operators: what made those that were born in this generation.
+
+    Returns:
+        A row for each individual, with the columns of ``COLUMNS`` and their units in ``.attrs``.
+    """
+    origins = zip(population.parents, population.born.tolist(), strict=True)
+    columns = {
+        "generation": population.generation,
+        "individual": population.individuals,
+        "born": population.born,
+        "parents": [" ".join(map(str, parents)) for parents in population.parents],
+        "operators": [operators if parents else BY_HAND if born else "random" for parents, born in origins],
+        **dict(zip(Walked._fields, zip(*population.evaluations, strict=True), strict=True)),
+    }
+    return tidy(pd.DataFrame(columns))
+
+
+def tidy(table: pd.DataFrame) -> pd.DataFrame:
+    """Give a table the columns, types and units of ``COLUMNS``."""
+    table = table.reindex(columns=list(COLUMNS)).astype({name: kind for name, (kind, *_) in COLUMNS.items()})
+    table.attrs = {"units": {name: unit for name, (_, unit, _) in COLUMNS.items() if unit}}
+    return table
+
+
+def check(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a table that comes from elsewhere, as it is, if it is one that a run can have.
+
+    A verdict that is not in ``VERDICTS`` is an error: its meaning is unknown, also if a newer walkerlab wrote it.
+
+    Raises:
+        ValueError: if not; it names the column.
+    """
+    numbers = table[["generation", "individual", "born"]]
+    wrong = {
+        "individual": (numbers < 0).any(axis=1) | (table.individual > _MOST) | (table.born > table.generation),
+        "fitness": ~(table.fitness.abs() < LARGEST) & (table.fitness != NOT_COUNTED),
+        "parents": ~table.parents.str.fullmatch(r"(\d{1,10}( \d{1,10})*)?", flags=re.ASCII),
+        **{name: table[name].str.contains(_CONTROLS) for name in ("operators", "reason", "genome")},
+    }
+    for name, rows in wrong.items():
+        if rows.any():
+            raise ValueError(f"the column {name} has something in it that no run writes there")
+    if unknown := sorted(set(table.verdict) - VERDICTS.keys()):
+        raise ValueError(
+            f"the column verdict has {brief(unknown[0])}, and the verdicts known here are {', '.join(VERDICTS)}. If a "
+            "newer walkerlab wrote the file, update this one: pip install --upgrade walkerlab"
+        )
+    return table
+
+
+_MOST = 10**9  # robots of a run, ten times as many as the settings allow
+_CONTROLS = "[\x00-\x08\x0b-\x1f\x7f-\x9f]"  # what moves a terminal's cursor, or worse
+
+
+def name_fitness(table: pd.DataFrame, name: str, unit: str) -> None:
+    """Write on a table what its fitness is, for the axes of plots."""
+    table.attrs["fitness"] = name
+    table.attrs["units"] = {**table.attrs.get("units", {}), "fitness": unit}
+
+
+def join(tables: list[pd.DataFrame]) -> pd.DataFrame:
+    """Lay generations under each other."""
+    return tidy(pd.concat(tables, ignore_index=True)) if tables else tidy(pd.DataFrame(columns=list(COLUMNS)))
+
+
+def copy_of(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a copy of a table that can be changed without changing the table; its cells are copied when needed."""
+    return table.copy(deep=not HAS_COPY_ON_WRITE)
+
+
+def last_population(records: pd.DataFrame) -> Population[Walked]:
+    """Read the last generation back out of the table, ready to breed: the inverse of ``tabulate``."""
+    last = records[records.generation == records.generation.max()]
+    walked = [Walked(*row) for row in zip(*(last[name].tolist() for name in Walked._fields), strict=True)]
+    return Population(
+        generation=int(last.generation.iloc[0]),
+        genomes=np.array([Genome.parse(one.genome).values for one in walked]),
+        individuals=last.individual.to_numpy(dtype=np.intp).copy(),
+        born=last.born.to_numpy(dtype=np.intp).copy(),
+        parents=tuple(parent_numbers(parents) for parents in last.parents),
+        evaluations=walked,
+        n_born=int(records.individual.max()) + 1,
+    )
+
+
+def parent_numbers(parents: object) -> tuple[int, ...]:
+    """Read a cell of the ``parents`` column: text, or the number or NaN that ``read_csv`` makes of it."""
+    if isinstance(parents, str):
+        return tuple(map(int, parents.split()))
+    return () if pd.isna(cast(Any, parents)) else (int(cast(Any, parents)),)
+
+
+def births(records: pd.DataFrame) -> pd.DataFrame:
+    """Return the first row of each individual that a table has, by its number; an elite's others are left out."""
+    in_order = records.generation.is_monotonic_increasing
+    ordered = records if in_order else records.sort_values("generation", kind="stable")
+    first = ordered.drop_duplicates("individual").set_index("individual", drop=False)
+    if first.reason.hasnans or first.parents.hasnans or is_numeric_dtype(first.parents):  # as read_csv leaves them
+        parents = [" ".join(map(str, parent_numbers(cell))) for cell in first.parents]
+        return first.assign(parents=parents, reason=first.reason.astype(object).where(first.reason.notna(), ""))
+    return first
+
+
+def fitter_line(born: pd.DataFrame, individual: int) -> list[int]:
+    """Name an individual, its fitter parent, that one's and so on, as far back as a table of ``births`` goes.
+
+    Parents have lower numbers than their children; in a table that says otherwise the line ends there.
+    """
+    parents, fitness = born.parents.to_dict(), born.fitness.to_dict()
+    line = [individual]
+    while known := [one for one in parent_numbers(parents[line[-1]]) if one in parents and one < line[-1]]:
+        line.append(max(known, key=lambda one: float(fitness[one])))
+    return line
+
+
+@dataclass(frozen=True)
+class Individual:
+    """One robot of a run.
+
+    Attributes:
+        individual: its number in the run.
+        genome: its genome.
+        fitness: higher is better; ``-inf`` if its walk does not count.
+        verdict: ``ok``, or why it does not count.
+        reason: the figures behind the verdict, in words.
+        generation: in which it was born.
+        parents: their numbers; none in generation 0.
+    """
+
+    individual: int
+    genome: Genome
+    fitness: float
+    verdict: str
+    reason: str
+    generation: int
+    parents: tuple[int, ...]
+
+    def _repr_html_(self) -> str:
+        meaning = VERDICTS.get(self.verdict, "")
+        known = (
+            ("fitness", significant(self.fitness) if self.verdict == "ok" else "none, for its walk does not count"),
+            ("verdict", f"{self.verdict}: {meaning}{f' That is, {self.reason}.' if self.reason else ''}"),
+            ("generation", f"{self.generation}, in which it was born"),
+            ("parents", ", ".join(map(str, self.parents)) or "none: it was drawn by chance"),
+        )
+        return shown(facts(f"Robot {self.individual}", known), in_words(self.genome))
+
+
+def champion(records: pd.DataFrame) -> Individual:
+    """Return the fittest of a table; among equals, the one that was born first.
+
+    Raises:
+        ValueError: if the table is empty.
+    """
+    if records.empty:
+        raise ValueError("no robot has walked yet, so there is no champion")
+    since = records.attrs.get("rated_since", 0)  # what is older has the numbers of another fitness
+    current = records.loc[records.generation >= since, :]
+    records = records if current.empty else current
+    fitness = records.fitness.fillna(-np.inf)
+    fittest: Any = records[fitness == fitness.max()]
+    row = fittest.sort_values("individual", kind="stable").iloc[0]
+    return Individual(
+        individual=int(row.individual),
+        genome=Genome.parse(row.genome),
+        fitness=float(row.fitness),
+        verdict=row.verdict,
+        reason="" if pd.isna(row.reason) else row.reason,
+        generation=int(row.born),
+        parents=parent_numbers(row.parents),
+    )
+
+
+def lineage(records: pd.DataFrame, individual: int) -> pd.DataFrame:
+    """Return the rows of an individual and all its ancestors, youngest first, each at its birth.
+
+    A parent that the table does not have ends the line there.
+
+    Raises:
+        ValueError: if no such individual has walked.
+    """
+    born = births(records)
+    if individual not in born.index:
+        low, high = born.index.min(), born.index.max()
+        raise ValueError(f"individual {individual} is not in this run; its numbers go from {low} to {high}")
+    parents = born.parents.to_dict()
+    waiting, found = [individual], {individual}
+    while waiting:
+        fresh = {one for one in parent_numbers(parents[waiting.pop()]) if one in parents} - found
+        found |= fresh
+        waiting += fresh
+    return tidy(born.loc[sorted(found, reverse=True)].reset_index(drop=True))

@@ -1,0 +1,1 @@
+"""What a class can set: terrain, robot, algorithm and simulation, each setting declared once."""

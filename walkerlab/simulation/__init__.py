@@ -1,0 +1,1 @@
+"""From genomes to evaluations: one recorded walk, its verdict and its fitness, many of them on any executor."""

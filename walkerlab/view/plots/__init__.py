@@ -1,0 +1,14 @@
+"""Pictures: of the tidy table, of a walk, and of a robot. Each draws on the Axes that it is given, and returns it."""
+
+from walkerlab.view.plots.ancestry import family_tree as family_tree
+from walkerlab.view.plots.bodies import body as body
+from walkerlab.view.plots.bodies import stride as stride
+from walkerlab.view.plots.counts import verdicts as verdicts
+from walkerlab.view.plots.curves import fitness_curve as fitness_curve
+from walkerlab.view.plots.curves import trait as trait
+from walkerlab.view.plots.genomes import diversity as diversity
+from walkerlab.view.plots.genomes import genes as genes
+from walkerlab.view.plots.style import alt_text as alt_text
+from walkerlab.view.plots.style import save as save
+from walkerlab.view.plots.walks import distance_over_time as distance_over_time
+from walkerlab.view.plots.walks import gait as gait

@@ -1,0 +1,177 @@
+"""Snapshots of widgets: static pictures for places without the live widget (nbconvert, GitHub, a reopened notebook).
+
+A widget is displayed as two outputs: its live view, and its snapshot, which a style sheet hides while the view is live.
+The snapshot is an output of its own because front ends rebuild a view when its output is updated: if one output held
+both, each update would close menus and lose the focus.
+"""
+
+import base64
+import re
+import threading
+import time
+from html import unescape
+from typing import Any
+
+from walkerlab.text.html import SHOWN, Html, tag
+
+QUIET = 1.0  # s without a change after which the snapshot is updated
+MAX_DELAY = 30.0  # s from the first change to the update if there is no quiet second
+WHITE = "background: white; max-width: 100%"
+CLASS = "wl-snapshot"
+
+OUTPUT, VIEW = ".jp-OutputArea-child", ".lm-Panel.jp-OutputArea-output"
+PAGE_STYLE = f"""
+{OUTPUT}:has(> {VIEW}:not(.jupyter-widgets, .lm-mod-hidden)) + {OUTPUT}:has(.{CLASS}),
+{OUTPUT}:has(> .jupyter-widgets > .widget-subarea > *) + {OUTPUT}:has(.{CLASS}),
+{OUTPUT}:has(+ {OUTPUT} .{CLASS}) > .jupyter-widgets:not(:has(*)) {{ display: none }}
+"""
+"""Hides a snapshot that follows a live view: in JupyterLab, Notebook 7 and Voila; in a page by nbconvert.
+
+Its third rule hides the message "Error displaying widget: model not found", which the snapshot replaces.
+"""
+
+LIVE_STYLE = f".{CLASS}:not({OUTPUT} *) {{ display: none }}"
+"""Part of the style of live views: hides snapshots in front ends whose pages are built in another way."""
+
+
+class HasSnapshot:
+    """Mix-in of widgets that leave a static picture in the notebook; stands before the widget's class.
+
+    Attributes:
+        title: What the widget is, in words: "panel".
+    """
+
+    title = "widget"
+    _display: "_Display | None" = None
+
+    def snapshot(self) -> Html:
+        """Write what the widget shows as static HTML: images and tables, no scripts."""
+        raise NotImplementedError
+
+    def close(self) -> None:
+        """Close the widget; its snapshot stays in the notebook."""
+        if self._display:
+            self._display.close()
+        super().close()  # type: ignore[misc]
+
+    def _ipython_display_(self, **_: Any) -> None:
+        self._display = self._display or _Display(self)
+        self._display.show()
+
+
+class _Display:
+    """The outputs of one widget in a notebook; updates the snapshot when the widget has changed."""
+
+    def __init__(self, widget: Any) -> None:
+        self._widget = widget
+        self._id = f"walkerlab-{id(widget):x}-{time.time_ns():x}"
+        self._html = ""
+        self._is_open = widget.comm is not None
+        self._first_change = self._last_change = 0.0
+        self._timer: threading.Timer | None = None
+        self._timing = threading.Lock()
+        self._updating = threading.Lock()  # not held while traits change, or two threads could wait for each other
+
+    def show(self) -> None:
+        """Display the live view, unless the widget is closed, and the snapshot."""
+        from IPython.core.getipython import get_ipython
+        from IPython.display import display
+
+        if self._is_open:
+            bundle = self._widget._repr_mimebundle_()
+            view = bundle[0] if isinstance(bundle, tuple) else bundle
+            display(view | {"text/html": ""}, raw=True)  # shown instead of the text where there is no live view
+        shell: Any = get_ipython()
+        if not hasattr(shell, "kernel"):
+            return
+        if not self._html and self._is_open:
+            for piece in [self._widget, *pieces_of(self._widget)]:
+                piece.observe(self._changed)
+            shell.events.register("post_run_cell", self._cell_ran)
+        with self._updating:
+            self._html = page(self._widget)
+            display(_bundle(self._widget, self._html), raw=True, display_id=self._id)
+
+    def update(self) -> None:
+        """Replace the snapshot in the notebook if it has changed."""
+        from IPython.display import display
+
+        with self._timing:
+            if self._timer:
+                self._timer.cancel()
+            self._timer = None
+        with self._updating:
+            html = page(self._widget) if self._is_open and self._html else self._html
+            if html != self._html:
+                self._html = html
+                display(_bundle(self._widget, html), raw=True, display_id=self._id, update=True)
+
+    def close(self) -> None:
+        """Update the snapshot for the last time."""
+        from IPython.core.getipython import get_ipython
+
+        if not self._is_open:
+            return
+        self.update()
+        self._is_open = False
+        shell: Any = get_ipython()
+        if self._html and shell:
+            for piece in [self._widget, *pieces_of(self._widget)]:
+                piece.unobserve(self._changed)
+            shell.events.unregister("post_run_cell", self._cell_ran)
+
+    def _changed(self, _change: object) -> None:
+        with self._timing:
+            self._last_change = time.monotonic()
+            if not self._timer:
+                self._first_change = self._last_change
+                self._wait(QUIET)
+
+    def _wait(self, seconds: float) -> None:
+        self._timer = threading.Timer(seconds, self._time_over)
+        self._timer.daemon = True
+        self._timer.start()
+
+    def _time_over(self) -> None:
+        with self._timing:
+            due = min(self._last_change + QUIET, self._first_change + MAX_DELAY) - time.monotonic()
+            if due > 0:
+                self._wait(due)
+                return
+        self.update()
+
+    def _cell_ran(self, _result: object) -> None:
+        """Update before the cell ends: a program that executes a notebook hears nothing after that."""
+        if self._timer:
+            self.update()
+
+
+def page(widget: Any) -> str:
+    """Write the snapshot of a widget with what it is, as HTML that stands alone."""
+    try:
+        content = widget.snapshot()
+    except Exception as error:  # the live widget is not to fail for want of a picture
+        content = tag("p", f"It could not be drawn. {type(error).__name__}: {error}")
+    about = tag("p", f"Static picture of the {widget.title}. Run the cell for the live one.", class_="faint")
+    return tag("div", tag("style", Html(SHOWN + PAGE_STYLE)), about, content, class_=f"walkerlab {CLASS}")
+
+
+def _bundle(widget: Any, html: str) -> dict[str, str]:
+    return {"text/html": html, "text/plain": f"Static picture of the {widget.title}"}
+
+
+def pieces_of(box: Any) -> list[Any]:
+    """Return every widget in a box, in boxes in it and so on, the inner ones first."""
+    return [one for child in getattr(box, "children", ()) for one in (*pieces_of(child), child)]
+
+
+def image(picture: str, alt: str = "") -> Html:
+    """Put an SVG into a page as an image, in which no script runs.
+
+    Args:
+        picture: SVG.
+        alt: Alternative text; the ``aria-label`` of the SVG if empty.
+    """
+    label = re.search(r'aria-label="([^"]*)"', picture)
+    url = f"data:image/svg+xml;base64,{base64.b64encode(picture.encode()).decode()}"
+    return tag("img", src=url, alt=alt or (unescape(label[1]) if label else ""), style=WHITE)

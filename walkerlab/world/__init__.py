@@ -1,0 +1,1 @@
+"""The compiled world: ground, obstacles, robot and loads, as a MuJoCo model."""

@@ -1,0 +1,205 @@
+"""The MuJoCo specification of a world: composer builds each body plan once, and each individual's sizes are written in.
+
+Building a world with composer takes some 20 ms, writing an individual's sizes and compiling it 1 ms.
+"""
+
+import math
+import threading
+from collections.abc import Callable
+from functools import lru_cache, wraps
+from typing import ParamSpec, TypeVar
+
+import mujoco
+import numpy as np
+
+from walkerlab.genome.phenotype import Legs, Phenotype, Segment
+from walkerlab.settings.settings import Robot, Settings, Terrain
+from walkerlab.world.entities import Pack, Sledge, add_rope, generate_robot, generate_terrain
+from walkerlab.world.entities.walker import SIDES, BodyPlan
+from walkerlab.world.materials import MATERIALS
+from walkerlab.world.placement import compute_layout, dome_sphere
+
+BODY_DENSITY = 600.0  # kg/m³ of a trunk, which determines its radius
+TRUNK_RADIUS_RANGE = (0.02, 0.35)  # m; share of the segment's length
+SPLAY_ANGLE = math.radians(36)  # of the thighs outward, so that the stance is wide enough not to topple
+LEG_MASS_SHARE = 0.3  # share of a segment's mass that is in its legs
+THIGH_MASS_SHARE = 0.6  # share of a leg's mass that is in its thigh
+THIGH_RADIUS_RATIO = 0.07  # radius of a thigh over the length of the leg
+SHANK_RADIUS_RATIO = 0.8  # radius of a shank over that of the thigh
+SERVO_BAND = 0.3  # rad of error at which a servo reaches its full torque
+SPINE_STIFFNESS = 30.0  # N·m/rad per kg·m of mass behind the joint times segment length
+SPINE_DAMPING = 0.05  # s, damping over stiffness
+ROTOR_INERTIA = 0.001  # kg·m² per N·m of torque; with SERVO_BAND this gives a servo of 9 Hz, whatever its load
+ROPE_LENGTH = 0.6  # m, in addition to the length of a leg, which is the greatest height of the hitch
+
+MAX_CACHED_WORLDS = 64  # per thread; with thousands of texture pieces each takes some megabytes
+
+ROBOT_BODY = 1  # MuJoCo's index of the robot's root body; 0 is the world
+
+
+class Sensor:
+    """Columns of ``mjData.sensordata``, in the order in which ``_world_xml`` adds the sensors."""
+
+    COM = slice(0, 3)  # centre of mass of the robot [m]
+    GROUND_CONTACT = 3  # number of contacts between the robot and the ground
+    GROUND_DISTANCE = 4  # least distance of these contacts [m]; negative is penetration
+    ANY_CONTACT = 5  # number of contacts of the robot
+    SELF_CONTACT = 6  # number of contacts of the robot with itself
+    SLEDGE = slice(7, 10)  # position of the sledge [m]; only if there is one
+    ROPE = 10  # distance between the ends of the rope [m]; only if there is one
+
+
+def describe_world(phenotype: Phenotype, settings: Settings, *, scenery: bool) -> mujoco.MjSpec:
+    """Return the specification of an individual's world; it is valid until the next call in the same thread."""
+    spec = _cached_spec(*composer_arguments(phenotype, settings.robot), settings.terrain, scenery)
+    write_individual(spec, phenotype, settings.robot)
+    spec.option.timestep = settings.simulation.timestep
+    return spec
+
+
+def composer_arguments(phenotype: Phenotype, robot: Robot) -> tuple[BodyPlan, float, float]:
+    """Return what composer builds a robot from: its body plan, carried weight [kg] and dragged weight [kg]."""
+    return phenotype.plan, robot.carry_weight, robot.drag_weight
+
+
+# ------------------------------------------------------------------------------------------------ body plans
+
+Arguments = ParamSpec("Arguments")
+Result = TypeVar("Result")
+
+
+def cache_per_thread(function: Callable[Arguments, Result]) -> Callable[Arguments, Result]:
+    """Cache the results of a function separately for each thread, because callers write into them."""
+    caches = threading.local()
+
+    @wraps(function)
+    def cached(*args: Arguments.args, **kwargs: Arguments.kwargs) -> Result:
+        if not hasattr(caches, "function"):
+            caches.function = lru_cache(maxsize=MAX_CACHED_WORLDS)(function)
+        return caches.function(*args, **kwargs)
+
+    return cached
+
+
+@lru_cache(maxsize=MAX_CACHED_WORLDS)
+def _world_xml(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain, scenery: bool) -> str:
+    """Build a body plan with its loads on a terrain with composer, with nominal sizes, and return it as MJCF."""
+    walker = generate_robot(plan)
+    sledge = Sledge(drag_weight) if drag_weight else None
+    if carry_weight:
+        walker.attach(Pack(carry_weight), walker.back)
+    ground = generate_terrain(terrain, walker, *([sledge] if sledge else []), scenery=scenery)
+    root = ground.mjcf_model
+    root.option.integrator = "implicitfast"
+    root.option.flag.autoreset = "disable"  # otherwise MuJoCo silently resets a simulation that diverges
+    if not (sledge or len(compute_layout(terrain).obstacles)):
+        root.option.flag.island = "disable"  # a robot alone is one island; the search for others takes time
+    body = walker.root_body
+    add_sensor = root.sensor.add
+    add_sensor("subtreecom", name="com", body=body)
+    add_sensor("contact", name="ground", subtree1=body, body2="world", data="found dist", num=1, reduce="mindist")
+    add_sensor("contact", name="anything", subtree1=body, data="found", num=1)
+    add_sensor("contact", name="itself", subtree1=body, subtree2=body, data="found", num=1)
+    if sledge:
+        add_rope(root, walker.hitch, sledge.ring)
+        add_sensor("framepos", name="load", objtype="xbody", objname=sledge.root_body)
+        add_sensor("tendonpos", name="rope", tendon="rope")
+    return root.to_xml_string(zero_threshold=1e-15)  # MuJoCo fails to parse subnormal numbers
+
+
+def nominal_spec(
+    plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain, scenery: bool = False
+) -> mujoco.MjSpec:
+    """Return a new specification of a world, with nominal sizes."""
+    spec = mujoco.MjSpec.from_string(_world_xml(plan, carry_weight, drag_weight, terrain, scenery))
+    _add_pieces(spec, terrain)
+    return spec
+
+
+_cached_spec = cache_per_thread(nominal_spec)
+"""As ``nominal_spec``, but the same object for equal arguments; each individual overwrites the sizes."""
+
+
+def _add_pieces(spec: mujoco.MjSpec, terrain: Terrain) -> None:
+    """Add the texture pieces: domes, each the cap of a sphere that is mostly below the ground."""
+    layout = compute_layout(terrain)
+    material = MATERIALS[terrain.texture]
+    radius, depth = dome_sphere(terrain)
+    colours = np.outer(1 + 0.15 * np.sin(2.4 * np.arange(len(layout.pieces))), material.piece).clip(0, 1)
+    for centre, colour in zip(layout.pieces - depth * layout.piece_normals, colours, strict=True):
+        spec.worldbody.add_geom(
+            type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[radius, 0, 0], pos=centre, rgba=[*colour, 1],
+            friction=material.friction(), priority=1, condim=4,
+        )  # fmt: skip
+
+
+def write_individual(spec: mujoco.MjSpec, phenotype: Phenotype, robot: Robot) -> None:
+    """Write all sizes, masses and strengths of an individual into the specification of its body plan."""
+    mass_behind = 0.0
+    for number, segment in reversed(list(enumerate(phenotype.segments, start=1))):
+        mass_behind += segment.mass
+        _write_segment(spec, number, segment, phenotype, mass_behind)
+        if segment.legs:
+            _write_legs(spec, number, segment, segment.legs)
+    last = phenotype.segments[-1]
+    middle = phenotype.segments[(1 + len(phenotype.segments)) // 2 - 1]
+    spec.site("walker/hitch").pos = [-last.length, 0, 0]
+    spec.site("walker/back").pos = [-middle.length / 2, 0, _trunk_radius(middle)]
+    if robot.carry_weight:
+        spec.body("walker/pack/").pos = spec.site("walker/back").pos
+    if robot.drag_weight:
+        longest_leg = max(segment.legs.length for segment in phenotype.segments if segment.legs)
+        spec.tendon("rope").range = [0, ROPE_LENGTH + longest_leg]
+
+
+def _trunk_mass(segment: Segment) -> float:
+    """Return the mass of a segment without its legs [kg]."""
+    return segment.mass * (1 - LEG_MASS_SHARE if segment.legs else 1)
+
+
+def _trunk_radius(segment: Segment) -> float:
+    """Return the radius [m] that gives the trunk its density, within the limits set by its length."""
+    least, greatest_share = TRUNK_RADIUS_RANGE
+    radius = math.sqrt(_trunk_mass(segment) / (math.pi * BODY_DENSITY * segment.length))
+    return float(np.clip(radius, least, greatest_share * segment.length))
+
+
+def _write_segment(
+    spec: mujoco.MjSpec, number: int, segment: Segment, phenotype: Phenotype, mass_behind: float
+) -> None:
+    radius = _trunk_radius(segment)
+    trunk = spec.geom(f"walker/trunk{number}")
+    trunk.size[0] = radius
+    trunk.fromto = [-radius, 0, 0, -(segment.length - radius), 0, 0]
+    trunk.mass = _trunk_mass(segment)
+    if number > 1:
+        spec.body(f"walker/seg{number}").pos = [-phenotype.segments[number - 2].length, 0, 0]
+        stiffness = SPINE_STIFFNESS * mass_behind * segment.length
+        for axis in ("pitch", "yaw"):
+            joint = spec.joint(f"walker/{axis}{number}")
+            joint.stiffness[0] = stiffness
+            joint.damping[0] = SPINE_DAMPING * stiffness
+
+
+def _write_legs(spec: mujoco.MjSpec, number: int, segment: Segment, legs: Legs) -> None:
+    thigh_radius = THIGH_RADIUS_RATIO * legs.length
+    bone_length = legs.length / 2
+    leg_mass = segment.mass * LEG_MASS_SHARE / 2
+    for side, sign in zip(SIDES, (1, -1), strict=True):
+        hip = [-segment.length / 2, sign * (_trunk_radius(segment) + thigh_radius), 0]
+        knee = [0, sign * bone_length * math.sin(SPLAY_ANGLE), -bone_length * math.cos(SPLAY_ANGLE)]
+        foot = [0, 0, -bone_length]
+        for bone, joint, start, end, radius, mass_share in (
+            ("thigh", "hip", hip, knee, thigh_radius, THIGH_MASS_SHARE),
+            ("shank", "knee", knee, foot, SHANK_RADIUS_RATIO * thigh_radius, 1 - THIGH_MASS_SHARE),
+        ):
+            spec.body(f"walker/{side}_{bone}{number}").pos = start
+            geom = spec.geom(f"walker/{side}_{bone}{number}")
+            geom.size[0] = radius
+            geom.fromto = [0, 0, 0, *end]
+            geom.mass = leg_mass * mass_share
+            spec.joint(f"walker/{side}_{joint}{number}").armature = ROTOR_INERTIA * legs.force
+            servo = spec.actuator(f"walker/{side}_{joint}{number}")
+            servo.gainprm[0] = legs.force / SERVO_BAND
+            servo.biasprm[1] = -legs.force / SERVO_BAND
+            servo.forcerange = [-legs.force, legs.force]

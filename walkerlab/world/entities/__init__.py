@@ -1,0 +1,17 @@
+"""Composer entities: ground, walker and loads, built once for each terrain and body plan.
+
+dm_control is imported only here and in ``export``. Entities depend only on their arguments and draw no random numbers.
+"""
+
+import warnings
+
+with warnings.catch_warnings():  # dm_control looks for a display when it is imported, and warns if there is none
+    warnings.simplefilter("ignore")
+    from dm_control import composer as composer
+    from dm_control import mjcf as mjcf
+
+from walkerlab.world.entities.load import Pack, Sledge, add_rope
+from walkerlab.world.entities.terrain import Ground, generate_terrain
+from walkerlab.world.entities.walker import Walker, generate_robot
+
+__all__ = ["Ground", "Pack", "Sledge", "Walker", "add_rope", "generate_robot", "generate_terrain"]
