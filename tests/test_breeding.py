@@ -32,6 +32,7 @@ def test_every_choice_has_a_function_of_its_name(choice):
         ([*range(11), -1e6], {"selection": ["top_half", "gradient"]}, False),
         ([*range(11), -np.inf], {}, False),
         ([*[1.0] * 11, -1e6], {}, False),
+        ([*np.linspace(9.9, 10.0, 11), 0.0], {}, False),  # a converged population with one poor mutant
         ([0.0, 9.8, 9.9, 10.0], {}, False),
         ([-np.inf] * 12, {}, False),
         ([2.0] * 12, {}, False),

@@ -25,8 +25,10 @@ from walkerlab.settings.arguments import require_algorithm, require_count
 from walkerlab.settings.choices import Crossover, Mutation, Selection
 from walkerlab.settings.fields import Choice, brief, function_name
 from walkerlab.settings.settings import Algorithm, Robot
+from walkerlab.text.numbers import significant
 
 MIN_COUNTED = 8  # individuals, below which chance alone can put the median close to the best
+MIN_LEAD = 0.05  # of the best fitness over the median, as a share of the larger of their absolute values
 
 Operator = Callable[..., Any]
 
@@ -88,8 +90,8 @@ def slot_names(algorithm: Algorithm) -> str:
 def lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
     """Explain why ``gradient`` hardly prefers the best of a generation, and how to fix it; "" if it does prefer it.
 
-    The measure is ``selection.pressure``: the pressure counts as lost below ``MIN_PRESSURE``, although the best and the
-    median fitness differ.
+    The measure is ``selection.pressure``: the pressure is lost below ``MIN_PRESSURE`` if the best fitness exceeds the
+    median by ``MIN_LEAD`` or more. With a smaller lead the population has converged, and there is nothing to fix.
 
     Args:
         fitness: Fitness of each individual of a generation, shape (n,).
@@ -100,13 +102,13 @@ def lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
         return ""
     worst, median, best = np.quantile(counted, [0, 0.5, 1])
     pressure = selection.pressure(selection.gradient_probabilities(counted))
-    if pressure >= selection.MIN_PRESSURE or np.isclose(median, best):
+    if pressure >= selection.MIN_PRESSURE or best - median < MIN_LEAD * max(abs(best), abs(median)):
         return ""
     return (
-        f"the lowest fitness, {worst:g}, is so far below the others that gradient selection hardly prefers the best "
-        f"robot: its fitness is {best:g} and the median {median:g}, yet it is selected only {pressure - 1:.2%} more "
-        'often than the median robot. Select by order instead, with settings.with_(selection="rank"), or limit the '
-        "fitness from below."
+        f"the lowest fitness, {significant(worst)}, is so far below the others that gradient selection hardly prefers "
+        f"the best robot: its fitness is {significant(best)} and the median {significant(median)}, yet it is selected "
+        f"only {pressure - 1:.2%} more often than the median robot. Select by order instead, with "
+        'settings.with_(selection="rank"), or limit the fitness from below.'
     )
 
 

@@ -163,7 +163,7 @@ def test_input_that_is_refused_before_a_walk_leaves_no_file(tmp_path, wrong, mon
     settings, path, executor = SETTINGS, tmp_path / "run.walk", ThreadPoolExecutor(1)
     match wrong:
         case "fitness":
-            settings = settings.with_(fitness=lambda rollout: None)
+            settings = settings.with_(fitness=lambda rollout: "far")
         case "executor":
             executor.shutdown()
         case "patience":

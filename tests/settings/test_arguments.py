@@ -44,7 +44,7 @@ SETTINGS_WANTED = "settings must be a Settings"
         ("wl.load(run)", ["path must be a path", "run.path"]),
         ("wl.resume(run)", ["path must be a path", "run.path"]),
         ("wl.rescue(at / 'a.walk', None)", ["to must be a path", "got None"]),
-        ("wl.evolve(S, at / 'two', X)", ["two is a folder", "two/run.walk"]),
+        ("wl.evolve(S, at / 'two', X)", ["that is a folder", "two/run.walk"]),
         ("wl.evolve(S, 3)", ["path must be a path", "got 3"]),
         ("wl.evolve(S, X)", ["path must be a path", "executor=…"]),
         # names of arguments

@@ -176,7 +176,7 @@ import json, os, shutil, signal, sys, tempfile
 from multiprocessing import resource_tracker
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
-from walkerlab import files, fileset
+from walkerlab.system import file_sets, files
 
 os.fsync = lambda file: None  # it is for power cuts, and takes its time
 resource_tracker.ensure_running()  # or each child starts one

@@ -169,7 +169,7 @@ PLACES = {
     "descent": lambda run, _: [summary.descent(run.records, run.champion.individual).split("\n")[-1].split()[2]],
     "report": lambda run, _: of_report(run),
     "list of runs": lambda run, _: [best_of(run)],
-    "film": lambda run, _: [film._caption(run.champion, 0, 1, "").split(" · ")[-1]],
+    "film": lambda run, _: [film._caption(film.ChampionPeriod(run.champion, 0, 1), "").split(" · ")[-1]],
     "card": lambda run, _: found(r">Fitness</th><td>(.*?)<", card(run.records, run.champion.individual)),
     "roster": lambda run, _: of_roster(run),
     "progress": lambda run, _: found(r"best (\S+)$", progress(run)),
@@ -209,8 +209,9 @@ def test_a_fitness_is_read_back_from_every_picture(value):
 @pytest.mark.parametrize("spread", [1.0, 1e-2])
 def test_the_ticks_of_a_curve_are_read_back_and_lie_off_its_legend(value, spread):
     run = run_of(value)
-    run.records["fitness"] = value * (1 + spread * np.linspace(-1, 1, len(run.records)))
-    axes = wl.plots.fitness_curve(run, Figure(layout="constrained").add_subplot())
+    table = run.records
+    table["fitness"] = value * (1 + spread * np.linspace(-1, 1, len(table)))
+    axes = wl.plots.fitness_curve(table, Figure(layout="constrained").add_subplot())
     axes.figure.draw_without_rendering()
     power = axes.yaxis.get_offset_text()
     factor = float(power.get_text().replace("−", "-") or 1)
@@ -253,7 +254,7 @@ def test_where_no_walk_counts_no_number_is_shown():
         wl.plots.alt_text(wl.plots.fitness_curve(run, Figure().add_subplot())),
         wl.plots.alt_text(tree),
         str(roster(run.records)["rows"]),
-        film._caption(run.champion, 0, 1, ""),
+        film._caption(film.ChampionPeriod(run.champion, 0, 1), ""),
     ]
     for text in texts:
         assert not re.search(r"\b(inf|nan)\b", text), text

@@ -433,8 +433,8 @@ def test_a_champion_is_shown_no_longer_than_its_walk(jobs):
 
 def test_the_caption_of_a_disqualified_walk_says_so(jobs):
     run = run_with_champions([1])
-    run.records["verdict"] = "fell"
-    timelapse(run, "lapse.mp4")
+    table = run.records.assign(verdict="fell")
+    timelapse(Run(run.settings, table), "lapse.mp4")
     assert jobs[0].clips[0].caption.endswith("does not count: fell")
 
 
@@ -529,7 +529,7 @@ def test_a_file_name_of_maximum_length_is_accepted_and_a_longer_one_rejected(mon
 
 def test_a_path_that_is_not_writable_is_rejected_before_rendering(monkeypatch, tmp_path):
     monkeypatch.setattr(process, "_render_with_first_backend", None)
-    with pytest.raises(FilmError, match=r"the folder .*missing of the film walk\.mp4 does not exist"):
+    with pytest.raises(FilmError, match=r"there is no folder .*missing; make it first, for the file walk\.mp4"):
         film(GENOME, SHORT, tmp_path / "missing" / "walk.mp4")
     (tmp_path / "folder.mp4").mkdir()
     with pytest.raises(FilmError, match="is a folder"):
@@ -606,7 +606,8 @@ class _InterruptingBar:
 def test_when_the_kernel_is_killed_rendering_ends_and_the_temporary_file_is_removed(backend, tmp_path):
     code = (
         "from walkerlab.view.film import film; from walkerlab.settings.settings import Settings; "
-        f"from walkerlab.commands.worlds import GENOME; film(GENOME, Settings(), {str(tmp_path / 'walk.mp4')!r}, size=(128, 96), fps=60)"
+        "from walkerlab.commands.worlds import GENOME; "
+        f"film(GENOME, Settings(), {str(tmp_path / 'walk.mp4')!r}, size=(128, 96), fps=60)"
     )
     with subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True) as kernel:
         is_rendering = any(character in "▏▎▍▌▋▊▉█" for character in iter(lambda: kernel.stderr.read(1), ""))

@@ -262,7 +262,7 @@ def rescue(path: str | Path, to: str | Path) -> Run:
     Raises:
         RunFileError: if nothing can be saved, or there is a file at ``to``, or none can be made there.
     """
-    path, to = store.locate(path), store.new_path(to)
+    path, to = store.locate(path), store.new_path(to, "to")
     store.rescue(path, to)
     try:
         return load(to)

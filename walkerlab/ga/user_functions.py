@@ -24,7 +24,7 @@ IN_A_RUN, IN_A_CHECK = 60.0, 10.0  # s that one call may take
 THREAD_ADVICE = (
     "User functions are called in a separate thread, so that one that never returns can be stopped. An object that "
     "belongs to one thread, such as an SQLite connection, must be opened within the function; what only the main "
-    f"thread may do, such as signal.alarm, is not possible. The time limit is os.environ[{LIMIT_VARIABLE!r}], in seconds."
+    f"thread may do, such as signal.alarm, is not possible. The limit in seconds is os.environ[{LIMIT_VARIABLE!r}]."
 )
 
 SHARED = {"np.random": "numpy.random", "random": "random"}

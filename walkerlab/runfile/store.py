@@ -50,16 +50,30 @@ def locate(path: str | Path) -> Path:
     )
 
 
-def new_path(path: str | Path) -> Path:
-    """Return the absolute path of a run file to be made.
+def new_path(path: str | Path, name: str = "path") -> Path:
+    """Return the absolute path of a run file to be created.
+
+    Args:
+        path: Path of the file.
+        name: Name of the argument, for messages.
 
     Raises:
-        RunFileError: if no file can have this path.
+        RunFileError: If no file can have this path.
+        TypeError: If it is not a path.
     """
     try:
-        return file_path(path)
+        return file_path(path, name)
     except PathError as error:
-        raise RunFileError(f"no run file can be made: {error}") from error
+        folder = Path(path).expanduser()
+        example = f" For example: {shown(folder.absolute() / RUN_FILE)!r}." if _is_folder(folder) else ""
+        raise RunFileError(f"no run file can be created: {error}{example}") from error
+
+
+def _is_folder(path: Path) -> bool:
+    try:
+        return path.is_dir()
+    except ValueError:  # a null character
+        return False
 
 
 def passing() -> sqlite3.Connection:
