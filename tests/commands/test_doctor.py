@@ -230,7 +230,7 @@ def test_debian_s_python_gets_its_venv_first(monkeypatch):
 
 
 def test_what_is_installed_again_is_what_was_installed(monkeypatch):
-    monkeypatch.setattr(fixes, "__file__", "/nowhere/walkerlab/commands/doctor/mends.py")
+    monkeypatch.setattr(fixes, "__file__", "/nowhere/walkerlab/commands/doctor/fixes.py")
     url = {"url": Path("/srv/our course").as_uri()}
     monkeypatch.setattr(fixes, "distribution", lambda _: SimpleNamespace(read_text=lambda _: json.dumps(url)))
     assert fixes.source() == f'"{Path("/srv/our course")}"'
@@ -355,6 +355,6 @@ def test_root_needs_no_sudo_and_who_has_none_must_ask(monkeypatch):
 
 
 def test_the_advice_of_environment_md_is_the_doctors():
-    text = (Path(__file__).parents[1] / "environment.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "environment.md").read_text(encoding="utf-8")
     for family in ("debian", "fedora"):
         assert opengl.INSTALL_COMMANDS[family].rpartition("sudo ")[2] in text

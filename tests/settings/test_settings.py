@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
+from tests.strategies import all_settings, finite, robots
 from walkerlab.settings.fields import (
     PAIR,
     Choice,
@@ -34,8 +35,6 @@ from walkerlab.settings.settings import (
     Structure,
     Terrain,
 )
-
-from .strategies import all_settings, finite, robots
 
 DOMAINS = {"terrain": Terrain, "robot": Robot, "algorithm": Algorithm, "simulation": Simulation}
 FIELDS = [(domain, name) for domain in DOMAINS.values() for name in domain.declared()]

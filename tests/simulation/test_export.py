@@ -28,7 +28,7 @@ WORLDS = [{"structure": structure} for structure in Structure]
 WORLDS += [{"obstacle": obstacle, "structure": "incline", "seed": 3} for obstacle in Obstacle if obstacle]
 WORLDS += [{"carry_weight": 1, "drag_weight": 2, "wind": (1, 0, 0)}, {"texture": "gravel", "timestep": 0.003}]
 
-SCHEMA = Path(__file__).parent / "kept" / "mjcf_3.9.txt"
+SCHEMA = Path(__file__).parents[1] / "kept" / "mjcf_3.9.txt"
 
 
 def export(world, folder, name="walker"):

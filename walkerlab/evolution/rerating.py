@@ -14,7 +14,7 @@ from walkerlab.ga.user_functions import OperatorError
 from walkerlab.runfile.provenance import UNKNOWN, source_digest
 from walkerlab.runfile.records import Walked
 from walkerlab.runfile.store import RunFileError
-from walkerlab.settings.fields import function_name
+from walkerlab.settings.fields import function_name, number_text
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.evaluation import Evaluation
 
@@ -117,9 +117,10 @@ def _refusal(population: Population[Walked], rated: Population[Walked], settings
     differing = np.flatnonzero(rated.fitness != population.fitness)
     if differing.size:
         row = differing[np.argmax(population.fitness[differing])]
+        stored, now = (number_text(float(ratings.fitness[row])) for ratings in (population, rated))
         why = (
-            f"Robot {population.individuals[row]} of generation {number} has fitness {population.fitness[row]:.10g} in "
-            f"the file, and {rated.fitness[row]:.10g} with the function given."
+            f"Robot {population.individuals[row]} of generation {number} has fitness {stored} in the file, and {now} "
+            "with the function given."
         )
     else:
         why = f"No walk of generation {number} counts, so that the function given cannot be compared with the file."
