@@ -355,6 +355,6 @@ def test_root_needs_no_sudo_and_who_has_none_must_ask(monkeypatch):
 
 
 def test_the_advice_of_environment_md_is_the_doctors():
-    text = (Path(__file__).parents[1] / "environment.md").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "environment.md").read_text(encoding="utf-8")
     for family in ("debian", "fedora"):
         assert opengl.INSTALL_COMMANDS[family].rpartition("sudo ")[2] in text
