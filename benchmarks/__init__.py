@@ -1,1 +1,1 @@
-"""What walkerlab costs, measured as ratios: python -m benchmarks."""
+"""Measure the cost of walkerlab as ratios: ``python -m benchmarks``."""

@@ -1,8 +1,8 @@
-"""How long until the first walker: each time in an interpreter of its own, whose files have been read before.
+"""Time until the first walk, each measured in a new interpreter with a warm disk cache.
 
-The denominators say how fast the machine is: importing numpy and pandas, or the same generation once more, on workers
-that are warm by then. The limits are absolute, so the seconds are told as well: an import takes less than 1 s, and the
-first generation on a fresh pool comes back within 3 s.
+The denominators show how fast the computer is: the import of numpy and pandas, or the same generation once more on
+warm workers. The limits are absolute, so the seconds are printed too: an import takes less than 1 s, and the first
+generation on a new pool of workers is done within 3 s.
 """
 
 import subprocess
@@ -10,43 +10,46 @@ import sys
 from collections.abc import Iterator
 from statistics import median
 
-from benchmarks.timing import note
+from benchmarks.timing import print_note
 
-BEGIN = (
+IMPORT_AND_DRAW = (
     "import walkerlab as wl; settings = wl.Settings(); evaluate = wl.evaluate; "
     "genomes = wl.generate_robot_population(settings.robot, 60, seed=0)"
 )
 
 
-def rows(pairs: int) -> Iterator[tuple[str, str, list[float]]]:
-    """Yield each first time, as a multiple of one that is known."""
-    once()  # so that the disk has been read
-    found = [once() for _ in range(pairs)]
-    for case, compared in found[0]:
-        took = [each[case, compared][0] for each in found]
-        note(f"{case}: {median(took):.2f} s ({min(took):.2f} to {max(took):.2f})")
-        yield case, compared, [above / below for above, below in (each[case, compared] for each in found)]
+def rows(n_pairs: int) -> Iterator[tuple[str, str, list[float]]]:
+    """Yield the ratio of each first time to its reference."""
+    measure_once()  # fills the disk cache
+    measurements = [measure_once() for _ in range(n_pairs)]
+    for case, compared in measurements[0]:
+        pairs = [measurement[case, compared] for measurement in measurements]
+        times = [time for time, _ in pairs]
+        print_note(f"{case}: {median(times):.2f} s ({min(times):.2f} to {max(times):.2f})")
+        yield case, compared, [time / reference for time, reference in pairs]
 
 
-def once() -> dict[tuple[str, str], tuple[float, float]]:
-    """Take every first time once, and what each is divided by."""
-    (others,) = fresh("import numpy, pandas")
-    (door,) = fresh("import walkerlab")
-    (evolve,) = fresh("from walkerlab import evolve")
-    walker = fresh(BEGIN, "evaluate(genomes[:1], settings)")
-    imports, first, second = fresh(BEGIN, "evaluate(genomes, settings)", "evaluate(genomes, settings)")
+def measure_once() -> dict[tuple[str, str], tuple[float, float]]:
+    """Return each first time and its reference [s], by case and comparison."""
+    (reference_import,) = time_in_new_interpreter("import numpy, pandas")
+    (walkerlab_import,) = time_in_new_interpreter("import walkerlab")
+    (evolve_import,) = time_in_new_interpreter("from walkerlab import evolve")
+    first_walk = time_in_new_interpreter(IMPORT_AND_DRAW, "evaluate(genomes[:1], settings)")
+    imports, first, second = time_in_new_interpreter(
+        IMPORT_AND_DRAW, "evaluate(genomes, settings)", "evaluate(genomes, settings)"
+    )
     return {
-        ("import walkerlab", "first / numpy and pandas"): (door, others),
-        ("import all of evolve", "first / numpy and pandas"): (evolve, others),
-        ("import to first walker", "first / numpy and pandas"): (sum(walker), others),
+        ("import walkerlab", "first / numpy and pandas"): (walkerlab_import, reference_import),
+        ("import all of evolve", "first / numpy and pandas"): (evolve_import, reference_import),
+        ("import to first walker", "first / numpy and pandas"): (sum(first_walk), reference_import),
         ("import to first generation", "first / warm second"): (imports + first, second),
         ("first generation", "first / warm second"): (first, second),
     }
 
 
-def fresh(*lines: str) -> list[float]:
-    """Time each of some lines in an interpreter of its own, s."""
+def time_in_new_interpreter(*lines: str) -> list[float]:
+    """Run lines of Python in a new interpreter and return the time of each [s]."""
     timed = "\n".join(f"start = now(); {line}; print(now() - start)" for line in lines)
     code = f"from time import perf_counter as now\n{timed}"
-    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    return [float(took) for took in done.stdout.split()]
+    process = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
+    return [float(time) for time in process.stdout.split()]

@@ -1,10 +1,10 @@
-"""How near evaluation comes to its floor: the same models and controls, stepped from C on all cores.
+"""Evaluation compared with its floor: the same models and controls, stepped from C on all cores.
 
-Floor time over evaluation time: 1 would be no cost but physics. The floor is the fastest plain way: every world is
-compiled and placed beforehand, and a thread for each core steps it through settling and walk without a look at it,
-keeping nothing, the costliest first, so that no core is idle at the end. Evaluation is `wl.evaluate` from end to end,
-its workers started and every body plan built. `evolve` is a whole run, from its first generation to its table, against
-the floor of each robot that walked in it, once.
+The figure is floor time over evaluation time; 1 would mean that nothing but physics takes time. The floor is the
+fastest plain way: all worlds are compiled and placed beforehand, and one thread per core steps them through settling
+and walking without recording anything, the costliest first, so that no core is idle at the end. Evaluation is
+``wl.evaluate`` from end to end, with running workers that have built every body plan. ``evolve`` is a whole run, from
+its first generation to its table, compared with the floor of each robot that walked in it, once.
 """
 
 from collections.abc import Callable, Iterator
@@ -16,56 +16,59 @@ import numpy as np
 from mujoco.rollout import rollout
 
 import walkerlab as wl
-from benchmarks.timing import WALKS, in_turn, seconds
+from benchmarks.timing import N_WALKS, measure_ratios, time_call
 from benchmarks.worlds import WORLDS
 from walkerlab.simulation.workers import n_cores
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
-ROUGH = "2,000 pieces, 20 rocks"
+PIECES_AND_ROCKS = "2,000 pieces, 20 rocks"
 GROUNDS = {
     "flat": {},
     "stairs": WORLDS["stairs"],
-    ROUGH: WORLDS[ROUGH],
+    PIECES_AND_ROCKS: WORLDS[PIECES_AND_ROCKS],
     "a pack and a sledge": WORLDS["a pack"] | WORLDS["a sledge"],
 }
 
 Walk = Callable[[], object]
+"""Steps one prepared world through its walk."""
 
 
-def rows(pairs: int) -> Iterator[tuple[str, str, list[float]]]:
-    """Yield what is left of the floor's speed on each ground, and in a run."""
+def rows(n_pairs: int) -> Iterator[tuple[str, str, list[float]]]:
+    """Yield the speed relative to the floor on each ground, and in a run."""
     for ground, changes in GROUNDS.items():
         settings = wl.Settings().with_(**changes)
-        genomes = wl.generate_robot_population(settings.robot, WALKS, seed=0)
+        genomes = wl.generate_robot_population(settings.robot, N_WALKS, seed=0)
         evaluate = partial(wl.evaluate, genomes, settings)
-        yield ground, "floor / evaluate", against_floor(pairs, genomes, settings, evaluate)
-    n_generations = max(2, WALKS // 20)
-    settings = wl.Settings().with_(population_size=max(4, WALKS // 2), generations=n_generations)
+        yield ground, "floor / evaluate", compare_with_floor(n_pairs, genomes, settings, evaluate)
+    n_generations = max(2, N_WALKS // 20)
+    settings = wl.Settings().with_(population_size=max(4, N_WALKS // 2), generations=n_generations)
     evolve = partial(wl.evolve, settings, progress=False)
     genomes = evolve().records.drop_duplicates("individual").genome
-    yield f"evolve, {n_generations} generations", "floor / evolve", against_floor(pairs, genomes, settings, evolve)
+    ratios = compare_with_floor(n_pairs, genomes, settings, evolve)
+    yield f"evolve, {n_generations} generations", "floor / evolve", ratios
 
 
-def against_floor(pairs, genomes, settings, work) -> list[float]:
-    """Divide the floor's time for these robots by that of some work in which they walk."""
+def compare_with_floor(n_pairs, genomes, settings, function) -> list[float]:
+    """Return the floor time of some robots divided by the time of a function that simulates them."""
     with ThreadPoolExecutor(n_cores()) as threads:
-        walks = list(threads.map(partial(prepare, settings=settings), genomes))
-        costs = list(threads.map(seconds, walks))
+        walks = list(threads.map(partial(prepare_walk, settings=settings), genomes))
+        costs = list(threads.map(time_call, walks))
         costliest_first = [walks[i] for i in np.argsort(costs)[::-1]]
-        for _ in range(2):  # so that each worker has met every body plan
-            work()
-        return in_turn(
-            pairs,
-            lambda: seconds(lambda: list(threads.map(lambda walk: walk(), costliest_first))),
-            lambda: seconds(work),
+        for _ in range(2):  # so that each worker has built every body plan
+            function()
+        return measure_ratios(
+            n_pairs,
+            lambda: time_call(lambda: list(threads.map(lambda walk: walk(), costliest_first))),
+            lambda: time_call(function),
         )
 
 
-def prepare(genome, settings) -> Walk:
-    """Compile and place one world, and lay out the controls of settling and walking: what is left is to step it."""
+def prepare_walk(genome, settings) -> Walk:
+    """Compile and place one world and compute the controls of settling and walking; only stepping remains."""
     scene = wl.compile_scene(genome, settings)
     settled = wl.simulate(scene.genome, settings, poses=False).settled
-    timestep, duration = settings.simulation.timestep, settings.simulation.duration
+    timestep = settings.simulation.timestep
+    duration = settings.simulation.duration
     hold = np.tile(scene.rest, (round(settled / timestep), 1))
     controls = np.concatenate([hold, scene.controls(round(duration / timestep) + 1)])
     data = mujoco.MjData(scene.model)

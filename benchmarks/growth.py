@@ -1,12 +1,12 @@
-"""What a run costs as it grows, beside its walks: these are stood in for by a sum, and all else is as ever.
+"""Cost of a run as it grows, apart from the walks, which are replaced by a sum; all other steps are real.
 
     python -m benchmarks.growth [--population 1000] [--generations 200]
 
-That tells seconds, bytes and megabytes, of one run. The limits are absolute, for 200,000 robots: a file of at most 1.2
-kB a robot; 3 s to load it with its table, in a process that has not seen it; 1 s to draw and save its curve; no more
-than 50 MB between the tenth generation and the last; 50 µs for a child to learn that nobody walked with its genome.
-The ratios divide each of these by something that is known: the same rows fetched by sqlite3 alone, the text of the
-genomes, the curve of a tenth of the run, the tenth generation, the writing of a genome's text.
+This prints the seconds, bytes and megabytes of one run. The limits are absolute, for 200,000 robots: a file of at
+most 1.2 kB per robot; 3 s to load it with its table in a new process; 1 s to draw and save its fitness curve; at most
+50 MB of growth between the tenth generation and the last; 50 µs to find out whether a child's genome has walked
+before. The ratios divide each of these by a reference: the same rows fetched by sqlite3 alone, the text of the
+genomes, the curve of a tenth of the run, the tenth generation, the conversion of a genome to text.
 """
 
 import argparse
@@ -26,114 +26,128 @@ import numpy as np
 import pandas as pd
 
 import walkerlab as wl
-from benchmarks.timing import WALKS, note, seconds
+from benchmarks.timing import N_WALKS, print_note, time_call
 from walkerlab.evolution import evolution
 from walkerlab.runfile.archive import Archive
 from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.view.plots.appearance import paper
 
-FIRST = 10  # the generation against which growth is measured: by then all that is built once is built
-FULL = 120  # WALKS of a whole benchmark, with which a run has 1000 robots in each generation
+REFERENCE_GENERATION = 10  # by then everything that is built once has been built
+FULL_N_WALKS = 120  # value of N_WALKS for which a run has 1000 robots per generation
 
 Figures = dict[str, float]
 
 
-def rows(pairs: int) -> Iterator[tuple[str, str, list[float]]]:
-    """Yield what a run of 200 generations costs when it is long, as multiples of what it is compared with."""
-    found = [measure(max(20, 1000 * WALKS // FULL), 200) for _ in range(pairs)]
-    for line in in_words(found[-1]):
-        note(line)
-    for case, compared, above, below in (
+def rows(n_pairs: int) -> Iterator[tuple[str, str, list[float]]]:
+    """Yield the cost of a run of 200 generations at its end, relative to the references."""
+    runs = [measure(max(20, 1000 * N_WALKS // FULL_N_WALKS), 200) for _ in range(n_pairs)]
+    for line in describe(runs[-1]):
+        print_note(line)
+    for case, compared, figure, reference in (
         ("load a run", "wl.load / sqlite3 fetching it", "load", "fetch"),
         ("file of a run", "bytes / genomes' text", "file", "text"),
         ("its fitness curve", "all / a tenth of it", "curve", "short curve"),
-        ("memory, with a file", f"last / generation {FIRST}", "memory", "early memory"),
-        ("memory, without a file", f"last / generation {FIRST}", "memory without", "early memory without"),
-        ("between two generations", f"last / generation {FIRST}", "own", "early own"),
-        ("who has walked before", "asking / writing the genome", "find", "write"),
+        ("memory, with a file", f"last / generation {REFERENCE_GENERATION}", "memory", "early memory"),
+        (
+            "memory, without a file",
+            f"last / generation {REFERENCE_GENERATION}",
+            "memory without",
+            "early memory without",
+        ),
+        ("between two generations", f"last / generation {REFERENCE_GENERATION}", "overhead", "early overhead"),
+        ("look up a genome", "look-up / conversion to text", "find", "write"),
     ):
-        yield case, compared, [each[above] / each[below] for each in found]
+        yield case, compared, [figures[figure] / figures[reference] for figures in runs]
 
 
 def measure(population: int, generations: int) -> Figures:
-    """Grow two runs, with a file and without, and look at the one with; each in a process of its own."""
+    """Grow a run with a file and one without, and load the first; each step in a new process."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.walk"
-        found = alone(grow, path, population, generations)
-        without = alone(grow, None, population, generations)
-        found |= {f"{name} without": without[name] for name in ("memory", "early memory")}
-        return found | alone(look, path) | {"n": population * generations}
+        figures = run_in_new_process(measure_evolution, path, population, generations)
+        without_file = run_in_new_process(measure_evolution, None, population, generations)
+        figures |= {f"{name} without": without_file[name] for name in ("memory", "early memory")}
+        return figures | run_in_new_process(measure_loading, path) | {"n": population * generations}
 
 
-def alone(work: Callable[..., Figures], *given: Any) -> Figures:
-    """Do it in a fresh process."""
+def run_in_new_process(function: Callable[..., Figures], *arguments: Any) -> Figures:
+    """Call a function in a new process and return its result."""
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as process:
-        return process.submit(work, *given).result()
+        return process.submit(function, *arguments).result()
 
 
-# ------------------------------------------------------------------------------------------- in a process of its own
+# ------------------------------------------------------------------------------------------- in a new process
 
 
-def rated(values) -> Evaluation:
-    """Stand in for a walk, as fast as can be, with the kinds of values that walks have."""
-    way, counts = float(values[1] - values[2:].std()), values[3] % 1 > 0.02
-    fitness, verdict, why = (way, "ok", "") if counts else (-np.inf, "airborne", "no foot on the ground for 1.23 s")
-    measures = (int(values[0]), 4, float(values[3]), float(values[2]))
-    return Evaluation(wl.Genome(values), fitness, verdict, why, way * 8.123, way * 1.0173, *measures)
+def fake_evaluation(values) -> Evaluation:
+    """Return an evaluation without a walk, with values of the same kinds as those of real walks."""
+    score = float(values[1] - values[2:].std())
+    if values[3] % 1 > 0.02:
+        fitness, verdict, reason = score, "ok", ""
+    else:
+        fitness, verdict, reason = -np.inf, "airborne", "no foot on the ground for 1.23 s"
+    body = (int(values[0]), 4, float(values[3]), float(values[2]))
+    return Evaluation(wl.Genome(values), fitness, verdict, reason, score * 8.123, score * 1.0173, *body)
 
 
-def grow(path: Path | None, population: int, generations: int) -> Figures:
-    """Evolve, and look at memory [MB] and at the process's own time [s] with every generation."""
-    walking, memory, own = [0.0], [], []
+def measure_evolution(path: Path | None, population: int, generations: int) -> Figures:
+    """Evolve, and measure the memory [MB] and the time apart from the evaluations [s] at every generation."""
+    evaluation_time = 0.0
+    memory: list[float] = []
+    overhead: list[float] = []
 
     def evaluate(genomes, *, on_done, **_):
+        nonlocal evaluation_time
         start = perf_counter()
-        found = [rated(values) for values in genomes]
-        on_done(len(found))
-        walking[0] += perf_counter() - start
-        return found
+        evaluations = [fake_evaluation(values) for values in genomes]
+        on_done(len(evaluations))
+        evaluation_time += perf_counter() - start
+        return evaluations
 
     evolution.evaluate = evaluate
     settings = wl.Settings().with_(population_size=population, generations=generations)
     start = perf_counter()
     for generation in wl.Evolution(settings, path):
-        assert generation.champion  # as a progress bar wants to know
-        own.append(perf_counter() - start - walking[0])
+        assert generation.champion  # read in every generation, as by a progress bar
+        overhead.append(perf_counter() - start - evaluation_time)
         memory.append(_megabytes())
-        start, walking[0] = perf_counter(), 0.0
-    early = min(FIRST, generations - 1)
+        start = perf_counter()
+        evaluation_time = 0.0
+    early = min(REFERENCE_GENERATION, generations - 1)
     return {
         "memory": memory[-1],
         "early memory": memory[early],
-        "own": median(own[-9:]),
-        "early own": median(own[max(1, early - 4) : early + 5]),
+        "overhead": median(overhead[-9:]),
+        "early overhead": median(overhead[max(1, early - 4) : early + 5]),
     }
 
 
 def _megabytes() -> float:
+    """Return the memory that this process uses [MB]; its peak where the current value is unknown."""
     statm = Path("/proc/self/statm")
     if statm.exists():
         return int(statm.read_text().split()[1]) * resource.getpagesize() / 1e6
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss  # elsewhere, the most that it ever was
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return peak / (1e6 if sys.platform == "darwin" else 1e3)
 
 
-def look(path: Path) -> Figures:
-    """Load a run, as one that nobody has looked at in this process, and draw it."""
-    draw = wl.plots.fitness_curve  # whose import is not what is timed
+def measure_loading(path: Path) -> Figures:
+    """Load a run for the first time in this process, and draw it."""
+    draw = wl.plots.fitness_curve  # imported here, so that the import is not timed
     start = perf_counter()
     run = wl.load(path)
     records = run.records
-    found = {"load": perf_counter() - start, "fetch": seconds(_fetch, path)}
+    figures = {"load": perf_counter() - start, "fetch": time_call(_fetch, path)}
     tenth = records[records.generation < max(1, run.n_generations // 10)]
     for name, table in (("curve", records), ("short curve", tenth)):
-        found[name] = min(seconds(_save, draw, table, path.with_suffix(".svg")) for _ in range(2))
-    found |= {"file": float(path.stat().st_size), "text": float(records.genome.str.len().sum())}
-    known, children = Archive.of(path, records), wl.generate_robot_population(run.settings.robot, 1000, seed=99)
+        figures[name] = min(time_call(_save, draw, table, path.with_suffix(".svg")) for _ in range(2))
+    figures |= {"file": float(path.stat().st_size), "text": float(records.genome.str.len().sum())}
+    archive = Archive.of(path, records, run.settings.model_dump())
+    children = wl.generate_robot_population(run.settings.robot, 1000, seed=99)
     texts = [str(genome) for genome in map(wl.Genome, children)]
-    found["find"] = min(seconds(known.find, texts) for _ in range(3)) / len(texts)
-    found["write"] = seconds(lambda: [str(genome) for genome in map(wl.Genome, children)]) / len(texts)
-    return found | {name: seconds(work, run) for name, work in OTHERS.items()}
+    figures["find"] = min(time_call(archive.find, texts) for _ in range(3)) / len(texts)
+    figures["write"] = time_call(lambda: [str(genome) for genome in map(wl.Genome, children)]) / len(texts)
+    return figures | {name: time_call(function, run) for name, function in OTHER_CALLS.items()}
 
 
 def _fetch(path: Path) -> None:
@@ -146,7 +160,7 @@ def _save(draw, table: pd.DataFrame, path: Path) -> None:
     wl.plots.save(draw(table, paper(7, 4)), path)
 
 
-OTHERS: dict[str, Callable[[wl.Run], object]] = {
+OTHER_CALLS: dict[str, Callable[[wl.Run], object]] = {
     "champion": lambda run: run.champion,
     "repr": repr,
     "lineage": lambda run: run.lineage(run.champion.individual),
@@ -157,29 +171,33 @@ OTHERS: dict[str, Callable[[wl.Run], object]] = {
     "genes": lambda run: wl.plots.genes(run.records, paper(9, 5)),
     "family_tree": lambda run: wl.plots.family_tree(run.records, paper(7, 9)),
 }
-"""What else is asked of a long run, and should be there at once."""
+"""Other calls on a long run that should return quickly; their absolute times are printed."""
 
 
-def in_words(found: Figures) -> Iterator[str]:
-    """Tell the absolute figures of one run."""
-    yield f"{found['n']:,.0f} robots: {found['file'] / found['n']:.0f} bytes each in the file"
-    yield f"loaded with its table in {found['load']:.2f} s; its curve drawn and saved in {found['curve']:.2f} s"
-    grown = {kind: found[f"memory{kind}"] - found[f"early memory{kind}"] for kind in ("", " without")}
-    yield f"memory since generation {FIRST}: {grown['']:+.0f} MB with a file, {grown[' without']:+.0f} MB without"
+def describe(figures: Figures) -> Iterator[str]:
+    """Yield lines of text with the absolute figures of one run."""
+    yield f"{figures['n']:,.0f} robots: {figures['file'] / figures['n']:.0f} bytes each in the file"
+    yield f"loaded with its table in {figures['load']:.2f} s; its curve drawn and saved in {figures['curve']:.2f} s"
+    with_file = figures["memory"] - figures["early memory"]
+    without_file = figures["memory without"] - figures["early memory without"]
     yield (
-        f"between two generations {1e3 * found['own']:.0f} ms ({1e3 * found['early own']:.0f} ms after generation "
-        f"{FIRST}); {1e6 * found['find']:.1f} µs for a child to learn that nobody walked with its genome"
+        f"memory since generation {REFERENCE_GENERATION}: {with_file:+.0f} MB with a file, "
+        f"{without_file:+.0f} MB without"
     )
-    yield "; ".join(f"{name} {found[name]:.2f} s" for name in OTHERS)
+    yield (
+        f"between two generations {1e3 * figures['overhead']:.0f} ms ({1e3 * figures['early overhead']:.0f} ms after "
+        f"generation {REFERENCE_GENERATION}); {1e6 * figures['find']:.1f} µs to find out whether a genome has walked"
+    )
+    yield "; ".join(f"{name} {figures[name]:.2f} s" for name in OTHER_CALLS)
 
 
 def main() -> None:
-    """Tell the figures of one run."""
+    """Print the figures of one run."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--population", type=int, default=1000)
     parser.add_argument("--generations", type=int, default=200)
-    given = parser.parse_args()
-    for line in in_words(measure(given.population, given.generations)):
+    arguments = parser.parse_args()
+    for line in describe(measure(arguments.population, arguments.generations)):
         print(line)
 
 

@@ -1,10 +1,11 @@
-"""Do exported robots walk in other versions of MuJoCo as they do in walkerlab?
+"""Compare the walks of exported robots in several versions of MuJoCo with those in walkerlab.
 
     python benchmarks/mujoco_versions.py FOLDER [--champions 20] [--version 3.9.0 --version 3.14.0 ...] [--csv FILE]
 
-Evolves small champions on the flat and exports each on every ground. Each version of MuJoCo is installed into an
-environment of its own below FOLDER, without walkerlab, and walks the files for 4 s. For each version and ground: how
-many files load, and how far their distances are from those of ``wl.simulate``.
+This evolves small champions on flat ground and exports each of them on every ground. Each version of MuJoCo is
+installed, without walkerlab, in a separate environment below FOLDER, and repeats the walk of each file for 4 s. The
+table shows, for each version and ground, how many files load and how far their distances are from those of
+``wl.simulate``.
 """
 
 import argparse
@@ -26,11 +27,11 @@ GROUNDS = {
 }
 VERSIONS = [f"3.{minor}.0" for minor in range(9, 18)]
 DURATION = 4.0  # s
-WALK = Path(__file__).with_name("plain_walk.py")
+WALK_SCRIPT = Path(__file__).with_name("plain_walk.py")
 
 
 def export_champions(n_champions, folder):
-    """Evolve and export; return a row for each file, with the distance of ``wl.simulate``."""
+    """Evolve and export champions; return a row for each file, with the distance of ``wl.simulate``."""
     rows = []
     for seed in range(n_champions):
         settings = wl.Settings().with_(
@@ -38,15 +39,15 @@ def export_champions(n_champions, folder):
         )
         champion = wl.evolve(settings, progress=False).champion.genome
         for ground, changes in GROUNDS.items():
-            there = settings.with_(**changes, duration=DURATION)
-            path = wl.export_mjcf(champion, there, folder, name=f"{seed} {ground}")
-            distance = wl.simulate(champion, there, poses=False).distance
+            settings_on_ground = settings.with_(**changes, duration=DURATION)
+            path = wl.export_mjcf(champion, settings_on_ground, folder, name=f"{seed} {ground}")
+            distance = wl.simulate(champion, settings_on_ground, poses=False).distance
             rows.append({"file": str(path), "ground": ground, "seed": seed, "simulate": distance})
     return pd.DataFrame(rows)
 
 
 def install(version, folder):
-    """Return the Python of an environment with this version of MuJoCo; it is made the first time."""
+    """Create an environment with a version of MuJoCo, unless it exists; return the path of its Python."""
     python = folder / version / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
     if not python.exists():
         subprocess.run([sys.executable, "-m", "venv", folder / version], check=True)
@@ -55,17 +56,17 @@ def install(version, folder):
 
 
 def main():
-    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("folder", type=Path, help="for the files and the environments")
-    options.add_argument("--champions", type=int, default=20)
-    options.add_argument("--version", action="append", help="only this one; may be repeated")
-    options.add_argument("--csv")
-    given = options.parse_args()
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="folder for the files and the environments")
+    parser.add_argument("--champions", type=int, default=20)
+    parser.add_argument("--version", action="append", help="use this version only; may be repeated")
+    parser.add_argument("--csv")
+    arguments = parser.parse_args()
 
-    files = export_champions(given.champions, given.folder / "files")
+    files = export_champions(arguments.champions, arguments.folder / "files")
     tables = []
-    for version in given.version or VERSIONS:
-        command = [install(version, given.folder), WALK, str(DURATION), *files.file]
+    for version in arguments.version or VERSIONS:
+        command = [install(version, arguments.folder), WALK_SCRIPT, str(DURATION), *files.file]
         lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
         walked = files.merge(pd.DataFrame(map(json.loads, lines)).reindex(columns=["file", "distance", "error"]))
         tables.append(walked.assign(version=version, difference=(walked.distance - walked.simulate).abs()))
@@ -76,8 +77,8 @@ def main():
         **{"files": "size", "loaded": "count", "median [m]": "median", "largest [m]": "max"}
     )
     print(figures.to_string(float_format="{:.1e}".format))
-    if given.csv:
-        table.to_csv(given.csv, index=False)
+    if arguments.csv:
+        table.to_csv(arguments.csv, index=False)
 
 
 if __name__ == "__main__":

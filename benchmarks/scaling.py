@@ -1,9 +1,9 @@
-"""What all cores gain over one, against what plain processes gain that do nothing but step the same worlds.
+"""Speed-up by all cores, compared with that of plain processes that only step the same worlds.
 
-A gain is how much more is done at once, all cores over one worker; that of plain processes is what the machine can
-give, whose cores share memory, heat and power. 1 is all of it. The plain processes have their worlds ready, and each
-steps the same ones, so that their gain has no tail; evaluation's has. `dask` is the throughput of a local cluster of as
-many processes over that of the default workers.
+A speed-up is the throughput of all cores over that of one worker. The speed-up of plain processes is the most that the
+computer allows, because cores share memory, heat and power; 1 means that all of it is used. Every plain process has its
+worlds prepared and steps the same ones, so that no process has to wait for another at the end, as evaluation has to.
+``dask`` is the throughput of a local cluster with one process per core, divided by that of the default workers.
 """
 
 import logging
@@ -18,59 +18,66 @@ from loky import ProcessPoolExecutor
 
 import walkerlab as wl
 from benchmarks import floor
-from benchmarks.timing import WALKS, in_turn, note, seconds
+from benchmarks.timing import N_WALKS, measure_ratios, print_note, time_call
 from walkerlab.simulation.workers import n_cores
 
-HERE = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}  # a cluster for this computer only
+LOCAL_ONLY = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}  # not reachable from other computers
 
 
-def rows(pairs: int) -> Iterator[tuple[str, str, list[float]]]:
-    """Yield what is left of the machine's gain with each kind of worker, and of its throughput with Dask."""
+def rows(n_pairs: int) -> Iterator[tuple[str, str, list[float]]]:
+    """Yield the relative speed-up of each kind of worker, and the relative throughput of Dask."""
     settings = wl.Settings()
-    genomes = wl.generate_robot_population(settings.robot, WALKS, seed=0)
+    genomes = wl.generate_robot_population(settings.robot, N_WALKS, seed=0)
     evaluate = partial(wl.evaluate, genomes, settings)
-    yield from gains(pairs, genomes, settings, evaluate)
+    yield from compare_speedups(n_pairs, genomes, settings, evaluate)
     if find_spec("distributed"):
-        yield "dask", "loky / dask", dask(pairs, evaluate)
+        yield "dask", "loky / dask", compare_with_dask(n_pairs, evaluate)
     else:
-        note("dask: no row, for distributed is not installed")
+        print_note("dask: no row, because distributed is not installed")
 
 
-def gains(pairs, genomes, settings, evaluate) -> Iterator[tuple[str, str, list[float]]]:
-    """Take the gain of each kind of worker and of plain processes in turn."""
+def compare_speedups(n_pairs, genomes, settings, evaluate) -> Iterator[tuple[str, str, list[float]]]:
+    """Measure the speed-ups of each kind of worker and of plain processes in turn; yield a row for each kind."""
     with ExitStack() as stack:
         start = stack.enter_context
-        alike = {"initializer": prepare, "initargs": (genomes, settings)}
-        plain = [start(ProcessPoolExecutor(1, **alike)) for _ in range(n_cores())]
+        options = {"initializer": prepare_walks, "initargs": (genomes, settings)}
+        plain_processes = [start(ProcessPoolExecutor(1, **options)) for _ in range(n_cores())]
         kinds = {
             "loky": (start(ProcessPoolExecutor(1)), None),
             "threads": (start(ThreadPoolExecutor(1)), start(ThreadPoolExecutor(n_cores()))),
         }
-        step_in(plain)
-        for executor in 2 * [executor for kind in kinds.values() for executor in kind]:
-            evaluate(executor)  # twice, so that each worker has met every body plan
-        found = {"plain": []} | {kind: [] for kind in kinds}
-        for _ in range(pairs):
-            found["plain"].append(len(plain) * seconds(step_in, plain[:1]) / seconds(step_in, plain))
-            for kind, (one, all_cores) in kinds.items():
-                found[kind].append(seconds(evaluate, one) / seconds(evaluate, all_cores))
-    note(f"gain on {n_cores()} cores: " + ", ".join(f"{kind} {median(gain):.2f}" for kind, gain in found.items()))
+        step_in_processes(plain_processes)
+        for _ in range(2):  # so that each worker has built every body plan
+            for executors in kinds.values():
+                for executor in executors:
+                    evaluate(executor)
+        plain_speedups: list[float] = []
+        speedups: dict[str, list[float]] = {kind: [] for kind in kinds}
+        for _ in range(n_pairs):
+            one_process = time_call(step_in_processes, plain_processes[:1])
+            all_processes = time_call(step_in_processes, plain_processes)
+            plain_speedups.append(len(plain_processes) * one_process / all_processes)
+            for kind, (one_worker, all_workers) in kinds.items():
+                speedups[kind].append(time_call(evaluate, one_worker) / time_call(evaluate, all_workers))
+    medians = {"plain": median(plain_speedups)} | {kind: median(speedups[kind]) for kind in kinds}
+    print_note(f"speed-up on {n_cores()} cores: " + ", ".join(f"{kind} {value:.2f}" for kind, value in medians.items()))
     for kind in kinds:
-        yield kind, "gain / plain processes' gain", [a / b for a, b in zip(found[kind], found["plain"], strict=True)]
+        ratios = [speedup / plain for speedup, plain in zip(speedups[kind], plain_speedups, strict=True)]
+        yield kind, "speed-up / plain speed-up", ratios
 
 
-def dask(pairs, evaluate) -> list[float]:
-    """Divide the default workers' time by that of a local cluster."""
+def compare_with_dask(n_pairs, evaluate) -> list[float]:
+    """Return the time of the default workers divided by that of a local Dask cluster."""
     from distributed import Client, LocalCluster
 
     logging.getLogger("distributed").setLevel(logging.ERROR)
-    one_a_core = LocalCluster(n_workers=n_cores(), threads_per_worker=1, **HERE)
-    with one_a_core as cluster, Client(cluster) as client:
-        cluster_wide = client.get_executor()
+    local_cluster = LocalCluster(n_workers=n_cores(), threads_per_worker=1, **LOCAL_ONLY)
+    with local_cluster as cluster, Client(cluster) as client:
+        executor = client.get_executor()
         for _ in range(2):
-            evaluate(cluster_wide)
+            evaluate(executor)
             evaluate(None)
-        return in_turn(pairs, lambda: seconds(evaluate, None), lambda: seconds(evaluate, cluster_wide))
+        return measure_ratios(n_pairs, lambda: time_call(evaluate, None), lambda: time_call(evaluate, executor))
 
 
 # ------------------------------------------------------------------------------------------- in a plain process
@@ -78,18 +85,19 @@ def dask(pairs, evaluate) -> list[float]:
 _walks: list[floor.Walk] = []
 
 
-def prepare(genomes, settings) -> None:
-    """Get the worlds ready."""
-    _walks.extend(floor.prepare(genome, settings) for genome in genomes)
+def prepare_walks(genomes, settings) -> None:
+    """Prepare the walk of each genome."""
+    _walks.extend(floor.prepare_walk(genome, settings) for genome in genomes)
 
 
-def step() -> None:
-    """Step every world through its walk."""
+def step_walks() -> None:
+    """Step every prepared world through its walk."""
     for walk in _walks:
         walk()
 
 
-def step_in(processes: list[Executor]) -> None:
-    """Have each of these processes step all its worlds, at once."""
-    for done in [process.submit(step) for process in processes]:
-        done.result()
+def step_in_processes(processes: list[Executor]) -> None:
+    """Step all worlds in each of the processes, in parallel, and wait for them."""
+    futures = [process.submit(step_walks) for process in processes]
+    for future in futures:
+        future.result()

@@ -1,4 +1,4 @@
-"""Two things timed in turn within one run, so that whatever else a machine does, it does to both."""
+"""Timing of two things in turn within one run, so that the load of the computer affects both equally."""
 
 import os
 import sys
@@ -6,28 +6,28 @@ from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
-WALKS = int(os.environ.get("BENCHMARK_WALKS", "120"))
-"""How many robots walk in what is timed: two generations of them; fewer for a try."""
+N_WALKS = int(os.environ.get("BENCHMARK_WALKS", "120"))
+"""Number of robots in each measurement, two generations by default; a smaller number is enough for a trial."""
 
 
-def seconds(work: Callable[..., Any], *arguments: Any) -> float:
-    """Do some work: s that it took."""
+def time_call(function: Callable[..., Any], *arguments: Any) -> float:
+    """Call a function and return the time that it took [s]."""
     start = perf_counter()
-    work(*arguments)
+    function(*arguments)
     return perf_counter() - start
 
 
-def in_turn(pairs: int, above: Callable[[], float], below: Callable[[], float]) -> list[float]:
-    """Take two figures, one after the other and again, and divide each pair.
+def measure_ratios(n_pairs: int, numerator: Callable[[], float], denominator: Callable[[], float]) -> list[float]:
+    """Measure two quantities in turn and return the ratio of each pair.
 
     Args:
-        pairs: how many times.
-        above: takes the numerator.
-        below: takes the denominator.
+        n_pairs: Number of pairs.
+        numerator: Measures the numerator.
+        denominator: Measures the denominator.
     """
-    return [above() / below() for _ in range(pairs)]
+    return [numerator() / denominator() for _ in range(n_pairs)]
 
 
-def note(words: str) -> None:
-    """Say what is no ratio beside the table, not in it."""
-    print(f"    {words}", file=sys.stderr, flush=True)
+def print_note(text: str) -> None:
+    """Print a note, such as an absolute figure, to stderr, so that it is not part of the table."""
+    print(f"    {text}", file=sys.stderr, flush=True)

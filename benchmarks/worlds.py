@@ -1,6 +1,6 @@
-"""What a world costs: the same walkers in it and on bare flat ground, evaluated on one thread.
+"""Cost of a world: the same robots in it and on plain flat ground, evaluated on one thread.
 
-2 is twice the time. Every body plan is built beforehand.
+A figure of 2 means twice the time. Every body plan is built beforehand.
 """
 
 from collections.abc import Iterator
@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
 import walkerlab as wl
-from benchmarks.timing import WALKS, in_turn, note, seconds
+from benchmarks.timing import N_WALKS, measure_ratios, print_note, time_call
 from walkerlab.world.placement import compute_layout
 
 WORLDS = {
@@ -31,18 +31,18 @@ WORLDS = {
 }  # fmt: skip
 
 
-def rows(pairs: int) -> Iterator[tuple[str, str, list[float]]]:
-    """Yield what each world costs."""
-    bare = wl.Settings()
-    genomes = wl.generate_robot_population(bare.robot, WALKS // 8 or 1, seed=0)
+def rows(n_pairs: int) -> Iterator[tuple[str, str, list[float]]]:
+    """Yield the relative cost of each world."""
+    flat = wl.Settings()
+    genomes = wl.generate_robot_population(flat.robot, N_WALKS // 8 or 1, seed=0)
     with ThreadPoolExecutor(1) as thread:
-        on_bare = partial(seconds, wl.evaluate, genomes, bare, thread)
-        on_bare()  # has every body plan built
+        evaluate_on_flat = partial(time_call, wl.evaluate, genomes, flat, thread)
+        evaluate_on_flat()  # builds every body plan
         for name, changes in WORLDS.items():
-            world = bare.with_(**changes)
+            world = flat.with_(**changes)
             layout = compute_layout(world.terrain)
             if len(layout.pieces) or len(layout.obstacles):
-                note(f"{name}: {len(layout.pieces)} pieces and {len(layout.obstacles)} obstacles")
-            in_world = partial(seconds, wl.evaluate, genomes, world, thread)
-            in_world()
-            yield name, "world / flat", in_turn(pairs, in_world, on_bare)
+                print_note(f"{name}: {len(layout.pieces)} pieces and {len(layout.obstacles)} obstacles")
+            evaluate_in_world = partial(time_call, wl.evaluate, genomes, world, thread)
+            evaluate_in_world()
+            yield name, "world / flat", measure_ratios(n_pairs, evaluate_in_world, evaluate_on_flat)

@@ -1,16 +1,16 @@
-"""walkerlab: a class evolves walking robots with a genetic algorithm, in Jupyter.
+"""Evolve walking robots with a genetic algorithm, in Jupyter.
 
     import walkerlab as wl
     run = wl.evolve()
     wl.plots.fitness_curve(run.records)
 
-A name is looked up when it is first used, so that importing costs next to nothing.
+Public names are imported on first use, so that ``import walkerlab`` is fast.
 """
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-_ROOMS = {
+_PUBLIC_NAMES = {
     "breeding": (
         "crossover_population",
         "generate_robot_gene",
@@ -51,12 +51,12 @@ _ROOMS = {
     "simulation.workers": ("WorkersLostError",),
     "widgets.lab": ("Lab",),
 }
-"""Where each public name lives."""
+"""Public names, by the module that defines them."""
 
-_MODULES = {"fitness": "simulation.fitness", "ga": "ga", "plots": "view.plots", "widgets": "widgets"}
-"""Public modules, and where each is."""
+_PUBLIC_MODULES = {"fitness": "simulation.fitness", "ga": "ga", "plots": "view.plots", "widgets": "widgets"}
+"""Public modules: name, and path within the package."""
 
-_HOME = {name: room for room, names in _ROOMS.items() for name in names}
+_DEFINING_MODULE = {name: module for module, names in _PUBLIC_NAMES.items() for name in names}
 
 if TYPE_CHECKING:
     from walkerlab import ga as ga
@@ -122,18 +122,19 @@ if TYPE_CHECKING:
 
 
 def __getattr__(name: str) -> Any:
-    """Fetch a public name from its room."""
-    if name in _MODULES:
-        return import_module(f"walkerlab.{_MODULES[name]}")
-    if name not in _HOME:
+    """Import a public name on first use."""
+    if name in _PUBLIC_MODULES:
+        return import_module(f"walkerlab.{_PUBLIC_MODULES[name]}")
+    if name not in _DEFINING_MODULE:
         from difflib import get_close_matches
 
-        meant = get_close_matches(name, names := sorted([*_HOME, *_MODULES]), n=1)
-        mend = f"did you mean {meant[0]!r}?" if meant else f"it has {', '.join(names)}"
-        raise AttributeError(f"walkerlab has no {name!r}; {mend}")
-    return getattr(import_module(f"walkerlab.{_HOME[name]}"), name)
+        names = __dir__()
+        matches = get_close_matches(name, names, n=1)
+        hint = f"did you mean {matches[0]!r}?" if matches else f"its public names are {', '.join(names)}"
+        raise AttributeError(f"walkerlab has no {name!r}; {hint}")
+    return getattr(import_module(f"walkerlab.{_DEFINING_MODULE[name]}"), name)
 
 
 def __dir__() -> list[str]:
-    """List the public names, for completion."""
-    return sorted([*_HOME, *_MODULES])
+    """Return the public names, for completion."""
+    return sorted([*_DEFINING_MODULE, *_PUBLIC_MODULES])
