@@ -16,7 +16,7 @@ from walkerlab.settings.glossary import rows_of
 from walkerlab.simulation.fitness import distance, velocity
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.numbers import with_unit
-from walkerlab.view.summary import changed_settings
+from walkerlab.view.summary import list_changed_settings
 
 DOMAINS = (wl.Terrain, wl.Robot, wl.Algorithm, wl.Simulation)
 GENOME = wl.Genome.random(wl.Robot(segments=(2, 4)), rng=np.random.default_rng(2))
@@ -81,7 +81,7 @@ def test_a_setting_is_shown_with_all_its_digits():
     settings = wl.Settings().with_(step_height=1 / 3, weight=(1 / 3, 2 / 3), wind=(1 / 3, 0, 0))
     for words in (f"{1 / 3!r} m", f"{1 / 3!r} to {2 / 3!r} kg", f"({1 / 3!r}, 0, 0) m/s"):
         assert words in shown(settings).text
-    assert f"Terrain.step_height = {1 / 3!r}  (default 0.08)" in changed_settings(settings.model_dump())
+    assert f"Terrain.step_height = {1 / 3!r}  (default 0.08)" in list_changed_settings(settings.model_dump())
 
 
 def test_names_that_cannot_be_typed_do_nothing_when_pasted():

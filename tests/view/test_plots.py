@@ -39,8 +39,8 @@ from walkerlab.simulation.footfalls import find_footfalls, foot_names
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.view import summary
 from walkerlab.view.plots import genomes as plots_of_genomes
-from walkerlab.view.plots.ancestry import MOST, SOME
-from walkerlab.view.plots.bodies import add_body, at_rest
+from walkerlab.view.plots.ancestry import MAX_COMPLETE_LINE, N_DRAWN_OF_LONG_LINE
+from walkerlab.view.plots.bodies import add_body, resting_scene
 from walkerlab.world.geometry import skins
 from walkerlab.world.heights import height
 
@@ -230,7 +230,9 @@ def test_axes_that_are_not_plain_are_refused_in_a_sentence(records):
     for kind, name in (("polar", "PolarAxes"), ("3d", "Axes3D")):
         axes = Figure().add_subplot(projection=kind)
         for draw in every(records).values():
-            with pytest.raises(TypeError, match=rf"needs plain axes, as of figure.add_subplot\(\); got {name}"):
+            with pytest.raises(
+                TypeError, match=rf"needs plain axes, such as figure.add_subplot\(\) returns; got {name}"
+            ):
                 draw(axes)
     with pytest.raises(TypeError, match="got ndarray"):
         wl.plots.fitness_curve(records, np.array([1]))
@@ -382,7 +384,7 @@ def test_the_median_of_legs_is_a_number_of_legs_that_a_robot_has(ax):
 
 @pytest.mark.parametrize("name", ["verdict", "wieght", "generation"])
 def test_a_trait_that_is_no_number_of_a_robot_is_refused_with_those_that_are(records, name):
-    with pytest.raises(ValueError, match=rf"no column of numbers called '{name}'; it has .*weight, body_length"):
+    with pytest.raises(ValueError, match=rf"no numeric column '{name}'; it has .*weight, body_length"):
         wl.plots.trait(records, name)
     assert not pyplot.get_fignums()
 
@@ -404,7 +406,7 @@ MEASURES = {
     "number of legs": lambda ax: wl.plots.trait(DISTANCE, "n_legs", ax),
     "genetic diversity": lambda ax: wl.plots.diversity(DISTANCE, ax),
     "robots": lambda ax: wl.plots.verdicts(DISTANCE, ax),
-    "way forward of the centre of mass [m]": lambda ax: wl.plots.distance_over_time(wl.simulate(GENOME, SETTINGS), ax),
+    "distance of the centre of mass [m]": lambda ax: wl.plots.distance_over_time(wl.simulate(GENOME, SETTINGS), ax),
 }
 
 
@@ -416,7 +418,7 @@ def test_an_axis_measures_one_thing(second):
         if first == second:
             MEASURES[second](axes)
             continue
-        how = re.escape(f"show {first!r}, and cannot show {second!r} as well") + ".*Axes of its own.*plt.subplots"
+        how = re.escape(f"show {first!r} and cannot also show {second!r}") + ".*separate Axes.*plt.subplots"
         with pytest.raises(ValueError, match=how):
             MEASURES[second](axes)
         assert before == (wl.plots.alt_text(axes), len(axes.lines), axes.get_ylabel()), "as it was"
@@ -442,7 +444,7 @@ def test_a_table_from_a_csv_file_has_the_units_that_every_table_has(ax, tmp_path
     assert wl.plots.trait(table, "weight", Figure().add_subplot()).get_ylabel() == "weight [kg]"
     assert wl.plots.fitness_curve(table, Figure().add_subplot()).get_ylabel() == "fitness"
     wl.plots.fitness_curve(DISTANCE, ax)
-    with pytest.raises(ValueError, match=r"after read_csv.*table\.attrs = run\.records\.attrs"):
+    with pytest.raises(ValueError, match=r"from read_csv.*table\.attrs = run\.records\.attrs"):
         wl.plots.fitness_curve(table, ax)
     table.attrs = DISTANCE.attrs
     wl.plots.fitness_curve(table, ax)
@@ -451,7 +453,7 @@ def test_a_table_from_a_csv_file_has_the_units_that_every_table_has(ax, tmp_path
 @of_a_table
 def test_a_table_of_several_runs_is_refused_with_the_way_to_draw_them(draw, ax):
     runs = [bred(2, 4, void=0) for _ in range(2)]
-    with pytest.raises(ValueError, match=r"holds several runs\. .*for seed, run in .*label="):
+    with pytest.raises(ValueError, match=r"contains several runs\. .*for seed, run in .*label="):
         draw(pd.concat(runs), ax)
     assert not wl.plots.alt_text(ax)
 
@@ -515,8 +517,8 @@ def test_diversity_is_the_distance_of_two_robots_over_all_pairs(records, ax):
 def test_of_a_large_generation_some_stand_for_all(ax, monkeypatch):
     table = bred(size=60)
     for read in (60, 59, 30):
-        monkeypatch.setattr(plots_of_genomes, "READ", read)
-        chosen = table[plots_of_genomes._evenly_spread(table)]
+        monkeypatch.setattr(plots_of_genomes, "MAX_SAMPLE", read)
+        chosen = table[plots_of_genomes._select_sample(table)]
         assert chosen.groupby("generation").size().tolist() == [read] * 6
         places = chosen.index[chosen.generation == 0]
         assert np.diff(places, append=60).max() <= -(-60 // read)
@@ -528,7 +530,7 @@ def test_of_a_large_generation_some_stand_for_all(ax, monkeypatch):
 
 
 def test_of_a_large_generation_all_genes_are_drawn(ax, monkeypatch):
-    monkeypatch.setattr(plots_of_genomes, "READ", 4)
+    monkeypatch.setattr(plots_of_genomes, "MAX_SAMPLE", 4)
     wl.plots.genes(bred(), ax)
     assert ax.collections[0].get_array().shape[0] == 10
 
@@ -627,11 +629,11 @@ def test_a_long_tree_is_drawn_in_part_and_says_how_many_are_left_out(ax):
     line = [youngest]
     while parents := parent_numbers(births.parents[line[-1]]):
         line.append(max(parents, key=lambda parent: births.fitness[parent]))
-    assert len(line) > MOST, "or this shows nothing"
+    assert len(line) > MAX_COMPLETE_LINE, "or this shows nothing"
     assert {line[0], line[-1]} <= bodies(ax)
-    left_out = [int(match[1]) for text in ax.texts if (match := re.fullmatch(r"\s*(\d+) left out", text.get_text()))]
-    assert sum(left_out) == len(line) - SOME
-    assert len(bodies(ax) & set(line)) >= SOME
+    left_out = [int(match[1]) for text in ax.texts if (match := re.fullmatch(r"\s*(\d+) omitted", text.get_text()))]
+    assert sum(left_out) == len(line) - N_DRAWN_OF_LONG_LINE
+    assert len(bodies(ax) & set(line)) >= N_DRAWN_OF_LONG_LINE
     assert f"has {len(line)} robots" in wl.plots.alt_text(ax)
 
 
@@ -676,8 +678,8 @@ def test_descent_is_told_as_far_as_a_table_goes(crossover, tmp_path):
         assert {(parent, best.individual) for parent in best.parents if parent in own.index} <= edges(axes), name
         found = wl.Run(wl.Settings(), table).lineage(best.individual)
         assert best.individual in set(found.individual) <= set(own.index), name
-        assert str(best.individual) in summary.descent(table, best.individual), name
-        assert summary.summary(table, wl.Settings().model_dump()), name
+        assert str(best.individual) in summary.tabulate_descent(table, best.individual), name
+        assert summary.describe_result(table, wl.Settings().model_dump()), name
         assert "nan" not in found.parents.str.cat() + best.reason, name
     whole, later = Figure().add_subplot(), Figure().add_subplot()
     youngest = int(records.individual.max())
@@ -786,7 +788,7 @@ def test_the_bar_beside_a_body_is_as_long_as_it_says(seed, ax):
 
 
 def test_a_body_can_be_put_anywhere_at_any_size_and_reports_where_it_is(ax):
-    scene = at_rest(GENOME)
+    scene = resting_scene(GENOME)
     parts = skins(scene, scene.start)
     left, right, bottom, top = add_body(ax, parts)
     assert add_body(ax, parts, at=(3.0, -2.0), scale=0.5) == pytest.approx(
