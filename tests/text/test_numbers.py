@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 import walkerlab as wl
 from tests.simulation.test_validity import WALKER
-from tests.view.test_plots import bred
+from tests.view.test_plots import evolved_table
 from walkerlab.evolution import evolution
 from walkerlab.evolution.evolution import Generation
 from walkerlab.runfile.records import Individual, name_fitness
@@ -109,7 +109,7 @@ def near(rollout):
 
 SETTINGS = wl.Settings().with_(duration=1, population_size=4, fitness=near)
 PLAIN = SETTINGS.model_dump()
-TABLE = bred(2, 4, void=0)
+TABLE = evolved_table(2, 4, void=0)
 
 
 def run_of(value):
