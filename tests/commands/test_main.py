@@ -387,10 +387,10 @@ def test_what_is_whole_of_a_damaged_run_is_saved_and_gone_on_with(
 
 
 def test_walks_are_told_from_rows_because_elites_do_not_walk_again(done):
-    from walkerlab.view.summary import verdict_counts
+    from walkerlab.view.summary import tabulate_verdicts
 
-    assert verdict_counts(wl.load(done).records).startswith(
-        "Verdicts of 10 robots (12 rows in the table, where elites stand once for each generation):"
+    assert tabulate_verdicts(wl.load(done).records).startswith(
+        "Verdicts of 10 robots (12 rows in the table, where elites occur once in each generation):"
     )
 
 
@@ -405,22 +405,22 @@ def test_walks_are_told_from_rows_because_elites_do_not_walk_again(done):
     ],
 )
 def test_generations_are_listed_in_round_steps_and_the_last_is_always_there(done, n_generations, shown):
-    from walkerlab.view.summary import by_generation
+    from walkerlab.view.summary import tabulate_generations
 
     one = wl.load(done).records.query("generation == 0")
     records = pd.concat([one.assign(generation=number) for number in range(n_generations)])
-    _, header, *rows = by_generation(records, wl.Settings().model_dump()).splitlines()
+    _, header, *rows = tabulate_generations(records, wl.Settings().model_dump()).splitlines()
     assert header.split() == ["generation", "best", "[m]", "median", "[m]", "counted"]
     assert [int(row.split()[0]) for row in rows] == shown
 
 
 def test_a_line_of_descent_goes_back_to_a_random_robot_by_the_fitter_parent(done):
-    from walkerlab.view.summary import descent
+    from walkerlab.view.summary import tabulate_descent
 
     run = wl.load(done / "run.walk")
     births = run.records[run.records.generation == run.records.born].set_index("individual")
     child = int(births.index.max())
-    (first, *rest) = [int(line.split()[0]) for line in descent(run.records, child).splitlines()[2:]]
+    (first, *rest) = [int(line.split()[0]) for line in tabulate_descent(run.records, child).splitlines()[2:]]
     assert first == child
     assert births.born[rest[-1]] == 0
     parents = [int(parent) for parent in births.parents[child].split()]

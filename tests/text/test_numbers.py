@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 
 import walkerlab as wl
 from tests.simulation.test_validity import WALKER
-from tests.view.test_plots import bred
+from tests.view.test_plots import evolved_table
 from walkerlab.evolution import evolution
 from walkerlab.evolution.evolution import Generation
 from walkerlab.runfile.records import Individual, name_fitness
@@ -109,7 +109,7 @@ def near(rollout):
 
 SETTINGS = wl.Settings().with_(duration=1, population_size=4, fitness=near)
 PLAIN = SETTINGS.model_dump()
-TABLE = bred(2, 4, void=0)
+TABLE = evolved_table(2, 4, void=0)
 
 
 def run_of(value):
@@ -163,10 +163,12 @@ PLACES = {
     "run": lambda run, _: found(r"near (\S+)\)$", repr(run)),
     "individual": lambda run, _: found(r">fitness</th><td>(.*?)<", run.champion._repr_html_()),
     "evaluation": lambda _, value: found(r"fitness (\S+),", repr(evaluation(value))),
-    "summary": lambda run, _: found(r" of (\S+), from (\S+) in", summary.summary(run.records, PLAIN)),
-    "champion": lambda run, _: found(r"\) is (\S+)\.\n", summary.champion_story(run.records, PLAIN)),
-    "generations": lambda run, _: summary.by_generation(run.records, PLAIN).split("\n")[-1].split()[1:3],
-    "descent": lambda run, _: [summary.descent(run.records, run.champion.individual).split("\n")[-1].split()[2]],
+    "summary": lambda run, _: found(r" of (\S+), from (\S+) in", summary.describe_result(run.records, PLAIN)),
+    "champion": lambda run, _: found(r"\) is (\S+)\.\n", summary.describe_champion(run.records, PLAIN)),
+    "generations": lambda run, _: summary.tabulate_generations(run.records, PLAIN).split("\n")[-1].split()[1:3],
+    "descent": lambda run, _: [
+        summary.tabulate_descent(run.records, run.champion.individual).split("\n")[-1].split()[2]
+    ],
     "report": lambda run, _: of_report(run),
     "list of runs": lambda run, _: [best_of(run)],
     "film": lambda run, _: [film._caption(film.ChampionPeriod(run.champion, 0, 1), "").split(" · ")[-1]],
@@ -243,10 +245,10 @@ def test_where_no_walk_counts_no_number_is_shown():
         repr(run),
         repr(replace(evaluation(-math.inf), verdict="fell")),
         run.champion._repr_html_(),
-        summary.summary(run.records, PLAIN),
-        summary.champion_story(run.records, PLAIN),
-        summary.by_generation(run.records, PLAIN),
-        summary.descent(run.records, run.champion.individual),
+        summary.describe_result(run.records, PLAIN),
+        summary.describe_champion(run.records, PLAIN),
+        summary.tabulate_generations(run.records, PLAIN),
+        summary.tabulate_descent(run.records, run.champion.individual),
         best_of(run),
         card(run.records, run.champion.individual),
         progress(run),

@@ -1,4 +1,4 @@
-"""What stands last in a cell is shown for people: all of it, in words, with units, and harmless."""
+"""The HTML representations of objects in notebooks are complete, have units, and escape hostile text."""
 
 from functools import partial
 
@@ -16,14 +16,15 @@ from walkerlab.settings.glossary import rows_of
 from walkerlab.simulation.fitness import distance, velocity
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.numbers import with_unit
-from walkerlab.view.summary import changed_settings
+from walkerlab.view.summary import list_changed_settings
 
 DOMAINS = (wl.Terrain, wl.Robot, wl.Algorithm, wl.Simulation)
 GENOME = wl.Genome.random(wl.Robot(segments=(2, 4)), rng=np.random.default_rng(2))
 
 
-def shown(thing):
-    return assert_harmless(thing._repr_html_())
+def render_html(value):
+    """Return the parsed HTML of a value after checking that it contains no active content."""
+    return assert_harmless(value._repr_html_())
 
 
 def hostile_function(*args):
@@ -39,8 +40,8 @@ def run():
 
 
 @pytest.mark.parametrize("domain", DOMAINS)
-def test_every_setting_is_shown_with_its_value_unit_and_meaning(domain):
-    for text in (shown(domain()).text, shown(wl.Settings()).text):
+def test_every_setting_is_shown_with_value_unit_and_description(domain):
+    for text in (render_html(domain()).text, render_html(wl.Settings()).text):
         for name, declared in domain.declared().items():
             value = getattr(domain(), name)
             assert name in text
@@ -52,108 +53,108 @@ def test_every_setting_is_shown_with_its_value_unit_and_meaning(domain):
 
 @hypothesis_settings(max_examples=25)
 @given(settings=all_settings)
-def test_settings_are_shown_once_each_and_what_differs_is_marked(settings):
-    seen = shown(settings)
-    assert seen.text.count("●\N{NO-BREAK SPACE}") == len(settings.changes())
-    assert len([row for row in seen.all("tr") if row.get("class") == "strong"]) == len(settings.changes())
+def test_each_setting_is_shown_once_and_changed_settings_are_marked(settings):
+    parsed = render_html(settings)
+    assert parsed.text.count("●\N{NO-BREAK SPACE}") == len(settings.changes())
+    assert len([row for row in parsed.all("tr") if row.get("class") == "strong"]) == len(settings.changes())
     for _, domain in settings:
         for row in rows_of(domain):
-            assert row.value in seen.text
-            assert row.about in seen.text
+            assert row.value in parsed.text
+            assert row.about in parsed.text
 
 
 @given(settings=all_settings)
-def test_what_differs_makes_the_same_settings_again(settings):
+def test_changes_and_python_code_reproduce_the_settings(settings):
     assert wl.Settings().with_(**settings.changes()) == settings
     assert eval(settings.as_python(), {"wl": wl}) == settings
 
 
-def test_of_several_operators_and_of_presets_people_read_the_names():
+def test_operators_and_presets_are_shown_by_name():
     settings = wl.Settings().with_(
         gravity="moon", selection=["top_half", partial(wl.ga.selection.tournament, size=7)], weight=(2, 5)
     )
-    text = shown(settings).text
-    for words in ("(0, 0, -1.62) m/s², moon", "top_half, tournament(size=7)", "2 to 5 kg"):
-        assert words in text
+    text = render_html(settings).text
+    for phrase in ("(0, 0, -1.62) m/s², moon", "top_half, tournament(size=7)", "2 to 5 kg"):
+        assert phrase in text
 
 
-def test_a_setting_is_shown_with_all_its_digits():
+def test_settings_are_shown_with_all_digits():
     settings = wl.Settings().with_(step_height=1 / 3, weight=(1 / 3, 2 / 3), wind=(1 / 3, 0, 0))
-    for words in (f"{1 / 3!r} m", f"{1 / 3!r} to {2 / 3!r} kg", f"({1 / 3!r}, 0, 0) m/s"):
-        assert words in shown(settings).text
-    assert f"Terrain.step_height = {1 / 3!r}  (default 0.08)" in changed_settings(settings.model_dump())
+    for phrase in (f"{1 / 3!r} m", f"{1 / 3!r} to {2 / 3!r} kg", f"({1 / 3!r}, 0, 0) m/s"):
+        assert phrase in render_html(settings).text
+    assert f"Terrain.step_height = {1 / 3!r}  (default 0.08)" in list_changed_settings(settings.model_dump())
 
 
-def test_names_that_cannot_be_typed_do_nothing_when_pasted():
+def test_function_names_that_are_not_identifiers_are_not_evaluated_when_pasted():
     settings = wl.Settings().with_(mutation=[hostile_function, partial(hostile_function, **{HOSTILE: 1})])
-    assert HOSTILE in shown(settings).text
+    assert HOSTILE in render_html(settings).text
     with pytest.raises(wl.SettingsError):
         eval(settings.as_python(), {"wl": wl})
     assert repr(wl.Algorithm(fitness=lambda rollout: 1.0)) == "Algorithm(fitness='<lambda>')"
 
 
 @given(genome=genomes())
-def test_any_genome_is_shown_whole_with_its_text(genome):
-    seen = shown(genome)
-    assert str(genome) in seen.text
-    assert len(seen.all("tr")) == 3 + 2 * genome.n_parts
+def test_a_genome_is_shown_with_all_genes_and_its_text(genome):
+    parsed = render_html(genome)
+    assert str(genome) in parsed.text
+    assert len(parsed.all("tr")) == 3 + 2 * genome.n_parts
 
 
-def test_what_is_not_grown_is_faint_and_said_to_be():
-    seen = shown(GENOME)
+def test_genes_that_are_not_grown_are_faint_and_labelled():
+    parsed = render_html(GENOME)
     n_grown = len(wl.express(GENOME).segments)
-    assert n_grown < GENOME.n_parts, "or this shows nothing"
-    assert seen.text.count("(not grown)") == 2 * (GENOME.n_parts - n_grown)
-    assert [row.get("class") for row in seen.all("tr")].count("faint") == 2 * (GENOME.n_parts - n_grown)
+    assert n_grown < GENOME.n_parts, "precondition of this test"
+    assert parsed.text.count("(not grown)") == 2 * (GENOME.n_parts - n_grown)
+    assert [row.get("class") for row in parsed.all("tr")].count("faint") == 2 * (GENOME.n_parts - n_grown)
 
 
-def test_the_names_of_a_genome_are_those_of_its_text():
-    text = shown(GENOME).text
+def test_gene_names_are_those_of_the_genome_text():
+    text = render_html(GENOME).text
     for word in ("seg", "length", "mass", "legs", "force", "frequency", "hip", "knee", "amplitude", "phase", "stride"):
         assert word in str(GENOME)
         assert word in text
 
 
-def test_an_individual_is_shown_with_its_verdict_in_words_and_its_parents():
-    text = shown(Individual(7, GENOME, 1.5, "ok", "", 3, (1, 2))).text
+def test_an_individual_is_shown_with_meaning_of_the_verdict_and_parents():
+    text = render_html(Individual(7, GENOME, 1.5, "ok", "", 3, (1, 2))).text
     assert "Robot 7" in text
     assert "1, 2" in text
     assert VERDICTS["ok"] in text
-    text = shown(Individual(7, GENOME, -np.inf, "fell", HOSTILE, 0, ())).text
+    text = render_html(Individual(7, GENOME, -np.inf, "fell", HOSTILE, 0, ())).text
     assert VERDICTS["fell"] in text
     assert HOSTILE in text
     assert "inf" not in text
     assert_harmless(Individual(7, GENOME, 1.5, HOSTILE, HOSTILE, 3, ())._repr_html_())
 
 
-def test_a_walk_is_shown_with_its_verdict_and_its_figures():
+def test_a_walk_is_shown_with_verdict_and_results():
     rollout = wl.simulate(GENOME, wl.Settings().with_(duration=1))
     assert (rollout.distance, rollout.velocity) == (distance(rollout), velocity(rollout))
-    text = shown(rollout).text
+    text = render_html(rollout).text
     assert VERDICTS[rollout.verdict] in text
     assert rollout.reason in text
-    for words in (with_unit(rollout.distance, "m"), with_unit(rollout.velocity, "m/s"), " J", "1 s"):
-        assert words in text
+    for phrase in (with_unit(rollout.distance, "m"), with_unit(rollout.velocity, "m/s"), " J", "1 s"):
+        assert phrase in text
 
 
-def test_a_run_says_what_it_reached_shows_it_and_says_what_next(run):
-    seen = shown(run)
-    assert f"robot {run.champion.individual}" in seen.text
-    assert with_unit(run.champion.fitness, "m") in seen.text
-    assert len(seen.all("svg")) == 2
-    for words in ("run.champion", "run.replay()", "run.save_report("):
-        assert words in seen.text
+def test_a_run_is_shown_with_result_plots_and_next_steps(run):
+    parsed = render_html(run)
+    assert f"robot {run.champion.individual}" in parsed.text
+    assert with_unit(run.champion.fitness, "m") in parsed.text
+    assert len(parsed.all("svg")) == 2
+    for phrase in ("run.champion", "run.replay()", "run.save_report("):
+        assert phrase in parsed.text
     assert len(Seen(run._repr_html_() + run._repr_html_()).all("svg")) == 4
 
 
-def test_a_run_without_a_generation_is_a_sentence():
-    seen = shown(wl.Run(wl.Settings(), join([])))
-    assert "No generation is done yet" in seen.text
-    assert not seen.all("svg")
+def test_a_run_without_generations_is_shown_as_a_sentence():
+    parsed = render_html(wl.Run(wl.Settings(), join([])))
+    assert "No generation is done yet" in parsed.text
+    assert not parsed.all("svg")
 
 
-def test_a_run_with_a_hostile_name_is_harmless(run, tmp_path):
+def test_a_run_with_a_hostile_name_is_escaped(run, tmp_path):
     settings = run.settings.with_(fitness=hostile_function)
     named = wl.Run(settings, run.records.copy(), tmp_path / HOSTILE.replace("/", " "))
-    text = shown(named).text
+    text = render_html(named).text
     assert HOSTILE in text

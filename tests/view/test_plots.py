@@ -1,4 +1,4 @@
-"""A picture shows the numbers of the table or of the walk, and says what they are."""
+"""Plots show the numbers of the table or the walk, and have an alternative text with the main ones."""
 
 import io
 import math
@@ -39,13 +39,13 @@ from walkerlab.simulation.footfalls import find_footfalls, foot_names
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.view import summary
 from walkerlab.view.plots import genomes as plots_of_genomes
-from walkerlab.view.plots.ancestry import MOST, SOME
-from walkerlab.view.plots.bodies import add_body, at_rest
+from walkerlab.view.plots.ancestry import MAX_COMPLETE_LINE, N_DRAWN_OF_LONG_LINE
+from walkerlab.view.plots.bodies import add_body, resting_scene
 from walkerlab.world.geometry import skins
 from walkerlab.world.heights import height
 
 
-def made_up(n=8, seed=0):
+def random_table(n=8, seed=0):
     rng = np.random.default_rng(seed)
     rows = pd.DataFrame(
         [(g, i, g, "", "random", rng.normal(g), "ok" if i else "airborne") for g in range(5) for i in range(n)],
@@ -56,19 +56,28 @@ def made_up(n=8, seed=0):
     return tidy(table)
 
 
-def bred(generations=6, size=10, *, void=0.2, **changes):
-    """Breed robots as a run does, and rate them by chance instead of letting them walk."""
-    settings = wl.Settings().with_(population_size=size, **changes)
-    genes, rng = genes_of(settings.robot), np.random.default_rng(0)
+def evolved_table(generations=6, size=10, *, void=0.2, **changes):
+    """Return the table of a run with random evaluations in place of walks.
 
-    def rate(values):
-        robot, counts = wl.express(wl.Genome(values)), rng.random() >= void
+    Args:
+        generations: Number of generations.
+        size: Number of robots in a generation.
+        void: Share of the walks that do not count.
+        **changes: Settings that differ from the defaults.
+    """
+    settings = wl.Settings().with_(population_size=size, **changes)
+    genes = genes_of(settings.robot)
+    rng = np.random.default_rng(0)
+
+    def evaluate_genome(values):
+        robot = wl.express(wl.Genome(values))
+        counts = rng.random() >= void
         measured = (len(robot.segments), robot.n_legs, robot.weight, robot.body_length)
         fitness, verdict = (rng.normal(), "ok") if counts else (-np.inf, rng.choice(list(VERDICTS)[1:]))
         return Walked(fitness, str(verdict), "", rng.normal(), rng.normal(), *measured, str(wl.Genome(values)))
 
     def evaluate(genomes):
-        return [rate(values) for values in genomes]
+        return [evaluate_genome(values) for values in genomes]
 
     population = first_population(generate_robot_population(settings.robot, size, seed=0), evaluate)
     tables = [tabulate(population, "")]
@@ -85,13 +94,13 @@ def bred(generations=6, size=10, *, void=0.2, **changes):
 
 @pytest.fixture(scope="module")
 def records():
-    return bred()
+    return evolved_table()
 
 
 GENOME = wl.Genome.random(wl.Robot(), rng=np.random.default_rng(2))
 SETTINGS = wl.Settings().with_(duration=2.0)
 
-OF_A_TABLE = {
+TABLE_PLOTS = {
     "fitness_curve": wl.plots.fitness_curve,
     "diversity": wl.plots.diversity,
     "trait": lambda records, ax: wl.plots.trait(records, "weight", ax),
@@ -99,17 +108,17 @@ OF_A_TABLE = {
     "verdicts": wl.plots.verdicts,
     "family_tree": wl.plots.family_tree,
 }
-OF_A_ROBOT = {
+ROBOT_PLOTS = {
     "distance_over_time": lambda ax: wl.plots.distance_over_time(wl.simulate(GENOME, SETTINGS), ax),
     "gait": lambda ax: wl.plots.gait(GENOME, SETTINGS, ax),
     "body": lambda ax: wl.plots.body(GENOME, ax),
     "stride": lambda ax: wl.plots.stride(GENOME, SETTINGS, ax),
 }
-of_a_table = pytest.mark.parametrize("draw", OF_A_TABLE.values(), ids=OF_A_TABLE)
+each_table_plot = pytest.mark.parametrize("draw", TABLE_PLOTS.values(), ids=TABLE_PLOTS)
 
 
-def every(records):
-    return {name: lambda ax, draw=draw: draw(records, ax) for name, draw in OF_A_TABLE.items()} | OF_A_ROBOT
+def all_plots(records):
+    return {name: lambda ax, draw=draw: draw(records, ax) for name, draw in TABLE_PLOTS.items()} | ROBOT_PLOTS
 
 
 @pytest.fixture
@@ -121,24 +130,24 @@ def render(axes):
     axes.get_figure(root=True).canvas.draw()
 
 
-def numbers(text):
+def numbers_in(text):
     return [float(found) for found in re.findall(r"-?\d+(?:\.\d+)?", text.replace("−", "-"))]
 
 
-# --------------------------------------------------------------------------------------------------- of all pictures
+# --------------------------------------------------------------------------------------------------- all plots
 
 
-def test_every_picture_is_drawn_on_the_axes_given_and_says_what_it_shows(records):
-    for name, draw in every(records).items():
+def test_every_plot_draws_on_the_given_axes_and_has_an_alternative_text(records):
+    for name, draw in all_plots(records).items():
         axes = Figure().add_subplot()
         assert draw(axes) is axes, name
         render(axes)
         assert wl.plots.alt_text(axes).endswith("."), name
-        assert not pyplot.get_fignums(), f"{name} opened a figure that nobody asked for"
+        assert not pyplot.get_fignums(), f"{name} created a second figure"
 
 
-def test_without_axes_every_picture_opens_one_white_figure(records):
-    for name, draw in every(records).items():
+def test_without_axes_every_plot_creates_one_white_figure(records):
+    for name, draw in all_plots(records).items():
         axes = draw(None)
         assert pyplot.get_fignums() == [axes.figure.number], name
         assert mpl.colors.same_color(axes.figure.get_facecolor(), "white")
@@ -146,21 +155,22 @@ def test_without_axes_every_picture_opens_one_white_figure(records):
 
 
 @pytest.mark.parametrize("kind", ["svg", "pdf", "png"])
-def test_every_picture_carries_its_words_into_the_file(records, tmp_path, kind):
-    for name, draw in every(records).items():
+def test_every_saved_file_contains_the_alternative_text(records, tmp_path, kind):
+    for name, draw in all_plots(records).items():
         axes, path = draw(Figure().add_subplot()), tmp_path / f"{name}.{kind}"
         wl.plots.save(axes, path)
-        assert wl.plots.alt_text(axes) in words_of(path), name
+        assert wl.plots.alt_text(axes) in read_description(path), name
 
 
-def words_of(path):
-    """Read the description out of a file, each kind in its own way."""
+def read_description(path):
+    """Read the alternative text from a file."""
     data = path.read_bytes()
     if path.suffix == ".svg":
         desc = ElementTree.fromstring(data).find("{http://www.w3.org/2000/svg}desc")
         return desc.text
     if path.suffix == ".png":
-        texts, place = [], 8
+        texts = []
+        place = 8  # after the signature
         while place < len(data):
             (length,), kind = struct.unpack(">I", data[place : place + 4]), data[place + 4 : place + 8]
             chunk = data[place + 8 : place + 8 + length]
@@ -175,7 +185,10 @@ def words_of(path):
     return plain.decode("utf-16") if plain.startswith(b"\xfe\xff") else plain.decode("latin-1")
 
 
-STRANGE = ["dark_background", {"text.color": "lime", "font.size": 22, "xtick.direction": "in", "lines.linewidth": 9}]
+UNUSUAL_STYLE = [
+    "dark_background",
+    {"text.color": "lime", "font.size": 22, "xtick.direction": "in", "lines.linewidth": 9},
+]
 
 
 def pixels(figure):
@@ -183,62 +196,64 @@ def pixels(figure):
     return file.getvalue()
 
 
-def test_whatever_the_style_our_own_figures_look_the_same(records, tmp_path):
-    for name, draw in every(records).items():
-        with pyplot.style.context(STRANGE):
+def test_new_figures_do_not_depend_on_the_style_of_the_user(records, tmp_path):
+    for name, draw in all_plots(records).items():
+        with pyplot.style.context(UNUSUAL_STYLE):
             axes = draw(None)
-            wl.plots.save(axes, tmp_path / "strange.svg")
-            strange = pixels(axes.figure)
-            assert mpl.rcParams["lines.linewidth"] == 9, "the user's style stays as it was"
+            wl.plots.save(axes, tmp_path / "unusual.svg")
+            unusual = pixels(axes.figure)
+            assert mpl.rcParams["lines.linewidth"] == 9, "the style of the user is restored"
         plain = draw(None)
         wl.plots.save(plain, tmp_path / "plain.svg")
-        assert strange == pixels(plain.figure), name
-        assert (tmp_path / "strange.svg").read_bytes() == (tmp_path / "plain.svg").read_bytes(), name
+        assert unusual == pixels(plain.figure), name
+        assert (tmp_path / "unusual.svg").read_bytes() == (tmp_path / "plain.svg").read_bytes(), name
         pyplot.close("all")
 
 
-def test_a_second_run_on_a_figure_of_ours_keeps_its_look(records):
-    def twice():
+def test_a_second_run_on_a_new_figure_keeps_its_style(records):
+    def draw_two_runs():
         axes = wl.plots.fitness_curve(records, label="a")
         return pixels(wl.plots.fitness_curve(records, axes, label="b").figure)
 
-    with pyplot.style.context(STRANGE):
-        strange = twice()
-    assert strange == twice()
+    with pyplot.style.context(UNUSUAL_STYLE):
+        unusual = draw_two_runs()
+    assert unusual == draw_two_runs()
     pyplot.close("all")
 
 
-def test_on_dark_axes_of_a_user_nothing_is_lost(records):
-    def light(colour):
+def test_plots_are_legible_on_dark_axes(records):
+    def luminance_of(colour):
         return float(np.dot(mpl.colors.to_rgb(colour), (0.3, 0.6, 0.1)))
 
     with pyplot.style.context("dark_background"):
-        for name, draw in every(records).items():
+        for name, draw in all_plots(records).items():
             axes = draw(Figure().add_subplot())
             texts = [text for text in axes.findobj(mpl.text.Text) if text.get_text().strip()]
-            assert all(light(text.get_color()) > 0.3 for text in texts), name
+            assert all(luminance_of(text.get_color()) > 0.3 for text in texts), name
         bars = wl.plots.gait(GENOME, SETTINGS, Figure().add_subplot()).collections
-        assert all(light(bar.get_facecolor()[0]) > 0.9 for bar in bars)
+        assert all(luminance_of(bar.get_facecolor()[0]) > 0.9 for bar in bars)
         body = wl.plots.body(GENOME, Figure().add_subplot())
-        assert all(light(line.get_color()) > 0.4 for line in body.lines)
+        assert all(luminance_of(line.get_color()) > 0.4 for line in body.lines)
         stride = wl.plots.stride(GENOME, SETTINGS, Figure().add_subplot())
-        caught = [one for one in stride.collections if type(one) is PolyCollection]
-        assert light(caught[0].get_edgecolor()[0]) < light(caught[-1].get_edgecolor()[0])
+        drawn_bodies = [one for one in stride.collections if type(one) is PolyCollection]
+        assert luminance_of(drawn_bodies[0].get_edgecolor()[0]) < luminance_of(drawn_bodies[-1].get_edgecolor()[0])
 
 
-def test_axes_that_are_not_plain_are_refused_in_a_sentence(records):
+def test_axes_with_another_projection_are_rejected(records):
     for kind, name in (("polar", "PolarAxes"), ("3d", "Axes3D")):
         axes = Figure().add_subplot(projection=kind)
-        for draw in every(records).values():
-            with pytest.raises(TypeError, match=rf"needs plain axes, as of figure.add_subplot\(\); got {name}"):
+        for draw in all_plots(records).values():
+            with pytest.raises(
+                TypeError, match=rf"needs plain axes, such as figure.add_subplot\(\) returns; got {name}"
+            ):
                 draw(axes)
     with pytest.raises(TypeError, match="got ndarray"):
         wl.plots.fitness_curve(records, np.array([1]))
 
 
 @pytest.mark.parametrize("label", ["cost $5 to $6", r"$\foo$", "_mine", r"\$1 of $2"])
-def test_a_text_of_the_user_is_shown_as_it_stands(label, ax, tmp_path):
-    records = bred(3, 6)
+def test_texts_of_the_user_are_shown_unchanged(label, ax, tmp_path):
+    records = evolved_table(3, 6)
     records.loc[records.index[-1], "verdict"] = label
     name_fitness(records, label, "$")
     drawn = [
@@ -251,59 +266,59 @@ def test_a_text_of_the_user_is_shown_as_it_stands(label, ax, tmp_path):
     ]
     for axes in drawn:
         wl.plots.save(axes, tmp_path / "a.svg")
-        words = " ".join(
-            "".join(one.itertext()) for one in ElementTree.parse(tmp_path / "a.svg").iter() if is_text(one)
+        svg_text = " ".join(
+            "".join(one.itertext()) for one in ElementTree.parse(tmp_path / "a.svg").iter() if is_text_element(one)
         )
-        assert label in words.replace("\N{ZERO WIDTH SPACE}", "")
+        assert label in svg_text.replace("\N{ZERO WIDTH SPACE}", "")
         if axes.get_legend():
-            said = " ".join(text.get_text() for text in axes.get_legend().get_texts())
-            assert label.replace("$", r"\$") in said
+            labels = " ".join(text.get_text() for text in axes.get_legend().get_texts())
+            assert label.replace("$", r"\$") in labels
 
 
-def is_text(element):
+def is_text_element(element):
     return element.tag.endswith("}text")
 
 
-def test_text_stays_text_in_svg_and_the_same_picture_is_the_same_file(tmp_path):
+def test_svg_files_contain_text_and_are_reproducible(tmp_path):
     for path in (tmp_path / "a.svg", tmp_path / "b.svg"):
-        wl.plots.save(wl.plots.fitness_curve(made_up(), Figure().add_subplot()), path, str(tmp_path / "a.png"))
+        wl.plots.save(wl.plots.fitness_curve(random_table(), Figure().add_subplot()), path, str(tmp_path / "a.png"))
     assert "generation</text>" in (tmp_path / "a.svg").read_text()
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_what_is_wiped_off_is_no_longer_told_of(ax):
-    wl.plots.verdicts(made_up(), ax)
+def test_clearing_the_axes_removes_the_alternative_text(ax):
+    wl.plots.verdicts(random_table(), ax)
     ax.clear()
     assert wl.plots.alt_text(ax) == ""
-    alone = wl.plots.alt_text(wl.plots.fitness_curve(made_up(), Figure().add_subplot()))
-    assert wl.plots.alt_text(wl.plots.fitness_curve(made_up(), ax)) == alone
+    alone = wl.plots.alt_text(wl.plots.fitness_curve(random_table(), Figure().add_subplot()))
+    assert wl.plots.alt_text(wl.plots.fitness_curve(random_table(), ax)) == alone
 
 
-def test_a_figure_is_laid_out_anew_after_it_was_saved(tmp_path):
+def test_saving_restores_the_layout_engine(tmp_path):
     figure = Figure(layout="constrained")
     engine = figure.get_layout_engine()
-    wl.plots.save(wl.plots.fitness_curve(made_up(), figure.add_subplot()), tmp_path / "a.png")
+    wl.plots.save(wl.plots.fitness_curve(random_table(), figure.add_subplot()), tmp_path / "a.png")
     assert figure.get_layout_engine() is engine
 
 
-@of_a_table
+@each_table_plot
 @pytest.mark.parametrize(
     "table",
     [
         join([]),
-        bred(generations=1, size=4),
-        bred(void=1.0),
-        bred(size=4, mutation="randomized", mutation_rate=0.0),
-        bred(size=4, robot=wl.Robot(segments=(1, 1), legs=(2, 2), weight=(5, 5), leg_force=(7, 7))),
-        bred(generations=1, size=4).iloc[:1],
-        bred(size=5, crossover="none"),
-        bred(size=12, crossover="randomized"),
+        evolved_table(generations=1, size=4),
+        evolved_table(void=1.0),
+        evolved_table(size=4, mutation="randomized", mutation_rate=0.0),
+        evolved_table(size=4, robot=wl.Robot(segments=(1, 1), legs=(2, 2), weight=(5, 5), leg_force=(7, 7))),
+        evolved_table(generations=1, size=4).iloc[:1],
+        evolved_table(size=5, crossover="none"),
+        evolved_table(size=12, crossover="randomized"),
     ],
     ids=[
         "empty",
         "one generation",
-        "none counted",
+        "no walk counts",
         "clones",
         "constant genes",
         "one robot",
@@ -311,7 +326,7 @@ def test_a_figure_is_laid_out_anew_after_it_was_saved(tmp_path):
         "many parents",
     ],
 )
-def test_a_table_in_which_there_is_little_to_see_is_drawn_all_the_same(draw, table, ax, tmp_path):
+def test_degenerate_tables_are_drawn(draw, table, ax, tmp_path):
     draw(table, ax)
     wl.plots.save(ax, tmp_path / "a.svg", tmp_path / "a.png")
     assert wl.plots.alt_text(ax)
@@ -320,8 +335,8 @@ def test_a_table_in_which_there_is_little_to_see_is_drawn_all_the_same(draw, tab
 # ------------------------------------------------------------------------------------------------------------- curves
 
 
-def test_the_curve_is_best_median_and_quartiles_of_the_walks_that_count(ax):
-    records = made_up()
+def test_fitness_curve_shows_best_and_median_of_the_walks_that_count(ax):
+    records = random_table()
     wl.plots.fitness_curve(records, ax)
     lines = {line.get_label(): line.get_ydata() for line in ax.lines}
     for generation in range(5):
@@ -331,16 +346,16 @@ def test_the_curve_is_best_median_and_quartiles_of_the_walks_that_count(ax):
     assert ax.get_xlabel() == "generation"
 
 
-def test_axes_bear_the_name_and_unit_of_the_fitness(ax):
-    run = wl.Run(wl.Settings(), made_up())
+def test_the_value_axis_has_name_and_unit_of_the_fitness(ax):
+    run = wl.Run(wl.Settings(), random_table())
     wl.plots.fitness_curve(run.records, ax)
     assert ax.get_ylabel() == "distance [m]"
 
 
 @pytest.mark.parametrize("draw", [wl.plots.fitness_curve, wl.plots.diversity])
-def test_several_runs_on_one_axes_can_be_told_apart_even_without_colour(ax, draw):
+def test_runs_on_the_same_axes_differ_in_colour_and_marker(ax, draw):
     for seed, label in enumerate(("gentle", "harsh")):
-        draw(bred(seed + 3), ax, label=label)
+        draw(evolved_table(seed + 3), ax, label=label)
     solid = [line for line in ax.lines if line.get_linestyle() == "-"]
     assert [line.get_label().partition(":")[0] for line in solid] == ["gentle", "harsh"]
     for look in ("color", "marker"):
@@ -348,16 +363,16 @@ def test_several_runs_on_one_axes_can_be_told_apart_even_without_colour(ax, draw
     assert all(label in wl.plots.alt_text(ax) for label in ("entle", "arsh"))
 
 
-def test_the_words_name_the_first_and_last_of_best_and_median(records, ax):
+def test_the_alternative_text_has_first_and_last_values_of_best_and_median(records, ax):
     wl.plots.fitness_curve(records, ax)
     counted = records[records.verdict == "ok"].groupby("generation").fitness
-    told = [counted.max().iloc[0], counted.max().iloc[-1], counted.median().iloc[0], counted.median().iloc[-1]]
-    assert numbers(wl.plots.alt_text(ax)) == pytest.approx([records.generation.nunique(), *told], abs=0.006)
+    expected = [counted.max().iloc[0], counted.max().iloc[-1], counted.median().iloc[0], counted.median().iloc[-1]]
+    assert numbers_in(wl.plots.alt_text(ax)) == pytest.approx([records.generation.nunique(), *expected], abs=0.006)
     assert " m" in wl.plots.alt_text(ax)
 
 
 @pytest.mark.parametrize("name", ["weight", "body_length", "n_legs", "n_segments", "velocity", "distance", "fitness"])
-def test_a_trait_is_median_and_best_robot_with_its_unit(records, ax, name):
+def test_trait_shows_median_and_best_robot_with_the_unit(records, ax, name):
     wl.plots.trait(records, name, ax)
     lines = {line.get_label(): line for line in ax.lines}
     walked = name in ("velocity", "distance", "fitness")
@@ -373,56 +388,57 @@ def test_a_trait_is_median_and_best_robot_with_its_unit(records, ax, name):
     assert ax.get_ylabel().endswith(f"[{unit}]" if unit else "s")
 
 
-def test_the_median_of_legs_is_a_number_of_legs_that_a_robot_has(ax):
-    records = made_up(4).assign(n_legs=[2, 2, 4, 4] * 5)
+def test_the_median_of_an_integer_trait_is_a_value_that_occurs(ax):
+    records = random_table(4).assign(n_legs=[2, 2, 4, 4] * 5)
     wl.plots.trait(records, "n_legs", ax)
     lines = {line.get_label(): line.get_ydata() for line in ax.lines}
     assert set(lines["median"]) == {2}
 
 
 @pytest.mark.parametrize("name", ["verdict", "wieght", "generation"])
-def test_a_trait_that_is_no_number_of_a_robot_is_refused_with_those_that_are(records, name):
-    with pytest.raises(ValueError, match=rf"no column of numbers called '{name}'; it has .*weight, body_length"):
+def test_a_column_that_is_not_a_trait_is_rejected_with_a_list_of_traits(records, name):
+    with pytest.raises(ValueError, match=rf"no numeric column '{name}'; it has .*weight, body_length"):
         wl.plots.trait(records, name)
     assert not pyplot.get_fignums()
 
 
-# ------------------------------------------------------------------------------------------- one measure, and one run
+# ------------------------------------------------------------------------------------------- one quantity and one run
 
 
-def measuring(name, unit):
-    table = bred(2, 4, void=0)
+def table_with_fitness(name, unit):
+    table = evolved_table(2, 4, void=0)
     name_fitness(table, name, unit)
     return table
 
 
-DISTANCE, EFFICIENCY = measuring("distance", "m"), measuring("efficiency", "m/J")
-MEASURES = {
+DISTANCE = table_with_fitness("distance", "m")
+EFFICIENCY = table_with_fitness("efficiency", "m/J")
+QUANTITIES = {
     "distance [m]": lambda ax: wl.plots.fitness_curve(DISTANCE, ax, label="a"),
     "efficiency [m/J]": lambda ax: wl.plots.fitness_curve(EFFICIENCY, ax, label="b"),
     "weight [kg]": lambda ax: wl.plots.trait(DISTANCE, "weight", ax),
     "number of legs": lambda ax: wl.plots.trait(DISTANCE, "n_legs", ax),
     "genetic diversity": lambda ax: wl.plots.diversity(DISTANCE, ax),
     "robots": lambda ax: wl.plots.verdicts(DISTANCE, ax),
-    "way forward of the centre of mass [m]": lambda ax: wl.plots.distance_over_time(wl.simulate(GENOME, SETTINGS), ax),
+    "distance of the centre of mass [m]": lambda ax: wl.plots.distance_over_time(wl.simulate(GENOME, SETTINGS), ax),
 }
 
 
-@pytest.mark.parametrize("second", MEASURES)
-def test_an_axis_measures_one_thing(second):
-    for first, draw in MEASURES.items():
+@pytest.mark.parametrize("second", QUANTITIES)
+def test_a_value_axis_shows_one_quantity(second):
+    for first, draw in QUANTITIES.items():
         axes = draw(Figure().add_subplot())
         before = wl.plots.alt_text(axes), len(axes.lines), axes.get_ylabel()
         if first == second:
-            MEASURES[second](axes)
+            QUANTITIES[second](axes)
             continue
-        how = re.escape(f"show {first!r}, and cannot show {second!r} as well") + ".*Axes of its own.*plt.subplots"
+        how = re.escape(f"show {first!r} and cannot also show {second!r}") + ".*separate Axes.*plt.subplots"
         with pytest.raises(ValueError, match=how):
-            MEASURES[second](axes)
-        assert before == (wl.plots.alt_text(axes), len(axes.lines), axes.get_ylabel()), "as it was"
+            QUANTITIES[second](axes)
+        assert before == (wl.plots.alt_text(axes), len(axes.lines), axes.get_ylabel()), "the plot is unchanged"
 
 
-def test_on_an_axis_of_its_own_another_measure_may_share_the_picture(ax):
+def test_a_second_value_axis_can_show_another_quantity(ax):
     wl.plots.fitness_curve(DISTANCE, ax)
     right = wl.plots.fitness_curve(EFFICIENCY, ax.twinx())
     assert (ax.get_ylabel(), right.get_ylabel()) == ("distance [m]", "efficiency [m/J]")
@@ -430,28 +446,28 @@ def test_on_an_axis_of_its_own_another_measure_may_share_the_picture(ax):
     wl.plots.fitness_curve(EFFICIENCY, ax)
 
 
-def test_a_fitness_and_the_trait_that_it_measures_share_an_axis(ax):
+def test_a_fitness_and_a_trait_of_the_same_quantity_share_an_axis(ax):
     wl.plots.fitness_curve(DISTANCE, ax)
     wl.plots.trait(DISTANCE, "distance", ax)
     assert wl.plots.trait(DISTANCE, "fitness", ax).get_ylabel() == "distance [m]"
 
 
-def test_a_table_from_a_csv_file_has_the_units_that_every_table_has(ax, tmp_path):
+def test_a_table_from_a_csv_file_has_the_default_units(ax, tmp_path):
     DISTANCE.to_csv(tmp_path / "records.csv", index=False)
     table = pd.read_csv(tmp_path / "records.csv")
     assert wl.plots.trait(table, "weight", Figure().add_subplot()).get_ylabel() == "weight [kg]"
     assert wl.plots.fitness_curve(table, Figure().add_subplot()).get_ylabel() == "fitness"
     wl.plots.fitness_curve(DISTANCE, ax)
-    with pytest.raises(ValueError, match=r"after read_csv.*table\.attrs = run\.records\.attrs"):
+    with pytest.raises(ValueError, match=r"from read_csv.*table\.attrs = run\.records\.attrs"):
         wl.plots.fitness_curve(table, ax)
     table.attrs = DISTANCE.attrs
     wl.plots.fitness_curve(table, ax)
 
 
-@of_a_table
-def test_a_table_of_several_runs_is_refused_with_the_way_to_draw_them(draw, ax):
-    runs = [bred(2, 4, void=0) for _ in range(2)]
-    with pytest.raises(ValueError, match=r"holds several runs\. .*for seed, run in .*label="):
+@each_table_plot
+def test_a_table_of_several_runs_is_rejected_with_a_solution(draw, ax):
+    runs = [evolved_table(2, 4, void=0) for _ in range(2)]
+    with pytest.raises(ValueError, match=r"contains several runs\. .*for seed, run in .*label="):
         draw(pd.concat(runs), ax)
     assert not wl.plots.alt_text(ax)
 
@@ -460,8 +476,8 @@ def test_a_table_of_several_runs_is_refused_with_the_way_to_draw_them(draw, ax):
 
 
 @pytest.mark.parametrize("generations", [1, 6, 61, 130])
-def test_bars_add_up_to_the_population_and_there_is_one_for_each_verdict_that_occurs(generations, ax):
-    records = bred(generations, 8)
+def test_bars_add_up_to_the_population_and_show_each_verdict_that_occurs(generations, ax):
+    records = evolved_table(generations, 8)
     wl.plots.verdicts(records, ax)
     bars = {bar.get_label(): bar.get_data() for bar in ax.patches if isinstance(bar, StepPatch)}
     assert {"ok" if label == "counts" else label for label in bars} == set(records.verdict)
@@ -474,8 +490,8 @@ def test_bars_add_up_to_the_population_and_there_is_one_for_each_verdict_that_oc
     assert [text.get_text() for text in ax.get_legend().get_texts()] == list(bars)[::-1]
 
 
-def test_where_generations_are_missing_there_is_no_bar(ax):
-    records = bred(6, 8)
+def test_missing_generations_have_no_bar(ax):
+    records = evolved_table(6, 8)
     wl.plots.verdicts(records[records.generation.isin([0, 1, 5])], ax)
     drawn = sum(np.nan_to_num(bar.get_data().values - bar.get_data().baseline) for bar in ax.patches)
     assert drawn.tolist() == [8, 8, 0, 0, 0, 8]
@@ -483,14 +499,14 @@ def test_where_generations_are_missing_there_is_no_bar(ax):
     render(ax)
 
 
-def test_no_two_verdicts_look_alike(ax):
-    table = made_up(2 * len(VERDICTS))
+def test_all_verdicts_differ_in_colour_and_hatching(ax):
+    table = random_table(2 * len(VERDICTS))
     table["verdict"] = np.tile(list(VERDICTS), 10)
     wl.plots.verdicts(table, ax)
     looks = [(bar.get_facecolor(), bar.get_hatch()) for bar in ax.patches]
     assert len(set(looks)) == len(looks) == len(VERDICTS)
     hatches = [hatch for colour, hatch in looks]
-    assert len(set(hatches)) == len(hatches), "in black and white"
+    assert len(set(hatches)) == len(hatches), "they differ in black and white"
 
 
 # ------------------------------------------------------------------------------------------------------------ genomes
@@ -500,23 +516,25 @@ def genomes(records):
     return np.array([wl.Genome.parse(text).values for text in records.genome])
 
 
-def test_diversity_is_the_distance_of_two_robots_over_all_pairs(records, ax):
+def test_diversity_is_the_root_mean_square_distance_over_all_pairs(records, ax):
     wl.plots.diversity(records, ax)
     table, values = genes_of(wl.Robot()), genomes(records)
     span = np.where(table.is_cyclic, table.high, np.ptp(values, axis=0))
     for generation, diversity in zip(*ax.lines[0].get_data(), strict=True):
         squares = []
         for a, b in combinations(values[records.generation == generation], 2):
-            apart = np.divide(a - b, span, where=span > 0, out=np.zeros(len(table)))
-            squares.append(np.where(table.is_cyclic, np.sin(np.pi * apart), apart)[np.ptp(values, axis=0) > 0] ** 2)
+            distance = np.divide(a - b, span, where=span > 0, out=np.zeros(len(table)))
+            squares.append(
+                np.where(table.is_cyclic, np.sin(np.pi * distance), distance)[np.ptp(values, axis=0) > 0] ** 2
+            )
         assert diversity == pytest.approx(np.sqrt(np.mean(squares)))
 
 
-def test_of_a_large_generation_some_stand_for_all(ax, monkeypatch):
-    table = bred(size=60)
+def test_the_diversity_of_a_large_generation_is_estimated_from_a_sample(ax, monkeypatch):
+    table = evolved_table(size=60)
     for read in (60, 59, 30):
-        monkeypatch.setattr(plots_of_genomes, "READ", read)
-        chosen = table[plots_of_genomes._evenly_spread(table)]
+        monkeypatch.setattr(plots_of_genomes, "MAX_SAMPLE", read)
+        chosen = table[plots_of_genomes._select_sample(table)]
         assert chosen.groupby("generation").size().tolist() == [read] * 6
         places = chosen.index[chosen.generation == 0]
         assert np.diff(places, append=60).max() <= -(-60 // read)
@@ -527,13 +545,13 @@ def test_of_a_large_generation_some_stand_for_all(ax, monkeypatch):
         np.testing.assert_allclose(some, exact, rtol=0.15)
 
 
-def test_of_a_large_generation_all_genes_are_drawn(ax, monkeypatch):
-    monkeypatch.setattr(plots_of_genomes, "READ", 4)
-    wl.plots.genes(bred(), ax)
+def test_all_robots_of_a_large_generation_are_drawn(ax, monkeypatch):
+    monkeypatch.setattr(plots_of_genomes, "MAX_SAMPLE", 4)
+    wl.plots.genes(evolved_table(), ax)
     assert ax.collections[0].get_array().shape[0] == 10
 
 
-def test_clones_have_no_diversity_and_the_order_of_rows_does_not_matter(records, ax):
+def test_clones_have_zero_diversity_and_the_order_of_rows_does_not_matter(records, ax):
     clones = records.assign(genome=np.where(records.generation == 3, records.genome[0], records.genome))
     shuffled = clones.sample(frac=1, random_state=0)
     for table in (clones, shuffled):
@@ -544,7 +562,7 @@ def test_clones_have_no_diversity_and_the_order_of_rows_does_not_matter(records,
     assert first == pytest.approx(second, abs=1e-12)
 
 
-def test_the_colour_of_a_gene_is_its_place_in_its_range_and_what_is_not_grown_has_none(records, ax):
+def test_the_colour_of_a_gene_is_its_position_in_the_range_if_it_is_grown(records, ax):
     wl.plots.genes(records, ax, generation=2)
     table, values = genes_of(wl.Robot()), genomes(records)
     picture = next(child for child in ax.get_children() if isinstance(child, QuadMesh)).get_array()
@@ -565,7 +583,7 @@ def test_the_colour_of_a_gene_is_its_place_in_its_range_and_what_is_not_grown_ha
                 assert colours[i] == pytest.approx((own[i] - low[i]) / (high[i] - low[i]))
 
 
-def test_every_gene_has_its_name_below_and_its_segment_above(records, ax):
+def test_columns_are_labelled_with_gene_and_segment(records, ax):
     wl.plots.genes(records, ax)
     names = [label.get_text() for label in ax.get_xticklabels()]
     expected = [name.rpartition(".")[2].replace("_", " ") for name in genes_of(wl.Robot()).names]
@@ -573,7 +591,7 @@ def test_every_gene_has_its_name_below_and_its_segment_above(records, ax):
     assert {"body", "segment 1", "segment 4"} <= {text.get_text() for text in ax.texts}
 
 
-def test_the_last_population_is_shown_unless_another_is_named(records, ax):
+def test_genes_of_the_last_generation_are_drawn_by_default(records, ax):
     wl.plots.genes(records, ax)
     assert "generation 5" in wl.plots.alt_text(ax)
     with pytest.raises(ValueError, match="generation 77 is not in this table; it has 0 to 5"):
@@ -583,23 +601,23 @@ def test_the_last_population_is_shown_unless_another_is_named(records, ax):
 # -------------------------------------------------------------------------------------------------------- family tree
 
 
-def ids(axes, shape):
+def gids(axes, shape):
     found = [re.fullmatch(shape, str(child.get_gid())) for child in axes.get_children()]
     return {tuple(map(int, match.groups())) for match in found if match}
 
 
 def bodies(axes):
-    return {one for (one,) in ids(axes, r"robot-(\d+)")}
+    return {one for (one,) in gids(axes, r"robot-(\d+)")}
 
 
 def edges(axes):
-    return ids(axes, r"robot-(\d+)-to-robot-(\d+)")
+    return gids(axes, r"robot-(\d+)-to-robot-(\d+)")
 
 
 @pytest.mark.parametrize("crossover", ["paired", "none", "randomized"])
 @pytest.mark.parametrize("generations", [1, 2, 8, 40])
-def test_a_tree_has_just_those_edges_that_the_table_has(generations, crossover, ax):
-    records = bred(generations, 8, crossover=crossover)
+def test_the_edges_of_a_tree_are_those_of_the_table(generations, crossover, ax):
+    records = evolved_table(generations, 8, crossover=crossover)
     wl.plots.family_tree(records, ax)
     drawn = bodies(ax)
     births = records.drop_duplicates("individual").set_index("individual")
@@ -609,8 +627,8 @@ def test_a_tree_has_just_those_edges_that_the_table_has(generations, crossover, 
     assert best in drawn
 
 
-def test_in_a_short_tree_every_one_of_the_line_has_both_parents_drawn(ax):
-    records = bred(8, 8)
+def test_a_short_tree_shows_both_parents_of_each_robot_of_the_line(ax):
+    records = evolved_table(8, 8)
     wl.plots.family_tree(records, ax)
     births = records.drop_duplicates("individual").set_index("individual")
     number = records.sort_values(["fitness", "individual"], ascending=[False, True]).individual.iloc[0]
@@ -619,45 +637,45 @@ def test_in_a_short_tree_every_one_of_the_line_has_both_parents_drawn(ax):
         number = max(parents, key=lambda parent: births.fitness[parent])
 
 
-def test_a_long_tree_is_drawn_in_part_and_says_how_many_are_left_out(ax):
-    records = bred(60, 6, n_elites=0)
+def test_a_long_tree_is_drawn_in_part_with_the_number_of_omitted_robots(ax):
+    records = evolved_table(60, 6, n_elites=0)
     youngest = int(records.individual.max())
     wl.plots.family_tree(records, ax, individual=youngest)
     births = records.drop_duplicates("individual").set_index("individual")
     line = [youngest]
     while parents := parent_numbers(births.parents[line[-1]]):
         line.append(max(parents, key=lambda parent: births.fitness[parent]))
-    assert len(line) > MOST, "or this shows nothing"
+    assert len(line) > MAX_COMPLETE_LINE, "precondition of this test"
     assert {line[0], line[-1]} <= bodies(ax)
-    left_out = [int(match[1]) for text in ax.texts if (match := re.fullmatch(r"\s*(\d+) left out", text.get_text()))]
-    assert sum(left_out) == len(line) - SOME
-    assert len(bodies(ax) & set(line)) >= SOME
+    left_out = [int(match[1]) for text in ax.texts if (match := re.fullmatch(r"\s*(\d+) omitted", text.get_text()))]
+    assert sum(left_out) == len(line) - N_DRAWN_OF_LONG_LINE
+    assert len(bodies(ax) & set(line)) >= N_DRAWN_OF_LONG_LINE
     assert f"has {len(line)} robots" in wl.plots.alt_text(ax)
 
 
-def test_a_robot_that_never_walked_has_no_tree(records):
+def test_the_tree_of_an_unknown_individual_is_rejected(records):
     with pytest.raises(ValueError, match="individual 999 is not in this run"):
         wl.plots.family_tree(records, Figure().add_subplot(), individual=999)
 
 
-def read_back(records, path, **options):
+def csv_round_trip(records, path, **options):
     records.to_csv(path, index=False)
     return pd.read_csv(path, **options)
 
 
-def tables_that_users_make(records, folder):
+def user_tables(records, folder):
     return {
-        "read from CSV": read_back(records, folder / "a.csv"),
-        "read as it is": read_back(records, folder / "a.csv", keep_default_na=False),
+        "read from CSV": csv_round_trip(records, folder / "a.csv"),
+        "read as it is": csv_round_trip(records, folder / "a.csv", keep_default_na=False),
         "from generation 3 on": records[records.generation >= 3],
         "every second generation": records[records.generation % 2 == 0],
         "the last generation": records[records.generation == records.generation.max()],
-        "CSV from 3 on": read_back(records[records.generation >= 3], folder / "b.csv"),
+        "CSV from 3 on": csv_round_trip(records[records.generation >= 3], folder / "b.csv"),
         "shuffled": records.sample(frac=1, random_state=0),
     }
 
 
-def test_a_robot_that_is_its_own_ancestor_ends_the_line_of_descent(records):
+def test_the_line_of_descent_ends_at_a_robot_that_is_its_own_parent(records):
     looped = records.copy()
     last = int(looped.individual.max())
     looped.loc[looped.individual == last, "parents"] = f"{last} {last + 1}"
@@ -665,9 +683,9 @@ def test_a_robot_that_is_its_own_ancestor_ends_the_line_of_descent(records):
 
 
 @pytest.mark.parametrize("crossover", ["paired", "none"])
-def test_descent_is_told_as_far_as_a_table_goes(crossover, tmp_path):
-    records = bred(8, 8, crossover=crossover)
-    for name, table in tables_that_users_make(records, tmp_path).items():
+def test_descent_reaches_as_far_back_as_the_table(crossover, tmp_path):
+    records = evolved_table(8, 8, crossover=crossover)
+    for name, table in user_tables(records, tmp_path).items():
         axes, best = Figure().add_subplot(), wl.Run(wl.Settings(), table).champion
         wl.plots.family_tree(table, axes)
         render(axes)
@@ -676,8 +694,8 @@ def test_descent_is_told_as_far_as_a_table_goes(crossover, tmp_path):
         assert {(parent, best.individual) for parent in best.parents if parent in own.index} <= edges(axes), name
         found = wl.Run(wl.Settings(), table).lineage(best.individual)
         assert best.individual in set(found.individual) <= set(own.index), name
-        assert str(best.individual) in summary.descent(table, best.individual), name
-        assert summary.summary(table, wl.Settings().model_dump()), name
+        assert str(best.individual) in summary.tabulate_descent(table, best.individual), name
+        assert summary.describe_result(table, wl.Settings().model_dump()), name
         assert "nan" not in found.parents.str.cat() + best.reason, name
     whole, later = Figure().add_subplot(), Figure().add_subplot()
     youngest = int(records.individual.max())
@@ -690,14 +708,14 @@ def test_descent_is_told_as_far_as_a_table_goes(crossover, tmp_path):
 @pytest.mark.parametrize(
     ("cell", "numbers"), [("3 17", (3, 17)), ("", ()), (math.nan, ()), (None, ()), (5.0, (5,)), (np.int64(5), (5,))]
 )
-def test_a_cell_of_parents_is_read_however_pandas_has_it(cell, numbers):
+def test_parents_are_read_from_any_type_of_cell(cell, numbers):
     assert parent_numbers(cell) == numbers
 
 
 # -------------------------------------------------------------------------------------------------------------- walks
 
 
-def test_the_way_is_that_of_the_centre_of_mass(ax):
+def test_distance_over_time_is_that_of_the_centre_of_mass(ax):
     rollout = wl.simulate(GENOME, SETTINGS)
     wl.plots.distance_over_time(rollout, ax)
     assert ax.lines[0].get_ydata() == pytest.approx(rollout.com[:, 0] - rollout.com[0, 0])
@@ -705,20 +723,20 @@ def test_the_way_is_that_of_the_centre_of_mass(ax):
     assert "not count" not in wl.plots.alt_text(ax)
 
 
-def test_a_walk_that_does_not_count_is_marked_and_the_reason_told(ax):
+def test_a_walk_that_does_not_count_is_labelled_with_the_reason(ax):
     rollout = wl.simulate(GENOME, SETTINGS)
     number = np.array([math.nan if 0.5 < time < 0.6 else 0.0 for time in rollout.time])
-    torn = replace(
+    unstable = replace(
         rollout, verdict="unstable", reason="a number was not finite", com=rollout.com + number[:, np.newaxis]
     )
-    for void in (replace(rollout, verdict="fell", reason="it lay"), torn):
+    for void in (replace(rollout, verdict="fell", reason="the body touched the ground"), unstable):
         wl.plots.distance_over_time(void, ax, label="the other")
         assert f"does not count: {void.verdict} ({void.reason})" in wl.plots.alt_text(ax)
         assert ax.get_legend().get_texts()[-1].get_text() == f"the other (does not count: {void.verdict})"
     render(ax)
 
 
-def test_bars_of_a_gait_are_its_footfalls(ax):
+def test_the_bars_of_a_gait_are_its_footfalls(ax):
     wl.plots.gait(GENOME, SETTINGS, ax)
     scene, rollout = wl.compile_scene(GENOME, SETTINGS), wl.simulate(GENOME, SETTINGS)
     down = find_footfalls(scene, rollout.poses)
@@ -733,25 +751,25 @@ def test_bars_of_a_gait_are_its_footfalls(ax):
     assert shares == [f"{share:.0%}" for share in down.mean(axis=0)]
 
 
-def test_of_a_long_walk_the_gait_shows_the_last_ten_seconds(ax):
+def test_the_gait_of_a_long_walk_shows_the_last_ten_seconds(ax):
     wl.plots.gait(GENOME, wl.Settings().with_(duration=12), ax)
     assert ax.get_xlim() == pytest.approx((2, 12), abs=0.03)
     assert "in a walk of 12 s" in wl.plots.alt_text(ax)
 
 
-def test_of_several_starts_the_walk_that_counted_is_drawn():
+def test_the_poorest_of_several_starts_is_drawn():
     settings = SETTINGS.with_(n_starts=4)
     counted, first = poorest_walk(GENOME, settings), wl.simulate(GENOME, settings)
-    assert counted.distance != first.distance, "or this shows nothing"
+    assert counted.distance != first.distance, "precondition of this test"
     shown = wl.plots.gait(GENOME, settings, Figure().add_subplot())
     shares = [label.get_text() for label in shown.child_axes[0].get_yticklabels()]
     down = find_footfalls(wl.compile_scene(GENOME, settings), counted.poses)
     assert shares == [f"{share:.0%}" for share in down.mean(axis=0)]
-    start, end = arrow(wl.plots.stride(GENOME, settings, Figure().add_subplot()))
+    start, end = arrow_ends(wl.plots.stride(GENOME, settings, Figure().add_subplot()))
     assert (start, end) == pytest.approx(counted.com[[0, -1], 0])
 
 
-def arrow(axes):
+def arrow_ends(axes):
     found = {(note.xyann[0], note.xy[0]) for note in axes.texts if getattr(note, "arrow_patch", None)}
     (span,) = found
     return span
@@ -761,7 +779,7 @@ def arrow(axes):
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_body_is_drawn_to_scale_on_the_ground_and_its_measures_are_told(seed, ax):
+def test_a_body_is_drawn_to_scale_on_the_ground_with_its_dimensions(seed, ax):
     genome = wl.Genome.random(wl.Robot(), rng=np.random.default_rng(seed))
     robot = wl.express(genome)
     wl.plots.body(genome, ax)
@@ -772,30 +790,30 @@ def test_a_body_is_drawn_to_scale_on_the_ground_and_its_measures_are_told(seed, 
     trunk = [path.vertices for path in drawn.get_paths()][robot.n_legs : robot.n_legs + len(robot.segments)]
     assert np.ptp(np.concatenate(trunk)[:, 0]) == pytest.approx(robot.body_length, rel=0.04)
     assert ax.get_aspect() == 1
-    told = [len(robot.segments), robot.n_legs, robot.weight, robot.body_length]
-    assert numbers(wl.plots.alt_text(ax)) == pytest.approx(told, abs=0.006)
+    expected = [len(robot.segments), robot.n_legs, robot.weight, robot.body_length]
+    assert numbers_in(wl.plots.alt_text(ax)) == pytest.approx(expected, abs=0.006)
     assert ax.get_title() in wl.plots.alt_text(ax)
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_the_bar_beside_a_body_is_as_long_as_it_says(seed, ax):
+def test_the_scale_bar_of_a_body_has_the_length_of_its_label(seed, ax):
     wl.plots.body(wl.Genome.random(wl.Robot(), rng=np.random.default_rng(seed)), ax)
     bar, label = ax.lines[-1], ax.texts[-1]
     assert label.get_text().endswith(" m")
-    assert [np.ptp(bar.get_xdata())] == pytest.approx(numbers(label.get_text()))
+    assert [np.ptp(bar.get_xdata())] == pytest.approx(numbers_in(label.get_text()))
 
 
-def test_a_body_can_be_put_anywhere_at_any_size_and_reports_where_it_is(ax):
-    scene = at_rest(GENOME)
+def test_add_body_places_and_scales_a_body_and_returns_its_extent(ax):
+    scene = resting_scene(GENOME)
     parts = skins(scene, scene.start)
     left, right, bottom, top = add_body(ax, parts)
     assert add_body(ax, parts, at=(3.0, -2.0), scale=0.5) == pytest.approx(
         (3 + left / 2, 3 + right / 2, -2 + bottom / 2, -2 + top / 2)
     )
-    assert len(ax.get_children()) == len(Figure().add_subplot().get_children()) + 2, "and adds nothing else"
+    assert len(ax.get_children()) == len(Figure().add_subplot().get_children()) + 2, "nothing else is added"
 
 
-def test_far_legs_look_different_from_near_ones_and_stand_beside_them(ax):
+def test_far_legs_are_darker_than_near_legs_and_shifted_to_the_right(ax):
     wl.plots.body(GENOME, ax)
     (drawn,) = ax.collections
     n_legs = wl.express(GENOME).n_legs
@@ -807,14 +825,14 @@ def test_far_legs_look_different_from_near_ones_and_stand_beside_them(ax):
     )
 
 
-def test_without_settings_a_robot_of_any_limits_is_drawn_as_it_is(ax):
+def test_without_settings_a_robot_outside_the_default_limits_is_drawn(ax):
     large = wl.Robot(segments=(6, 8), body_length=(4, 6), segment_length=(0.5, 1), weight=(50, 60), legs=(10, 16))
     genome = wl.Genome.random(large, rng=np.random.default_rng(0))
     wl.plots.body(genome, ax)
     assert f"{len(wl.express(genome).segments)} segments" in wl.plots.alt_text(ax)
 
 
-def test_loads_are_drawn_when_the_settings_have_them(ax):
+def test_loads_of_the_settings_are_drawn(ax):
     loaded = SETTINGS.with_(carry_weight=2, drag_weight=2)
     wl.plots.body(GENOME, ax, loaded)
     wl.plots.body(GENOME, ax)
@@ -823,59 +841,61 @@ def test_loads_are_drawn_when_the_settings_have_them(ax):
 
 
 class TestStride:
-    """The robot as it is drawn without GL is the robot that walked."""
+    """A stride shows the robot that walked, to scale."""
 
     genome = wl.Genome.random(wl.Robot(), rng=np.random.default_rng(2))
     settings = wl.Settings().with_(duration=2.0)
 
-    def test_it_shows_the_body_to_scale_and_over_the_ground(self, ax):
+    def test_bodies_are_drawn_to_scale_above_the_ground(self, ax):
         wl.plots.stride(self.genome, self.settings, ax)
         robot = wl.express(self.genome)
         one = len(robot.segments) + 2 * robot.n_legs
-        caught = [child for child in ax.collections if type(child) is PolyCollection]
-        assert 1 <= len(caught) <= 4
-        assert all(len(body.get_paths()) == one for body in caught)
-        assert min(path.vertices[:, 1].min() for body in caught for path in body.get_paths()) > -0.02
+        drawn_bodies = [child for child in ax.collections if type(child) is PolyCollection]
+        assert 1 <= len(drawn_bodies) <= 4
+        assert all(len(body.get_paths()) == one for body in drawn_bodies)
+        assert min(path.vertices[:, 1].min() for body in drawn_bodies for path in body.get_paths()) > -0.02
         assert ax.get_aspect() == 1
 
-    def test_a_robot_whose_physics_broke_down_is_drawn_as_it_started(self, ax):
-        torn = wl.Settings().with_(gravity=(-30, 12, -30), carry_weight=60, duration=2, timestep=0.01, texture_size=0.2)
-        torn = torn.with_(robot=wl.Robot(leg_force=(500, 500), weight=(0.1, 0.1), carry_weight=60))
-        rollout = wl.simulate(self.genome, torn)
-        assert rollout.verdict == "unstable", "or this shows nothing"
-        wl.plots.stride(self.genome, torn, ax)
+    def test_an_unstable_walk_is_drawn_with_its_verdict(self, ax):
+        unstable = wl.Settings().with_(
+            gravity=(-30, 12, -30), carry_weight=60, duration=2, timestep=0.01, texture_size=0.2
+        )
+        unstable = unstable.with_(robot=wl.Robot(leg_force=(500, 500), weight=(0.1, 0.1), carry_weight=60))
+        rollout = wl.simulate(self.genome, unstable)
+        assert rollout.verdict == "unstable", "precondition of this test"
+        wl.plots.stride(self.genome, unstable, ax)
         assert any(type(child) is PolyCollection for child in ax.collections)
         assert "does not count: unstable" in wl.plots.alt_text(ax)
 
-    def test_a_walk_is_drawn_until_its_numbers_ran_away(self, ax, monkeypatch):
+    def test_an_unstable_walk_is_drawn_up_to_its_last_valid_pose(self, ax, monkeypatch):
         rollout = wl.simulate(self.genome, self.settings)
         poses = rollout.poses.copy()
         poses[60:, 0] += 500
-        torn = replace(rollout, poses=poses, verdict="unstable", reason="it flew apart")
-        monkeypatch.setattr("walkerlab.view.plots.bodies.poorest_walk", lambda *_: torn)
+        unstable = replace(rollout, poses=poses, verdict="unstable", reason="a number was not finite")
+        monkeypatch.setattr("walkerlab.view.plots.bodies.poorest_walk", lambda *_: unstable)
         wl.plots.stride(self.genome, self.settings, ax)
         assert ax.get_xlim()[1] < 10
         assert f"after {rollout.time[59]:.2f}".rstrip("0") + " s" in wl.plots.alt_text(ax)
 
-    def test_it_grows_darker_with_time_and_the_arrow_is_the_way_it_came(self, ax):
+    def test_bodies_become_darker_and_the_arrow_shows_the_distance(self, ax):
         walks = {seed: wl.Genome.random(wl.Robot(), rng=np.random.default_rng(seed)) for seed in range(8)}
         genome = max(walks.values(), key=lambda one: wl.simulate(one, self.settings).distance)
         rollout = wl.simulate(genome, self.settings)
         wl.plots.stride(genome, self.settings, ax)
-        caught = [child for child in ax.collections if type(child) is PolyCollection]
-        assert len(caught) > 1, "or this shows nothing"
-        edges = [float(body.get_edgecolor()[0, 0]) for body in caught]
+        drawn_bodies = [child for child in ax.collections if type(child) is PolyCollection]
+        assert len(drawn_bodies) > 1, "precondition of this test"
+        edges = [float(body.get_edgecolor()[0, 0]) for body in drawn_bodies]
         assert edges == sorted(edges, reverse=True)
         assert len(set(edges)) == len(edges)
         forward = np.sign(rollout.distance)
-        places = [np.concatenate([path.vertices for path in body.get_paths()])[:, 0].mean() for body in caught]
+        places = [np.concatenate([path.vertices for path in body.get_paths()])[:, 0].mean() for body in drawn_bodies]
         assert forward * places[0] < forward * places[-1]
-        assert arrow(ax) == pytest.approx(rollout.com[[0, -1], 0])
-        (words,) = [text.get_text() for text in ax.texts if " in " in text.get_text()]
-        assert numbers(words) == pytest.approx([rollout.com[-1, 0] - rollout.com[0, 0], rollout.time[-1]], abs=0.006)
+        assert arrow_ends(ax) == pytest.approx(rollout.com[[0, -1], 0])
+        (label,) = [text.get_text() for text in ax.texts if " in " in text.get_text()]
+        assert numbers_in(label) == pytest.approx([rollout.com[-1, 0] - rollout.com[0, 0], rollout.time[-1]], abs=0.006)
 
     @pytest.mark.parametrize("obstacle", [kind for kind in Obstacle if kind])
-    def test_a_skin_reaches_as_far_as_the_thing_whichever_way(self, obstacle):
+    def test_skins_have_the_extent_of_the_geoms_in_every_direction(self, obstacle):
         settings = self.settings.with_(obstacle=obstacle, carry_weight=2, drag_weight=2)
         scene, rollout = wl.compile_scene(self.genome, settings), wl.simulate(self.genome, settings)
         model, data = scene.model, mujoco.MjData(scene.model)
@@ -885,28 +905,28 @@ class TestStride:
         parts += skins(scene, rollout.poses[-1], loose=True)
         assert len(rope[0]) == 2
         moving = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom]]
-        ways = np.random.default_rng(0).normal(size=(20, 3))
+        directions = np.random.default_rng(0).normal(size=(20, 3))
         for geom, (skin, _) in zip(moving, parts, strict=True):
-            for way in ways / np.linalg.norm(ways, axis=1, keepdims=True):
-                farthest = np.max((skin - data.geom_xpos[geom]) @ way)
-                along = np.abs(data.geom_xmat[geom].reshape(3, 3).T @ way)
+            for direction in directions / np.linalg.norm(directions, axis=1, keepdims=True):
+                farthest = np.max((skin - data.geom_xpos[geom]) @ direction)
+                along = np.abs(data.geom_xmat[geom].reshape(3, 3).T @ direction)
                 size = model.geom_size[geom]
                 reach = {
                     mujoco.mjtGeom.mjGEOM_SPHERE: size[0],
                     mujoco.mjtGeom.mjGEOM_CAPSULE: size[0] + size[1] * along[2],
                     mujoco.mjtGeom.mjGEOM_CYLINDER: size[0] * np.hypot(*along[:2]) + size[1] * along[2],
                     mujoco.mjtGeom.mjGEOM_BOX: size @ along,
-                    mujoco.mjtGeom.mjGEOM_MESH: farthest,  # it is drawn by its own corners
+                    mujoco.mjtGeom.mjGEOM_MESH: farthest,  # represented by its vertices
                 }[mujoco.mjtGeom(model.geom_type[geom])]
                 assert farthest == pytest.approx(reach, rel=0.03)
 
     @pytest.mark.parametrize("structure", [kind for kind in Structure if kind != Structure.rough])
-    def test_the_ground_is_drawn_where_mujoco_has_it(self, structure):
+    def test_the_ground_has_the_height_of_the_mujoco_terrain(self, structure):
         settings = self.settings.with_(structure=structure)
         scene = wl.compile_scene(self.genome, settings)
         data = mujoco.MjData(scene.model)
         mujoco.mj_forward(scene.model, data)
         for x in (-0.5, 0.7, 1.3, 2.9, 6.1):
-            above = np.array([x, 3.0, 8.0])  # beside the robot, which stands in the middle
+            above = np.array([x, 3.0, 8.0])  # beside the robot, which is at y = 0
             depth = mujoco.mj_ray(scene.model, data, above, np.array([0, 0, -1.0]), None, 1, -1, np.zeros(1, np.int32))
             assert 8.0 - depth == pytest.approx(height(settings.terrain, np.array([x]))[0], abs=1e-6)

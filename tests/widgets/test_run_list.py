@@ -5,7 +5,7 @@ from itertools import product
 
 import pytest
 
-from walkerlab.view.plots.style import MARKS, RUNS
+from walkerlab.view.plots.style import RUN_COLOURS, RUN_MARKERS
 from walkerlab.widgets.run_list import LONGEST, Shelf
 
 
@@ -32,14 +32,14 @@ def test_a_new_run_stands_last_and_looks_like_no_other(shelf):
     for key in "defghijk":
         shelf.put(key)
     looks = [(run["colour"], run["mark"]) for run in shelf.runs]
-    assert looks[:6] == list(zip(RUNS, MARKS, strict=True))
+    assert looks[:6] == list(zip(RUN_COLOURS, RUN_MARKERS, strict=True))
     assert looks[6:] == looks[:5]
 
 
 def test_the_look_of_a_dropped_run_is_free_for_the_next(shelf):
     shelf.drop("b")
     shelf.put("d")
-    assert of_all(shelf, "colour") == [RUNS[0], RUNS[2], RUNS[1]]
+    assert of_all(shelf, "colour") == [RUN_COLOURS[0], RUN_COLOURS[2], RUN_COLOURS[1]]
 
 
 def test_what_is_new_of_a_run_changes_nothing_else(shelf):

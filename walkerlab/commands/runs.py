@@ -34,7 +34,7 @@ def evolve(given: argparse.Namespace) -> int:
             f"Begin a new one:  walkerlab evolve --out ANOTHER-FOLDER"
         )
     if not given.quiet:
-        print(summary.opening(settings, n_cores()), flush=True)
+        print(summary.describe_start(settings, n_cores()), flush=True)
     with interrupts_held():
         from walkerlab.evolution import evolution  # for which mujoco is loaded
     try:
@@ -63,7 +63,7 @@ def resume(given: argparse.Namespace) -> int:
             print(f"All {done} generations are done; to go on: walkerlab {_to_go_on(run)}")
         return 0
     if not given.quiet and done < wanted:
-        print(summary.opening(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
+        print(summary.describe_start(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
     with interrupts_held():
         from walkerlab.evolution import evolution
     return _finish(evolution.resume(given.path, given.generations, progress=not given.quiet), quiet=given.quiet)
@@ -96,7 +96,7 @@ def _finish(run: Run, *, quiet: bool) -> int:
         print(f"\n{kept(run)}", file=sys.stderr if quiet else sys.stdout)
     if not quiet:
         print()
-        tell(summary.champion_story(run.records, run.settings.model_dump()))
+        tell(summary.describe_champion(run.records, run.settings.model_dump()))
         if run.champion.verdict == "ok":
             print(run.confirm())
         print("\nDrawing the report …", flush=True)
@@ -140,17 +140,17 @@ def show(given: argparse.Namespace) -> int:
     whose, made_with = store.read_facts(path)
     for about, facts in (("it has", whose), ("made with", made_with)):
         tell(f"{about} {', '.join(printable(f'{name} {fact}') for name, fact in facts.items())}")
-    tell(f"\n{summary.changed_settings(settings)}")
+    tell(f"\n{summary.list_changed_settings(settings)}")
     if not run.n_generations:
         tell(f"\nNo generation is done yet. Start with the first one: walkerlab {_to_go_on(run)}")
         return 0
     best = run.champion
     for part in (
-        summary.by_generation(records, settings),
-        summary.verdict_counts(records),
-        summary.champion_story(records, settings),
-        summary.gene(best),
-        summary.descent(records, best.individual),
+        summary.tabulate_generations(records, settings),
+        summary.tabulate_verdicts(records),
+        summary.describe_champion(records, settings),
+        summary.describe_genome(best),
+        summary.tabulate_descent(records, best.individual),
     ):
         tell(f"\n{part}")
     return 0

@@ -9,7 +9,7 @@ from walkerlab.settings.fields import count
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.html import Html, details, facts, shown, table
 from walkerlab.view import summary
-from walkerlab.view.plots.style import with_unit
+from walkerlab.view.plots.tables import format_value
 
 COUNTS = "ok"
 SOME = 4  # parents that are named
@@ -28,15 +28,15 @@ def card(records: pd.DataFrame, individual: int) -> str:
     known = [
         ("Born", f"in generation {row.born}, {_made(row)}"),
         ("Verdict", f"{row.verdict}: {VERDICTS.get(row.verdict, '')}{does_not}"),
-        ("Walk", f"{with_unit(row.distance, 'm')} forward, {with_unit(row.velocity, 'm/s')}"),
+        ("Walk", f"{format_value(row.distance, 'm')} forward, {format_value(row.velocity, 'm/s')}"),
         (
             "Body",
-            f"{count(row.n_segments, 'segment')}, {count(row.n_legs, 'leg')}, {with_unit(row.weight, 'kg')}, "
-            f"{with_unit(row.body_length, 'm')} long",
+            f"{count(row.n_segments, 'segment')}, {count(row.n_legs, 'leg')}, {format_value(row.weight, 'kg')}, "
+            f"{format_value(row.body_length, 'm')} long",
         ),
     ]
     if row.verdict == COUNTS:
-        known.insert(1, ("Fitness", with_unit(row.fitness, units.get("fitness", ""))))
+        known.insert(1, ("Fitness", format_value(row.fitness, units.get("fitness", ""))))
     best = ", the champion so far" if individual == champion(records).individual else ""
     return shown(facts(f"Robot {individual}{best}", known), _line(records, individual))
 
@@ -51,7 +51,7 @@ def _made(row: Any) -> str:
 
 
 def _line(records: pd.DataFrame, individual: int) -> Html:
-    line = summary.line_of_descent(records, individual)
+    line = summary.format_descent(records, individual)
     if len(line) < 2:
         return Html("")
     rows = [

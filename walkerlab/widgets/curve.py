@@ -13,7 +13,8 @@ from matplotlib.figure import Figure
 
 from walkerlab.text.html import Html, inline_svg, tag
 from walkerlab.view import plots
-from walkerlab.view.plots.style import COLUMNS, fitness_measure
+from walkerlab.view.plots.style import MAX_LEGEND_COLUMNS
+from walkerlab.view.plots.tables import fitness_label
 from walkerlab.view.snapshots import LIVE_STYLE, WHITE, HasSnapshot
 
 SIZE = (6.4, 3.5)  # inches
@@ -47,7 +48,7 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         groups: dict[str, list[tuple[int, str, pd.DataFrame]]] = {}
         for look, (name, table) in zip(looks or range(len(runs)), runs.items(), strict=True):
             if not table.empty:
-                groups.setdefault(fitness_measure(table), []).append((look, _brief(name), table))
+                groups.setdefault(fitness_label(table), []).append((look, _brief(name), table))
                 n_generations = max(n_generations, int(table.generation.max()) + 1)
         self._figure, self._alt = None, ""
         if not groups:
@@ -59,7 +60,7 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         n_runs = sum(map(len, groups.values()))
         words: list[str] = []
         for panel, group in zip(panels, groups.values(), strict=True):
-            n_lines = 2 * math.ceil(len(group) / COLUMNS) if n_runs > 1 else 1
+            n_lines = 2 * math.ceil(len(group) / MAX_LEGEND_COLUMNS) if n_runs > 1 else 1
             panel.subplots_adjust(**MARGINS, top=0.97 - LINE * n_lines)
             axes = panel.add_subplot()
             for look, name, table in group:

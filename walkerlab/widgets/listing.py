@@ -10,7 +10,7 @@ from walkerlab.runfile.records import BY_HAND
 from walkerlab.settings.fields import count
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.numbers import fixed_column, significant_column, with_unit
-from walkerlab.view.plots.style import unit_of
+from walkerlab.view.plots.tables import unit_of
 
 LISTED = 300  # robots at most that have a row in the table
 DRAWN = 60  # robots at most that have a picture

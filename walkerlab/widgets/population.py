@@ -11,7 +11,7 @@ from walkerlab.runfile.records import join
 from walkerlab.settings.settings import Settings
 from walkerlab.text.html import Html, table, tag
 from walkerlab.view import sketch
-from walkerlab.view.plots.style import table_of
+from walkerlab.view.plots.tables import require_table
 from walkerlab.view.snapshots import image
 from walkerlab.widgets.component import Part, script, style
 from walkerlab.widgets.listing import COLUMNS, DRAWN, order, roster
@@ -69,7 +69,7 @@ class Population(Part):
             records: a tidy table or a run, of which the last generation is shown.
             settings: as for a new one; those known already if None.
         """
-        table = table_of(records)
+        table = require_table(records)
         with self._lock, self.hold_sync():
             self._settings = settings or getattr(records, "settings", None) or self._settings
             self._shown = table.loc[table.generation == table.generation.max()]

@@ -8,7 +8,7 @@ from typing import Any
 import traitlets
 
 from walkerlab.text.html import Html, table, tag
-from walkerlab.view.plots.style import MARKS, RUNS
+from walkerlab.view.plots.style import RUN_COLOURS, RUN_MARKERS
 from walkerlab.widgets.component import Part, script, style
 
 LONGEST = 60  # characters of a name, which stands in legends
@@ -85,8 +85,8 @@ class Shelf(Part):
     def _next_look(self) -> dict[str, str]:
         """Return the colour and mark that fewest runs have, the earlier ones first."""
         used = Counter(run["colour"] for run in self.runs)
-        place = min(range(len(RUNS)), key=lambda i: used[RUNS[i]])
-        return {"colour": RUNS[place], "mark": MARKS[place]}
+        place = min(range(len(RUN_COLOURS)), key=lambda i: used[RUN_COLOURS[i]])
+        return {"colour": RUN_COLOURS[place], "mark": RUN_MARKERS[place]}
 
     def _checked(self, key: str, told: Mapping[str, Any]) -> dict[str, Any]:
         """Make a name one of its own, on one line and not too long; none is no news."""

@@ -12,7 +12,7 @@ from walkerlab.evolution import outputs
 from walkerlab.evolution.run import Run, load
 from walkerlab.system.files import absolute_path, shown
 from walkerlab.text.html import Html, join
-from walkerlab.view.plots.style import RUNS
+from walkerlab.view.plots.style import RUN_COLOURS
 from walkerlab.view.report.code import as_python, own_functions
 from walkerlab.view.snapshots import HasSnapshot
 from walkerlab.widgets.curve import Curve
@@ -85,7 +85,7 @@ class RunsRoom(HasSnapshot, ipywidgets.Box):
         kept = [self.kept[key] for key in shown]
         tables = {shown[one.key]["name"]: one.run.records for one in kept}
         going = [one.settings.algorithm.generations for one in kept if one.live and not one.live.is_over]
-        self.curve.draw(tables, max(going, default=1), [RUNS.index(shown[one.key]["colour"]) for one in kept])
+        self.curve.draw(tables, max(going, default=1), [RUN_COLOURS.index(shown[one.key]["colour"]) for one in kept])
 
     def _tell_runs(self) -> None:
         """Say in the list what tells the runs apart and what each has reached, and offer the code of the chosen one."""

@@ -1,4 +1,4 @@
-"""What our pictures look like whatever the user's style is, and how they can be read on the Axes of a user."""
+"""Figures in the style of walkerlab, whatever style the user has set, and colours that suit the Axes of a user."""
 
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
@@ -13,84 +13,106 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
-REAL_TEXT: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "svg.hashsalt": "walkerlab"}
-"""Text that can be searched and edited, and the same picture, byte for byte, every time."""
+REPRODUCIBLE_TEXT: Any = {"svg.fonttype": "none", "pdf.fonttype": 42, "svg.hashsalt": "walkerlab"}
+"""Parameters that keep text searchable and editable, and make the files of equal plots equal byte for byte."""
 
-_LOOK = (
+_STYLE_PREFIXES = (
     *("axes.", "axes3d.", "figure.constrained_layout.", "font.s", "font.v", "font.w", "grid.", "hatch.", "image."),
     *("legend.", "lines.", "markers.", "mathtext.", "patch.", "path.", "text.", "xaxis.", "xtick.", "yaxis.", "ytick."),
 )
-_FONTS = ("font.serif", "font.sans-serif")  # which stay the user's, for a label may need them
-_OURS: Any = {
-    name: value for name, value in mpl.rcParamsDefault.items() if name.startswith(_LOOK) and name not in _FONTS
-} | REAL_TEXT
+_FONT_LISTS = ("font.serif", "font.sans-serif")  # remain as the user has set them: labels may need these fonts
+_STYLE: Any = {
+    name: value
+    for name, value in mpl.rcParamsDefault.items()
+    if name.startswith(_STYLE_PREFIXES) and name not in _FONT_LISTS
+} | REPRODUCIBLE_TEXT
 
-_ONE_AT_A_TIME = RLock()  # the parameters are the whole process's
+_STYLE_LOCK = RLock()  # matplotlib has one set of parameters for all threads
 
 P = ParamSpec("P")
 
 
 @contextmanager
-def own_look() -> Generator[None]:
-    """Draw as matplotlib does by default, whatever style the user has chosen; one thread at a time."""
-    with _ONE_AT_A_TIME:
-        before: Any = {name: mpl.rcParams[name] for name in _OURS}
-        mpl.rcParams.update(_OURS)
+def walkerlab_style() -> Generator[None]:
+    """Use the default style of matplotlib within the block, whatever style the user has set; one thread at a time."""
+    with _STYLE_LOCK:
+        before: Any = {name: mpl.rcParams[name] for name in _STYLE}
+        mpl.rcParams.update(_STYLE)
         try:
             yield
         finally:
-            mpl.rcParams.update({name: was for name, was in before.items() if mpl.rcParams[name] == _OURS[name]})
+            unchanged = [name for name in before if mpl.rcParams[name] == _STYLE[name]]
+            mpl.rcParams.update({name: before[name] for name in unchanged})
 
 
-class OwnFigure(Figure):
-    """A figure that keeps our look when it is drawn, which is when ticks are made."""
+class StyledFigure(Figure):
+    """Figure that is drawn in the style of walkerlab, including the ticks, which matplotlib creates while drawing."""
 
     def draw(self, renderer: Any) -> None:
-        """Draw it."""
-        with own_look():
+        """Draw the figure in the style of walkerlab."""
+        with walkerlab_style():
             super().draw(renderer)
 
     def savefig(self, fname: Any, **options: Any) -> None:
-        """Save it on its own ground, not on the style's."""
-        ground: Any = {"facecolor": self.get_facecolor()}
-        super().savefig(fname, **(ground | options))
+        """Save the figure with its own background colour rather than that of the current style."""
+        background: Any = {"facecolor": self.get_facecolor()}
+        super().savefig(fname, **(background | options))
 
 
-def picture(draw: Callable[P, Axes]) -> Callable[P, Axes]:
-    """Give a function that draws on ``ax`` our look where the figure is ours, and refuse Axes that it cannot use."""
-    takes = signature(draw)
+def styled_plot(draw: Callable[P, Axes]) -> Callable[P, Axes]:
+    """Decorate a plotting function: check its argument ``ax``, and apply the style of walkerlab to new figures.
+
+    Figures that the user has created keep the user's style.
+    """
+    parameters = signature(draw)
 
     @wraps(draw)
-    def drawn(*args: P.args, **named: P.kwargs) -> Axes:
-        ax: Any = takes.bind(*args, **named).arguments.get("ax")
+    def draw_styled(*args: P.args, **named: P.kwargs) -> Axes:
+        ax: Any = parameters.bind(*args, **named).arguments.get("ax")
         if ax is not None and getattr(ax, "name", "") != "rectilinear":
             given = type(ax).__name__
-            raise TypeError(f"{draw.__name__} needs plain axes, as of figure.add_subplot(); got {given}")
-        if ax is not None and not isinstance(ax.get_figure(root=True), OwnFigure):
+            raise TypeError(f"{draw.__name__} needs plain axes, such as figure.add_subplot() returns; got {given}")
+        if ax is not None and not isinstance(ax.get_figure(root=True), StyledFigure):
             return draw(*args, **named)
-        with own_look():
+        with walkerlab_style():
             return draw(*args, **named)
 
-    return drawn
+    return draw_styled
 
 
-def ink(axes: Axes, strength: float = 1.0) -> tuple[float, float, float]:
-    """Mix a colour that can be read on an Axes: 1 is that of its text, 0 that of its ground."""
-    grounds: tuple[Any, ...] = (axes.get_facecolor(), axes.figure.get_facecolor(), "white")
-    ground = np.array(next(one for one in map(to_rgba, grounds) if one[3] > 0)[:3])
-    mixed = ground + strength * (np.array(to_rgba(axes.xaxis.label.get_color())[:3]) - ground)
+def foreground_colour(axes: Axes, strength: float = 1.0) -> tuple[float, float, float]:
+    """Return a colour between those of the background and the text of an Axes.
+
+    Args:
+        axes: Axes to draw on.
+        strength: 0 for the colour of the background, 1 for that of the text.
+    """
+    candidates: tuple[Any, ...] = (axes.get_facecolor(), axes.figure.get_facecolor(), "white")
+    background = np.array(next(rgba for rgba in map(to_rgba, candidates) if rgba[3] > 0)[:3])
+    text = np.array(to_rgba(axes.xaxis.label.get_color())[:3])
+    mixed = background + strength * (text - background)
     return tuple(mixed.clip(0, 1).tolist())
 
 
 def new_axes(width: float = 7.2, height: float = 4.0) -> Axes:
-    """Open a figure [inches] that a notebook shows below its cell, white whatever the notebook's theme is."""
+    """Create a pyplot figure, which a notebook shows below its cell; it is white in any notebook theme.
+
+    Args:
+        width: Width of the figure [inches].
+        height: Height of the figure [inches].
+    """
     from matplotlib import pyplot
 
-    look: dict[str, Any] = {"layout": "constrained", "facecolor": "white"}
-    return pyplot.figure(FigureClass=OwnFigure, figsize=(width, height), **look).add_subplot()
+    options: dict[str, Any] = {"layout": "constrained", "facecolor": "white"}
+    return pyplot.figure(FigureClass=StyledFigure, figsize=(width, height), **options).add_subplot()
 
 
 def paper(width: float, height: float) -> Axes:
-    """Open a figure [inches] of our look that nobody shows, for a page."""
-    with own_look():
-        return OwnFigure(figsize=(width, height), layout="constrained", facecolor="white", dpi=100).add_subplot()
+    """Create a figure in the style of walkerlab that pyplot does not manage, for files and pages.
+
+    Args:
+        width: Width of the figure [inches].
+        height: Height of the figure [inches].
+    """
+    with walkerlab_style():
+        return StyledFigure(figsize=(width, height), layout="constrained", facecolor="white", dpi=100).add_subplot()

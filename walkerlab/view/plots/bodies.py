@@ -1,4 +1,4 @@
-"""Pictures of a robot, drawn without GL."""
+"""Side views of a robot, drawn to scale with matplotlib; they do not require OpenGL."""
 
 import math
 from collections.abc import Sequence
@@ -15,69 +15,75 @@ from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.fields import count
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import poorest_walk
-from walkerlab.view.plots.appearance import ink, new_axes, picture
-from walkerlab.view.plots.style import QUIET, describe, with_unit
+from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
+from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description
+from walkerlab.view.plots.tables import format_value
 from walkerlab.world.geometry import ROPE_POINTS, outline, skins, valid_poses
 from walkerlab.world.heights import height
 from walkerlab.world.scene import Scene, compile_scene, scene_of
 
-MARGIN = 0.2  # m of ground that is seen before and behind all that stands on it
-MOST, APART = 5, 1.3  # times at most that a robot is drawn on its way; body lengths between two of them at least
-SHORT = 0.05  # m, for which there is no arrow
-NEAR = 1.0  # m to either side of a robot, from which on what lies about is not drawn with it
-SLANT = 0.35  # by which what is farther away is drawn farther right, or its far legs could not be seen
+GROUND_MARGIN = 0.2  # m of ground before and behind the bodies
+GROUND_DEPTH = 0.08  # m of ground below its lowest point
+MAX_BODIES = 5  # times that a robot is drawn along its walk
+MIN_SPACING = 1.3  # body lengths between two of them
+MIN_ARROW = 0.05  # m; a shorter distance has no arrow
+MAX_SIDE_DISTANCE = 1.0  # m to either side of the robot within which loose obstacles are drawn
+SLANT = 0.35  # shift to the right for each metre of depth, which keeps the far legs visible
 
-Parts = Sequence[tuple[Floats, Floats]]
-"""As ``skins`` lays them out: (k, 3) points each, and their colour."""
+BodyParts = Sequence[tuple[Floats, Floats]]
+"""Bodies, legs and loads as ``skins`` returns them: points [m], shape (k, 3), and RGBA colour of each."""
 
 
-@picture
+@styled_plot
 def body(genome: Genome | str, ax: Axes | None = None, settings: Settings | None = None) -> Axes:
-    """Draw a robot from the side in its pose of rest, to scale, with its measures; it walks to the right.
+    """Draw a robot from the side in its rest pose, to scale, with its dimensions; it walks to the right.
 
     The legs of its right side, which are nearer, are light; those of its left side are dark.
 
     Args:
-        genome: a genome or its text.
-        ax: where to draw; a new figure if None.
-        settings: of which the limits are held and the loads are drawn; the robot as it is, without loads, if None.
+        genome: Genome, or its text.
+        ax: Axes to draw on; those of a new figure if None.
+        settings: Settings whose limits the robot must meet, and whose loads are drawn; no limits or loads if None.
 
     Returns:
         The Axes drawn on.
 
     Raises:
-        GenomeError: if a text is no genome.
+        GenomeError: If the text is not a valid genome.
     """
     axes = ax or new_axes(4.2, 2.8)
-    scene = at_rest(genome, settings)
+    scene = resting_scene(genome, settings)
     left, right, _, top = add_body(axes, skins(scene, scene.start), slant=SLANT)
-    wide = right - left
-    axes.plot([left - 0.05 * wide, right + 0.05 * wide], [0, 0], color=ink(axes, 0.5), lw=1)
-    bar = _round_length(wide / 3)
-    below = -0.06 * wide
-    axes.plot([left, left + bar], [below, below], color=ink(axes), lw=2.5, solid_capstyle="butt")
-    axes.text(left + bar + 0.02 * wide, below, f"{bar:g} m", va="center", fontsize=8)
-    axes.set_xlim(left - 0.06 * wide, right + 0.06 * wide)
-    axes.set_ylim(below - 0.05 * wide, top + 0.03 * wide)
+    width = right - left
+    ground_ends = [left - 0.05 * width, right + 0.05 * width]
+    axes.plot(ground_ends, [0, 0], color=foreground_colour(axes, 0.5), lw=1)
+    bar_length = _round_down(width / 3)
+    bar_end = left + bar_length
+    bar_y = -0.06 * width
+    axes.plot([left, bar_end], [bar_y, bar_y], color=foreground_colour(axes), lw=2.5, solid_capstyle="butt")
+    axes.text(bar_end + 0.02 * width, bar_y, f"{bar_length:g} m", va="center", fontsize=8)
+    axes.set_xlim(left - 0.06 * width, right + 0.06 * width)
+    axes.set_ylim(bar_y - 0.05 * width, top + 0.03 * width)
     axes.set_aspect("equal")
     axes.set_axis_off()
-    said = measures(scene.phenotype)
-    axes.set_title(said, fontsize=9)
-    describe(axes, "A robot", f"A robot from the side, in its pose of rest: {said}.")
+    dimensions = describe_body(scene.phenotype)
+    axes.set_title(dimensions, fontsize=9)
+    add_description(axes, "A robot", f"Side view of a robot in its rest pose: {dimensions}.")
     return axes
 
 
-@picture
+@styled_plot
 def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Axes:
-    """Draw a robot from the side, to scale, at the start, on its way and at the end, ever darker; needs no GL.
+    """Draw a robot from the side, to scale, at successive moments of its walk, from pale to dark.
 
-    An arrow shows how far its centre of mass has come. What lies about is drawn as it lies at the end.
-    Of several starts, the poorest walk is drawn: the one that counted. If its numbers ran away, it ends before that.
+    An arrow shows the distance of the centre of mass. Loose obstacles are drawn where they are at the end.
+    Of several starts, the poorest walk is drawn, which determines the fitness. If the physics becomes unstable, the
+    last valid pose is the end. OpenGL is not required.
 
     Args:
-        genome: a genome or its text.
-        settings: of terrain, robot and simulation.
-        ax: where to draw; a new figure if None.
+        genome: Genome, or its text.
+        settings: Complete settings.
+        ax: Axes to draw on; those of a new figure if None.
 
     Returns:
         The Axes drawn on.
@@ -86,64 +92,89 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     scene = compile_scene(genome, settings)
     rollout = poorest_walk(genome, settings)
     poses = valid_poses(scene, rollout.poses)
-    time, com = rollout.time[: len(poses)], np.nan_to_num(rollout.com[: len(poses)])
-    way, length = float(com[-1, 0] - com[0, 0]), rollout.phenotype.body_length
-    n_caught = min(len(time), 2 + int(np.clip(abs(way) / (APART * length) - 1, 0, MOST - 2)))
-    moments = np.linspace(0, len(time) - 1, n_caught).astype(int)
-    caught = [skins(scene, pose) for pose in poses[moments]]
-    along = np.concatenate([skin[:, 0] for parts in caught for skin, _ in parts])
-    x = np.linspace(along.min() - MARGIN, along.max() + MARGIN, 400)
-    caught[-1] += [
-        one
-        for one in skins(scene, poses[-1], loose=True)
-        if abs(one[0][:, 1].mean() - com[-1, 1]) < NEAR and x[0] < one[0][:, 0].mean() < x[-1]
-    ]
-    shades = np.linspace(0.25, 1.0, n_caught).tolist() if n_caught > 1 else [1.0]
-    top = max(add_body(axes, parts, strength=shade)[3] for shade, parts in zip(shades, caught, strict=True))
+    time = rollout.time[: len(poses)]
+    com = np.nan_to_num(rollout.com[: len(poses)])
+    distance = float(com[-1, 0] - com[0, 0])
+    n_intervals = abs(distance) / (MIN_SPACING * rollout.phenotype.body_length)
+    n_bodies = min(len(time), 2 + int(np.clip(n_intervals - 1, 0, MAX_BODIES - 2)))
+    moments = np.linspace(0, len(time) - 1, n_bodies).astype(int)
+    bodies = [skins(scene, pose) for pose in poses[moments]]
+    points_x = np.concatenate([points[:, 0] for parts in bodies for points, _ in parts])
+    x = np.linspace(points_x.min() - GROUND_MARGIN, points_x.max() + GROUND_MARGIN, 400)
+    bodies[-1] += _visible_obstacles(scene, poses[-1], (x[0], x[-1]), com[-1, 1])
+    strengths = np.linspace(0.25, 1.0, n_bodies).tolist() if n_bodies > 1 else [1.0]
+    extents = [add_body(axes, parts, strength=strength) for strength, parts in zip(strengths, bodies, strict=True)]
+    top = max(extent_top for *_, extent_top in extents)
     ground = height(settings.terrain, x)
-    axes.fill_between(x, ground, ground.min() - 0.08, color=ink(axes, 0.2), lw=0)
+    bottom = ground.min() - GROUND_DEPTH
+    axes.fill_between(x, ground, bottom, color=foreground_colour(axes, 0.2), lw=0)
     axes.set_xlim(x[0], x[-1])
     axes.set_aspect("equal")
-    axes.set_xlabel("way forward [m]")
+    axes.set_xlabel("distance forward [m]")
     axes.set_ylabel("height [m]")
     axes.spines[["top", "right"]].set_visible(False)
-    came, after = with_unit(way, "m"), with_unit(float(time[-1]), "s")
-    axes.set_ylim(ground.min() - 0.08, top + 0.02 * np.ptp(x))
-    if abs(way) > SHORT:
+    axes.set_ylim(bottom, top + 0.02 * np.ptp(x))
+    reached = format_value(distance, "m")
+    duration = format_value(float(time[-1]), "s")
+    if abs(distance) > MIN_ARROW:
         level = axes.get_ylim()[1]
         axes.set_ylim(top=level + 0.03 * np.ptp(x))
-        _measure(axes, com[0, 0], com[-1, 0], level, f"{came} in {after}")
-    when = f"caught {count(n_caught, 'time')}; after {after} it is {came} ahead" if n_caught > 1 else "at its start"
-    judged = "" if rollout.counts else f" The walk does not count: {rollout.verdict}."
-    describe(axes, "A robot on its way", f"A robot from the side, {when}: {measures(scene.phenotype)}.{judged}")
+        _add_distance_arrow(axes, com[0, 0], com[-1, 0], level, f"{reached} in {duration}")
+    when = f"at {n_bodies} moments of its walk; after {duration} its distance is {reached}"
+    if n_bodies == 1:
+        when = "at the start of its walk"
+    verdict = "" if rollout.counts else f" The walk does not count: {rollout.verdict}."
+    text = f"Side view of a robot ({describe_body(scene.phenotype)}) {when}.{verdict}"
+    add_description(axes, "A robot during its walk", text)
     return axes
 
 
-def _measure(axes: Axes, start: float, end: float, level: float, words: str) -> None:
-    """Draw an arrow from one place along the way to another, with words on it."""
-    look: dict[str, Any] = {
-        "arrowstyle": "|-|,widthA=0.25,widthB=0",
-        "lw": 0.8,
-        "color": ink(axes, QUIET),
-        "shrinkA": 0,
-        "shrinkB": 0,
-    }
-    for style in (look, look | {"arrowstyle": "-|>"}):
-        axes.annotate("", (end, level), (start, level), arrowprops=style)
-    above: dict[str, Any] = {"ha": "center", "va": "bottom", "fontsize": 8, "color": ink(axes, QUIET)}
-    axes.annotate(words, ((start + end) / 2, level), (0, 2), textcoords="offset points", **above)
+def _visible_obstacles(scene: Scene, pose: Floats, ends: tuple[float, float], y: float) -> list[tuple[Floats, Floats]]:
+    """Return the loose obstacles close to the robot.
+
+    Args:
+        scene: Compiled scene.
+        pose: Pose of the scene, shape (nq,).
+        ends: Horizontal limits of the drawing [m].
+        y: Lateral position of the robot [m].
+    """
+    obstacles = skins(scene, pose, loose=True)
+    centres = [points.mean(axis=0) for points, _ in obstacles]
+    return [
+        obstacle
+        for obstacle, (centre_x, centre_y, _) in zip(obstacles, centres, strict=True)
+        if abs(centre_y - y) < MAX_SIDE_DISTANCE and ends[0] < centre_x < ends[1]
+    ]
 
 
-def measures(robot: Phenotype) -> str:
-    """Say what a robot is made of: segments, legs, weight and length."""
+def _add_distance_arrow(axes: Axes, start: float, end: float, level: float, label: str) -> None:
+    """Draw a labelled arrow between two positions along the horizontal axis.
+
+    Args:
+        axes: Axes to draw on.
+        start: Start of the arrow [m].
+        end: Tip of the arrow [m].
+        level: Height of the arrow [m].
+        label: Text above the arrow.
+    """
+    colour = foreground_colour(axes, SECONDARY_STRENGTH)
+    line: dict[str, Any] = {"lw": 0.8, "color": colour, "shrinkA": 0, "shrinkB": 0}
+    for arrow_style in ("|-|,widthA=0.25,widthB=0", "-|>"):
+        axes.annotate("", (end, level), (start, level), arrowprops=line | {"arrowstyle": arrow_style})
+    text: dict[str, Any] = {"ha": "center", "va": "bottom", "fontsize": 8, "color": colour}
+    axes.annotate(label, ((start + end) / 2, level), (0, 2), textcoords="offset points", **text)
+
+
+def describe_body(robot: Phenotype) -> str:
+    """Describe a robot: its numbers of segments and legs, weight and length."""
     return (
-        f"{count(len(robot.segments), 'segment')}, {count(robot.n_legs, 'leg')}, {with_unit(robot.weight, 'kg')}, "
-        f"{with_unit(robot.body_length, 'm')} long"
+        f"{count(len(robot.segments), 'segment')}, {count(robot.n_legs, 'leg')}, {format_value(robot.weight, 'kg')}, "
+        f"{format_value(robot.body_length, 'm')} long"
     )
 
 
-def at_rest(genome: Genome | str, settings: Settings | None = None) -> Scene:
-    """Build a robot on bare, level ground, with the loads of the settings; its pose of rest is ``Scene.start``."""
+def resting_scene(genome: Genome | str, settings: Settings | None = None) -> Scene:
+    """Compile a robot and the loads of the settings on bare, level ground; ``Scene.start`` is its rest pose."""
     if settings is None:
         return scene_of(Genome.of(genome), Settings())
     return compile_scene(genome, Settings(robot=require_settings(settings).robot))
@@ -151,43 +182,44 @@ def at_rest(genome: Genome | str, settings: Settings | None = None) -> Scene:
 
 def add_body(
     axes: Axes,
-    parts: Parts,
+    parts: BodyParts,
     at: tuple[float, float] = (0.0, 0.0),
     scale: float = 1.0,
     strength: float = 1.0,
     slant: float = 0.0,
     gid: str | None = None,
 ) -> tuple[float, float, float, float]:
-    """Add a body from the side to an Axes, and nothing else.
+    """Add the side view of a body to an Axes, without changing limits or labels.
 
     Args:
-        axes: of equal aspect, or the body is bent.
-        parts: as ``skins`` lays them out.
-        at: where its origin goes, in data coordinates.
-        scale: data units per metre.
-        strength: 1 for its own colours; towards 0 they fade into the ground.
-        slant: m to the right for each m to the left of it, that is, away from who looks.
-        gid: its id in SVG.
+        axes: Axes of equal aspect.
+        parts: Parts of the body, as ``skins`` returns them.
+        at: Position of the origin of the body, in data coordinates.
+        scale: Data units per metre.
+        strength: 1 for the colours of the parts; towards 0 they fade into the background.
+        slant: Shift to the right for each metre of depth.
+        gid: Id of the body in SVG files.
 
     Returns:
-        Where it begins and ends: left, right, bottom and top, in data coordinates.
+        The left, right, bottom and top of the body, in data coordinates.
     """
-    ordered = sorted(parts, key=lambda part: -part[0][:, 1].mean())  # the far side first
+    far_first = sorted(parts, key=lambda part: -part[0][:, 1].mean())
     view = np.array([(1.0, 0.0), (slant, 0.0), (0.0, 1.0)])
-    outlines = [outline(points @ view) * scale + at for points, _ in ordered]
-    ground = np.array(ink(axes, 0))
-    fills = [ground + strength * (colour[:3] - ground) for _, colour in ordered]
-    is_rope = [len(points) == ROPE_POINTS for points, _ in ordered]
-    edge = ink(axes, strength)
+    outlines = [outline(points @ view) * scale + at for points, _ in far_first]
+    background = np.array(foreground_colour(axes, 0))
+    fills = [background + strength * (colour[:3] - background) for _, colour in far_first]
+    is_rope = [len(points) == ROPE_POINTS for points, _ in far_first]
+    edge = foreground_colour(axes, strength)
     edges = [fill if rope else edge for fill, rope in zip(fills, is_rope, strict=True)]
     widths = [1.0 if rope else 0.4 for rope in is_rope]
     axes.add_collection(PolyCollection(outlines, facecolors=fills, edgecolors=edges, linewidths=widths, gid=gid))
     corners = np.concatenate(outlines)
-    (left, bottom), (right, top) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+    left, bottom = corners.min(axis=0).tolist()
+    right, top = corners.max(axis=0).tolist()
     return left, right, bottom, top
 
 
-def _round_length(about: float) -> float:
-    """Return a round length [m] of at most about so much: 1, 2 or 5 of some power of ten."""
-    power = 10.0 ** math.floor(math.log10(about))
-    return max(step * power for step in (1, 2, 5) if step * power <= about)
+def _round_down(length: float) -> float:
+    """Return the largest length [m] of 1, 2 or 5 times a power of ten that does not exceed a given one."""
+    power = 10.0 ** math.floor(math.log10(length))
+    return max(step * power for step in (1, 2, 5) if step * power <= length)

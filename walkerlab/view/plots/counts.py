@@ -1,4 +1,4 @@
-"""How many walks counted, and why the others did not."""
+"""Plot of the verdicts: how many walks counted in each generation, and why the others did not."""
 
 import math
 from typing import Any
@@ -9,19 +9,20 @@ from matplotlib.axes import Axes
 
 from walkerlab.settings.fields import count
 from walkerlab.simulation.validity import VERDICTS
-from walkerlab.view.plots.appearance import new_axes, picture
+from walkerlab.view.plots.appearance import new_axes, styled_plot
 from walkerlab.view.plots.style import (
-    describe,
-    literal,
-    nothing,
-    over_generations,
-    require_measure,
-    round_steps,
-    table_of,
+    add_description,
+    annotate_no_data,
+    escape_label,
+    format_generation_axis,
+    integer_locator,
+    require_quantity,
 )
+from walkerlab.view.plots.tables import require_table
 
-COUNTED = ("#BFE3D6", "")
-LOOKS = (
+COUNTED_STYLE = ("#BFE3D6", "")
+"""Colour and hatching of the verdict ``ok``."""
+VERDICT_STYLES = (
     ("#F0E442", "///"),
     ("#56B4E9", "\\\\\\"),
     ("#E69F00", "xxx"),
@@ -35,82 +36,94 @@ LOOKS = (
     ("#FFFFFF", "++"),
     ("#CC79A7", "**"),
 )
-"""Colour and hatching of the verdicts after ``ok``, in the order of ``VERDICTS``: each looks the same everywhere."""
+"""Colour and hatching of the verdicts after ``ok``, in the order of ``VERDICTS``; the same in all plots."""
 
-MOST_BARS = 60
-ROBOTS = "robots"
+MAX_BARS = 60
+QUANTITY = "robots"
 
 
-@picture
+@styled_plot
 def verdicts(records: pd.DataFrame, ax: Axes | None = None) -> Axes:
-    """Draw how many robots of each generation walked so that it counts, and why the walks of others do not.
+    """Draw how many walks of each generation count, and for what reasons the others do not.
 
-    Elites are counted in each generation in which they live. Of a long run, a bar is the mean of a few generations.
+    Elites are included in each generation in which they live. In a long run, each bar is the mean of several
+    generations.
 
     Args:
-        records: the tidy table of a run, or the run.
-        ax: where to draw; a new figure if None.
+        records: Table of a run, or the run.
+        ax: Axes to draw on; those of a new figure if None.
 
     Returns:
         The Axes drawn on.
     """
-    records = table_of(records, "verdict")
+    records = require_table(records, "verdict")
     axes = ax or new_axes()
-    require_measure(axes, ROBOTS)
-    table: Any = pd.crosstab(records.generation, records.verdict)
-    known = [verdict for verdict in VERDICTS if verdict in table]
-    table = table[[*known, *(verdict for verdict in table if verdict not in VERDICTS)]]
-    describe(axes, "Verdicts of each generation", _in_words(table), ROBOTS)
-    together = 1
-    if table.empty:
-        nothing(axes, "no robot has walked yet")
+    require_quantity(axes, QUANTITY)
+    counts: Any = pd.crosstab(records.generation, records.verdict)
+    known = [verdict for verdict in VERDICTS if verdict in counts]
+    unknown = [verdict for verdict in counts if verdict not in VERDICTS]
+    counts = counts[[*known, *unknown]]
+    add_description(axes, "Verdicts of each generation", _write_alt_text(counts), QUANTITY)
+    generations_per_bar = 1
+    if counts.empty:
+        annotate_no_data(axes, "no robot has walked yet")
     else:
-        table = table.reindex(range(table.index[0], table.index[-1] + 1))  # what is not there leaves a gap
-        together = math.ceil(len(table) / MOST_BARS)
-        _stack(axes, table, together)
-    axes.set_ylabel(ROBOTS)
-    axes.yaxis.set_major_locator(round_steps())
-    over_generations(axes, len(table))
-    if together > 1:
-        axes.set_xlabel(f"generation; each bar is the mean of {together}")
+        counts = counts.reindex(range(counts.index[0], counts.index[-1] + 1))  # missing generations have no bar
+        generations_per_bar = math.ceil(len(counts) / MAX_BARS)
+        _draw_bars(axes, counts, generations_per_bar)
+    axes.set_ylabel(QUANTITY)
+    axes.yaxis.set_major_locator(integer_locator())
+    format_generation_axis(axes, len(counts))
+    if generations_per_bar > 1:
+        axes.set_xlabel(f"generation (each bar: mean of {generations_per_bar})")
     axes.grid(visible=False)
     axes.margins(x=0, y=0.02)
     return axes
 
 
-def _stack(axes: Axes, table: Any, together: int) -> None:
-    """Stack the columns of a table of counts, the mean of so many generations at a time."""
-    generation = table.index.to_numpy()
-    edges = np.append(generation[::together], generation[-1] + 1) - 0.5
-    means = table.groupby(np.arange(len(table)) // together).mean()
-    below = np.zeros(len(edges) - 1)
+def _draw_bars(axes: Axes, counts: Any, generations_per_bar: int) -> None:
+    """Draw stacked bars, each the mean of several generations.
+
+    Args:
+        axes: Axes to draw on.
+        counts: Number of robots; a row for each generation and a column for each verdict.
+        generations_per_bar: Number of generations in a bar.
+    """
+    generation = counts.index.to_numpy()
+    edges = np.append(generation[::generations_per_bar], generation[-1] + 1) - 0.5
+    means = counts.groupby(np.arange(len(counts)) // generations_per_bar).mean()
+    bottom = np.zeros(len(edges) - 1)
     for verdict in means:
-        colour, hatch = COUNTED if verdict == "ok" else LOOKS[_place(str(verdict)) % len(LOOKS)]
-        top = below + means[verdict].to_numpy()
-        look: dict[str, Any] = {"fc": colour, "hatch": hatch, "ec": "0.15", "lw": 0.5}
-        said = "counts" if verdict == "ok" else literal(verdict)
-        axes.stairs(top, edges, baseline=below, fill=True, **look, label=said, gid=f"verdict-{verdict}")
-        below = np.nan_to_num(top)
-    handles, labels = axes.get_legend_handles_labels()  # in the order in which they are stacked
-    place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.01, 1), "borderaxespad": 0.0}
-    axes.legend(handles[::-1], labels[::-1], frameon=False, handleheight=1.6, **place)
+        colour, hatch = _verdict_style(str(verdict))
+        top = bottom + means[verdict].to_numpy()
+        style: dict[str, Any] = {"fc": colour, "hatch": hatch, "ec": "0.15", "lw": 0.5}
+        label = "counts" if verdict == "ok" else escape_label(verdict)
+        axes.stairs(top, edges, baseline=bottom, fill=True, **style, label=label, gid=f"verdict-{verdict}")
+        bottom = np.nan_to_num(top)
+    handles, labels = axes.get_legend_handles_labels()
+    position: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.01, 1), "borderaxespad": 0.0}
+    axes.legend(handles[::-1], labels[::-1], frameon=False, handleheight=1.6, **position)  # in the order of the stack
 
 
-def _place(verdict: str) -> int:
-    """Return which of our verdicts it is, ``ok`` aside; -1 for one that is not ours."""
-    return list(VERDICTS).index(verdict) - 1 if verdict in VERDICTS else -1
+def _verdict_style(verdict: str) -> tuple[str, str]:
+    """Return colour and hatching of a verdict; those of the last style if it is not in ``VERDICTS``."""
+    if verdict == "ok":
+        return COUNTED_STYLE
+    number = list(VERDICTS).index(verdict) - 1 if verdict in VERDICTS else -1
+    return VERDICT_STYLES[number % len(VERDICT_STYLES)]
 
 
-def _in_words(table: Any) -> str:
-    if table.empty:
+def _write_alt_text(counts: Any) -> str:
+    """Write the alternative text: the share of counted walks, and the number of each other verdict."""
+    if counts.empty:
         return "No robot has walked yet."
-    total = int(table.to_numpy().sum())
-    counted = table["ok"].to_numpy() if "ok" in table else np.zeros(len(table))
-    shares = counted / table.to_numpy().sum(axis=1)
-    others = {str(verdict): int(table[verdict].sum()) for verdict in table if verdict != "ok"}
-    worst_first = sorted(others, key=lambda verdict: -others[verdict])
-    why = ", ".join(f"{verdict} ({others[verdict]} of {total})" for verdict in worst_first)
+    n_robots = int(counts.to_numpy().sum())
+    n_counted = counts["ok"].to_numpy() if "ok" in counts else np.zeros(len(counts))
+    shares = n_counted / counts.to_numpy().sum(axis=1)
+    void = {str(verdict): int(counts[verdict].sum()) for verdict in counts if verdict != "ok"}
+    most_frequent_first = sorted(void, key=lambda verdict: -void[verdict])
+    reasons = ", ".join(f"{verdict} ({void[verdict]} of {n_robots})" for verdict in most_frequent_first)
     return (
-        f"Of the robots of {count(len(table), 'generation')}, {shares[0]:.0%} counted in the first and "
-        f"{shares[-1]:.0%} in the last. {f'The others did not: {why}.' if why else 'No walk was void.'}"
+        f"Verdicts over {count(len(counts), 'generation')}: {shares[0]:.0%} of the walks counted in the first "
+        f"generation and {shares[-1]:.0%} in the last. {f'Other verdicts: {reasons}.' if reasons else 'All counted.'}"
     )

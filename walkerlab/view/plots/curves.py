@@ -1,4 +1,4 @@
-"""Pictures of the tidy table, generation by generation."""
+"""Curves over the generations of a run: the fitness, and any other column of the table."""
 
 from typing import Any
 
@@ -7,153 +7,174 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from walkerlab.settings.fields import count, did_you_mean
-from walkerlab.view.plots.appearance import ink, new_axes, picture
+from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.style import (
+    add_description,
+    add_legend,
+    annotate_no_data,
+    count_plots,
+    escape_label,
+    format_generation_axis,
+    format_value_axis,
+    integer_locator,
+    marker_stride,
+    n_legend_columns,
+    next_run_style,
+    require_quantity,
+)
+from walkerlab.view.plots.tables import (
     UNKNOWN_FITNESS,
-    columns_of,
-    course,
-    describe,
-    fitness_measure,
-    key,
-    label_values,
-    literal,
-    n_drawn,
-    next_look,
-    nothing,
-    over_generations,
-    require_measure,
-    round_steps,
-    some,
-    table_of,
+    axis_label,
+    describe_change,
+    fitness_label,
+    require_table,
     unit_of,
-    with_brackets,
 )
 
 QUARTILES = np.array([0.25, 0.5, 0.75])
-NUMBERS = ("generation", "individual", "born")  # columns that count robots, and measure none
-WALKED = ("fitness", "distance", "velocity")
-"""What a walk brings forth: of those that do not count, it means nothing."""
+IDENTIFIERS = ("generation", "individual", "born")  # numeric columns that are not traits
+WALK_RESULTS = ("fitness", "distance", "velocity")
+"""Columns that a walk determines; they are meaningless if the walk does not count."""
+SINGLE_RUN_COLUMNS = 3  # of the legend of a single run
+MAX_LARGE_MARKERS = 60  # generations, above which the best robots have smaller markers
 
 
-@picture
+@styled_plot
 def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "", look: int | None = None) -> Axes:
-    """Draw the best (solid), the median (dashed) and the middle half of each generation's fitness.
+    """Draw the best (solid), the median (dashed) and the middle half of the fitness of each generation.
 
-    Walks that do not count are left out of the middle, and can't be the best.
+    Only walks that count are included.
 
     Args:
-        records: the tidy table of a run, or the run.
-        ax: where to draw; a new figure if None. Several runs on one Axes get a colour and a mark each.
-        label: told before the lines' names, to tell several runs apart.
-        look: which of the colours and marks it gets, counted from 0; the next one if None.
+        records: Table of a run, or the run.
+        ax: Axes to draw on; those of a new figure if None. Each run on the same Axes has its own colour and marker.
+        label: Name of the run, which precedes the names of its lines in the legend.
+        look: Number of the colour and marker, from 0; the next ones if None.
 
     Returns:
         The Axes drawn on.
 
     Raises:
-        ValueError: if the table is that of several runs, or the Axes show another measure.
+        ValueError: If the table contains several runs, or the Axes show another quantity.
     """
-    records = table_of(records, "verdict", "fitness")
+    records = require_table(records, "verdict", "fitness")
     axes = ax or new_axes()
-    title, measure = "Fitness of each generation", fitness_measure(records)
-    require_measure(axes, measure)
+    title = "Fitness of each generation"
+    quantity = fitness_label(records)
+    require_quantity(axes, quantity)
     counted: Any = records[records.verdict == "ok"]
     best = counted.groupby("generation").fitness.max()
     name = str(records.attrs.get("fitness", UNKNOWN_FITNESS))
-    (colour, mark), n_generations = next_look(axes, title, look), records.generation.nunique()
-    before = f"{label}: " if label else ""
-    line: dict[str, Any] = {"lw": 2, "color": colour, "marker": mark, "ms": 4, "markevery": some(len(best))}
-    axes.plot(best.index, best, **line, label=literal(f"{before}best"))
-    middle = _middle(axes, counted, "fitness", (colour, mark), before)
+    colour, marker = next_run_style(axes, title, look)
+    n_generations = records.generation.nunique()
+    prefix = f"{label}: " if label else ""
+    line: dict[str, Any] = {"lw": 2, "color": colour, "marker": marker, "ms": 4, "markevery": marker_stride(len(best))}
+    axes.plot(best.index, best, **line, label=escape_label(f"{prefix}best"))
+    median = _draw_quartiles(axes, counted, "fitness", (colour, marker), prefix)
     if best.empty:
-        nothing(axes, "no walk counted")
-        text = f"{before}in {count(n_generations, 'generation')}, no walk counted."
+        annotate_no_data(axes, "no walk counted")
+        text = f"{prefix}in {count(n_generations, 'generation')}, no walk counted."
     else:
         unit = unit_of(records, "fitness")
         text = (
-            f"{before}{name} over {count(n_generations, 'generation')}: the best {course(best, unit)}, "
-            f"the median {course(middle, unit)}."
+            f"{prefix}{name} over {count(n_generations, 'generation')}: the best {describe_change(best, unit)}, "
+            f"the median {describe_change(median, unit)}."
         )
-    describe(axes, title, text[0].upper() + text[1:], measure)
-    axes.set_ylabel(literal(measure))
-    label_values(axes)
-    over_generations(axes, n_generations)
-    key(axes, columns_of(n_drawn(axes, title)) if label else 3)
+    add_description(axes, title, text[0].upper() + text[1:], quantity)
+    axes.set_ylabel(escape_label(quantity))
+    format_value_axis(axes)
+    format_generation_axis(axes, n_generations)
+    add_legend(axes, n_legend_columns(count_plots(axes, title)) if label else SINGLE_RUN_COLUMNS)
     return axes
 
 
-@picture
+@styled_plot
 def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: str = "") -> Axes:
-    """Draw how a trait changes: its median (dashed), its middle half, and the best robot of each generation.
+    """Draw a trait over the generations: its median (dashed), its middle half, and its value in the best robot.
 
-    All robots are looked at; but what a walk brought forth (fitness, distance, velocity) is that of walks that count.
-    The best robot is the one of the highest fitness, not of the highest trait.
+    All robots are included, except for fitness, distance and velocity, which only walks that count determine.
+    The best robot is that of the highest fitness, not that of the highest trait.
 
     Args:
-        records: the tidy table of a run, or the run.
-        name: a column of numbers: ``body_length``, ``weight``, ``n_legs``, ``n_segments``, ``velocity`` …
-        ax: where to draw; a new figure if None. Several runs on one Axes get a colour and a mark each.
-        label: told before the lines' names, to tell several runs apart.
+        records: Table of a run, or the run.
+        name: Numeric column: ``body_length``, ``weight``, ``n_legs``, ``n_segments``, ``velocity`` …
+        ax: Axes to draw on; those of a new figure if None. Each run on the same Axes has its own colour and marker.
+        label: Name of the run, which precedes the names of its lines in the legend.
 
     Returns:
         The Axes drawn on.
 
     Raises:
-        ValueError: if there is no such column of numbers; the message lists those that there are. If the table is that
-            of several runs, or the Axes show another measure.
+        ValueError: If the table has no such numeric column; the message lists the columns. If the table contains
+            several runs, or the Axes show another quantity.
     """
-    records = table_of(records)
-    numeric = [column for column in records.select_dtypes("number").columns if column not in NUMBERS]
+    records = require_table(records)
+    numeric = [column for column in records.select_dtypes("number").columns if column not in IDENTIFIERS]
     if name not in numeric:
         guess = did_you_mean(name, numeric)
-        raise ValueError(f"the table has no column of numbers called {name!r}; it has {', '.join(numeric)}.{guess}")
-    table_of(records, "individual", "verdict", "fitness")
+        raise ValueError(f"the table has no numeric column {name!r}; it has {', '.join(numeric)}.{guess}")
+    require_table(records, "individual", "verdict", "fitness")
     axes = ax or new_axes()
-    said = {"n_legs": "number of legs", "n_segments": "number of segments"}.get(name, name.replace("_", " "))
-    title, unit = f"{said[0].upper()}{said[1:]} of each generation", unit_of(records, name)
-    measure = fitness_measure(records) if name == "fitness" else with_brackets(said, unit)
-    require_measure(axes, measure)
+    trait_name = {"n_legs": "number of legs", "n_segments": "number of segments"}.get(name, name.replace("_", " "))
+    title = f"{trait_name[0].upper()}{trait_name[1:]} of each generation"
+    unit = unit_of(records, name)
+    quantity = fitness_label(records) if name == "fitness" else axis_label(trait_name, unit)
+    require_quantity(axes, quantity)
     counted: Any = records[records.verdict == "ok"]
-    known: Any = counted if name in WALKED else records
-    known = known[np.isfinite(known[name])]
+    included: Any = counted if name in WALK_RESULTS else records
+    included = included[np.isfinite(included[name])]
     fittest = counted.sort_values(["generation", "fitness", "individual"], ascending=[True, False, True])
     best = fittest.drop_duplicates("generation").set_index("generation")[name]
-    (colour, mark), n_generations = next_look(axes, title), records.generation.nunique()
-    before = f"{label}: " if label else ""
-    marks: dict[str, Any] = {
-        "marker": mark,
-        "ms": 5 if len(best) <= 60 else 3,
-        "mfc": ink(axes, 0),
+    colour, marker = next_run_style(axes, title)
+    n_generations = records.generation.nunique()
+    prefix = f"{label}: " if label else ""
+    points: dict[str, Any] = {
+        "marker": marker,
+        "ms": 5 if len(best) <= MAX_LARGE_MARKERS else 3,
+        "mfc": foreground_colour(axes, 0),
         "mec": colour,
         "ls": "",
     }
-    axes.plot(best.index, best, **marks, label=literal(f"{before}best robot"), zorder=3)
-    middle = _middle(axes, known, name, (colour, mark), before)
-    if middle.empty:
-        nothing(axes, "no walk counted")
-        text = f"{before}{said}: no walk counted."
+    axes.plot(best.index, best, **points, label=escape_label(f"{prefix}best robot"), zorder=3)
+    median = _draw_quartiles(axes, included, name, (colour, marker), prefix)
+    if median.empty:
+        annotate_no_data(axes, "no walk counted")
+        text = f"{prefix}{trait_name}: no walk counted."
     else:
-        of_best = f", that of the best robot {course(best, unit)}" if len(best) else ""
-        text = f"{before}{said} over {count(n_generations, 'generation')}: the median {course(middle, unit)}{of_best}."
-    describe(axes, title, text[0].upper() + text[1:], measure)
-    axes.set_ylabel(literal(measure))
-    label_values(axes)
+        of_best = f", that of the best robot {describe_change(best, unit)}" if len(best) else ""
+        over = f"over {count(n_generations, 'generation')}"
+        text = f"{prefix}{trait_name} {over}: the median {describe_change(median, unit)}{of_best}."
+    add_description(axes, title, text[0].upper() + text[1:], quantity)
+    axes.set_ylabel(escape_label(quantity))
+    format_value_axis(axes)
     if pd.api.types.is_integer_dtype(records[name]):
-        axes.yaxis.set_major_locator(round_steps())
-    over_generations(axes, n_generations)
-    key(axes, columns_of(n_drawn(axes, title)) if label else 3)
+        axes.yaxis.set_major_locator(integer_locator())
+    format_generation_axis(axes, n_generations)
+    add_legend(axes, n_legend_columns(count_plots(axes, title)) if label else SINGLE_RUN_COLUMNS)
     return axes
 
 
-def _middle(axes: Axes, records: pd.DataFrame, name: str, look: tuple[str, str], before: str) -> pd.Series:
-    """Draw median and middle half of a column in a colour, with a mark; return the median of each generation."""
-    colour, mark = look
-    counts = pd.api.types.is_integer_dtype(records[name])  # of which no robot has two and a half
-    between = "lower" if counts else "linear"
-    grouped: Any = records.groupby("generation")[name].quantile(QUARTILES, interpolation=between).unstack()
+def _draw_quartiles(axes: Axes, records: pd.DataFrame, name: str, style: tuple[str, str], prefix: str) -> pd.Series:
+    """Draw the median and the middle half of a column over the generations.
+
+    Args:
+        axes: Axes to draw on.
+        records: Rows to include.
+        name: Column to draw.
+        style: Colour and marker.
+        prefix: Name of the run as it precedes the name of the line; "" for a single run.
+
+    Returns:
+        The median of each generation.
+    """
+    colour, marker = style
+    is_integer = pd.api.types.is_integer_dtype(records[name])
+    interpolation = "lower" if is_integer else "linear"  # the median number of legs is a whole number
+    grouped: Any = records.groupby("generation")[name].quantile(QUARTILES, interpolation=interpolation).unstack()
     quartiles = grouped.reindex(columns=QUARTILES)
     low, median, high = (quartiles[share] for share in QUARTILES)
-    axes.fill_between(quartiles.index, low, high, color=colour, alpha=0.18, lw=0, label="" if before else "middle half")
-    line: dict[str, Any] = {"lw": 1.4, "ls": (0, (4, 2)), "color": colour, "label": literal(f"{before}median")}
-    axes.plot(median.index, median, **line, marker=mark, ms=2.5, markevery=some(len(median)))
+    area_label = "" if prefix else "middle half"
+    axes.fill_between(quartiles.index, low, high, color=colour, alpha=0.18, lw=0, label=area_label)
+    line: dict[str, Any] = {"lw": 1.4, "ls": (0, (4, 2)), "color": colour, "label": escape_label(f"{prefix}median")}
+    axes.plot(median.index, median, **line, marker=marker, ms=2.5, markevery=marker_stride(len(median)))
     return median

@@ -1,4 +1,4 @@
-"""Pictures of what a population inherits: how varied it is, and every gene of every robot."""
+"""Plots of the genomes of a population: their diversity, and all genes of one generation."""
 
 import math
 from itertools import groupby
@@ -15,198 +15,210 @@ from walkerlab.genome.repair import PART, WHOLE, genes_of
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.fields import count
 from walkerlab.settings.settings import Robot
-from walkerlab.view.plots.appearance import new_axes, picture
+from walkerlab.view.plots.appearance import new_axes, styled_plot
 from walkerlab.view.plots.style import (
-    course,
-    describe,
-    key,
-    literal,
-    n_drawn,
-    next_look,
-    nothing,
-    over_generations,
-    require_measure,
-    round_steps,
-    some,
-    table_of,
+    add_description,
+    add_legend,
+    annotate_no_data,
+    count_plots,
+    escape_label,
+    format_generation_axis,
+    integer_locator,
+    marker_stride,
+    next_run_style,
+    require_quantity,
 )
+from walkerlab.view.plots.tables import describe_change, require_table
 
-READ = 200  # robots of a generation, evenly spread over it, whose genes stand for those of a larger one
+MAX_SAMPLE = 200  # robots that represent a larger generation, evenly spaced in the table
 DIVERSITY = "genetic diversity"
-OF_ANY_BODY = (Feature.length, Feature.mass, Feature.legs)  # a grown segment's genes that it needs no legs for
+GENES_TITLE = "The genes of a population"
+TRUNK_FEATURES = (Feature.length, Feature.mass, Feature.legs)  # genes of a grown segment that do not require legs
+VOID_COLOUR = "#A84300"  # of the line above the robots whose walks do not count
+POINTS_PER_INCH = 72
 
 
-@picture
+@styled_plot
 def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "") -> Axes:
-    """Draw how different the genomes of each generation are: the typical distance of two robots in a gene.
+    """Draw how different the genomes of each generation are: the typical distance between two robots in a gene.
 
-    The distance of two robots in a gene is a share of that gene's range in the run, from the least to the greatest
-    value in the whole table; in a cyclic gene, it is the chord between two points on a circle, as a share of the
-    diameter, so that 0.01 and 6.28 rad are neighbours. Drawn is the root of the mean square over all pairs of robots
-    and all genes that vary in the run: 0 if all are clones, some 0.4 (0.7 in cyclic genes) if genes are drawn evenly.
-    Genes that a robot has not grown count as well: it hands them on, and its children may grow them. Of a generation
-    of more than 200 robots, 200 are looked at, evenly spread over it.
+    The distance between two robots in a gene is a fraction of the range of that gene in the run, from the minimum to
+    the maximum of the whole table. In a cyclic gene, it is the chord between two points on a circle, as a fraction of
+    the diameter, so that 0.01 and 6.28 rad are close. The diversity is the root mean square over all pairs of robots
+    and all genes that vary in the run: 0 if all robots are clones, some 0.4 (0.7 in cyclic genes) if genes are
+    uniformly distributed. Genes that are not grown are included, because children inherit them and may grow them. In
+    a generation of more than 200 robots, 200 are evaluated, evenly spaced in the table.
 
     Args:
-        records: the tidy table of a run, or the run.
-        ax: where to draw; a new figure if None. Several runs on one Axes get a colour and a mark each; each is
-            measured by its own ranges.
-        label: the name of the line, to tell several runs apart.
+        records: Table of a run, or the run.
+        ax: Axes to draw on; those of a new figure if None. Each run on the same Axes has its own colour and marker,
+            and uses its own ranges.
+        label: Name of the run in the legend.
 
     Returns:
         The Axes drawn on.
     """
-    records = table_of(records, "genome")
+    records = require_table(records, "genome")
     axes = ax or new_axes()
     title = "Genetic diversity of each generation"
-    require_measure(axes, DIVERSITY)
-    found = pd.Series(_diversity(records), dtype=np.float64)
-    colour, mark = next_look(axes, title)
-    line: dict[str, Any] = {"lw": 2, "color": colour, "marker": mark, "ms": 4, "markevery": some(len(found))}
-    axes.plot(found.index, found, **line, label=literal(label))
-    if found.empty:
-        nothing(axes, "no robot has walked yet")
-        describe(axes, title, "No robot has walked yet.", DIVERSITY)
+    require_quantity(axes, DIVERSITY)
+    values = pd.Series(_compute_diversity(records), dtype=np.float64)
+    colour, marker = next_run_style(axes, title)
+    markers: dict[str, Any] = {"marker": marker, "ms": 4, "markevery": marker_stride(len(values))}
+    axes.plot(values.index, values, lw=2, color=colour, **markers, label=escape_label(label))
+    if values.empty:
+        annotate_no_data(axes, "no robot has walked yet")
+        text = "No robot has walked yet."
     else:
-        said = "the typical distance of two robots in a gene, as a share of its range in the run,"
-        how = f"{label}: genetic" if label else "Genetic"
-        over = f"over {count(len(found), 'generation')}"
-        describe(axes, title, f"{how} diversity {over}: {said} {course(found.round(3), '')}.", DIVERSITY)
-    axes.set_ylabel("genetic diversity: distance of two robots\n[share of a gene's range in the run]")
+        name = f"{label}: genetic" if label else "Genetic"
+        definition = "the typical distance between two robots in a gene, as a share of its range in the run,"
+        change = describe_change(values.round(3), "")
+        text = f"{name} diversity over {count(len(values), 'generation')}: {definition} {change}."
+    add_description(axes, title, text, DIVERSITY)
+    axes.set_ylabel("genetic diversity: distance between two robots\n[share of a gene's range in the run]")
     axes.set_ylim(0, max(axes.get_ylim()[1], 0.1))
-    over_generations(axes, len(found))
+    format_generation_axis(axes, len(values))
     if label:
-        key(axes, n_drawn(axes, title))
+        add_legend(axes, count_plots(axes, title))
     return axes
 
 
-@picture
+@styled_plot
 def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | None = None) -> Axes:
-    """Draw all genes of one population as a map: a row for each robot, the fittest on top; a column for each gene.
+    """Draw all genes of a generation as a map: a row for each robot, the fittest on top; a column for each gene.
 
-    The colour is the place of a value within the gene's range in the run, from the least (dark) to the greatest
-    (bright) in the whole table; a cyclic gene's range is the whole turn, of which both ends are the same. Of each other
-    generation of more than 200 robots, the range is that of 200, evenly spread over it. What a robot has not grown is
-    hatched: whole segments, and the legs of segments without. Where a column is of one colour, the robots agree.
+    The colour is the position of a value within the range of the gene in the run, from the minimum (dark) to the
+    maximum (bright) of the whole table. The range of a cyclic gene is the full turn, whose two ends are equal. Of
+    every other generation of more than 200 robots, 200 contribute to the range, evenly spaced in the table. Genes that
+    are not grown are hatched: those of whole segments, and those of the legs of segments without legs. In a column of
+    one colour, all robots have the same value.
 
     Args:
-        records: the tidy table of a run, or the run.
-        ax: where to draw; a new figure, as wide as the genes need, if None.
-        generation: whose genes; the last one's if None.
+        records: Table of a run, or the run.
+        ax: Axes to draw on; if None, those of a new figure whose width suits the number of genes.
+        generation: Generation to draw; the last one if None.
 
     Returns:
         The Axes drawn on.
 
     Raises:
-        ValueError: if there is no such generation.
+        ValueError: If the table does not have this generation.
     """
-    records = table_of(records, "individual", "fitness", "verdict", "genome")
+    records = require_table(records, "individual", "fitness", "verdict", "genome")
     if records.empty:
         axes = ax or new_axes()
-        nothing(axes, "no robot has walked yet")
-        describe(axes, "The genes of a population", "No robot has walked yet.")
+        annotate_no_data(axes, "no robot has walked yet")
+        add_description(axes, GENES_TITLE, "No robot has walked yet.")
         return axes
     last = int(records.generation.max())
-    shown = last if generation is None else generation
-    if not (records.generation == shown).any():
+    drawn = last if generation is None else generation
+    if not (records.generation == drawn).any():
         raise ValueError(f"generation {generation} is not in this table; it has {records.generation.min()} to {last}")
-    records = records.loc[_evenly_spread(records) | (records.generation == shown), :]
-    rows = np.flatnonzero(records.generation == shown)
-    order = np.lexsort((records.individual.to_numpy()[rows], -records.fitness.to_numpy()[rows]))
-    rows = rows[order]
-    values, table = _read(records)
-    places = np.ma.masked_array(_places(values, table)[rows], ~_expressed(values[rows], table))
+    records = records.loc[_select_sample(records) | (records.generation == drawn), :]
+    rows = np.flatnonzero(records.generation == drawn)
+    rows = rows[np.lexsort((records.individual.to_numpy()[rows], -records.fitness.to_numpy()[rows]))]
+    values, table = _parse_genomes(records)
+    positions = np.ma.masked_array(_relative_positions(values, table)[rows], ~_is_grown(values[rows], table))
 
     axes = ax or new_axes(width=max(7.2, 1.8 + 0.14 * len(table)), height=4.8)
     axes.patch.set(facecolor="0.93", hatch="/////", edgecolor="0.6", linewidth=0)
-    edges = np.arange(len(table) + 1) - 0.5, np.arange(len(rows) + 1) + 0.5
-    picture = axes.pcolormesh(*edges, places, cmap="cividis", vmin=0, vmax=1, rasterized=True)
+    column_edges = np.arange(len(table) + 1) - 0.5
+    row_edges = np.arange(len(rows) + 1) + 0.5
+    mesh = axes.pcolormesh(column_edges, row_edges, positions, cmap="cividis", vmin=0, vmax=1, rasterized=True)
     axes.invert_yaxis()
-    axes.yaxis.set_major_locator(round_steps())
+    axes.yaxis.set_major_locator(integer_locator())
     axes.set_ylim(len(rows) + 0.5, 0.5)
-    axes.set_ylabel("robots by rank, the fittest on top")
+    axes.set_ylabel("robots by rank (fittest on top)")
     n_counted = int((records.verdict.to_numpy()[rows] == "ok").sum())
     if n_counted < len(rows):
-        axes.axhline(n_counted + 0.5, color="white", lw=2.5)
-        axes.axhline(n_counted + 0.5, color="#A84300", lw=1.5, ls="--")
-        beside, colour = axes.get_yaxis_transform(), "#A84300"
-        axes.text(1.005, n_counted + 0.5, "does\nnot\ncount", transform=beside, fontsize=6, va="top", color=colour)
-    _name_columns(axes, table)
-    bar = axes.figure.colorbar(picture, ax=axes, pad=0.03, aspect=30, ticks=[0, 0.5, 1])
-    bar.ax.set_yticklabels(["least\nin this run", "halfway", "greatest\nin this run"], fontsize=8)
-    bar.set_label("place within the gene's range; hatched: not grown", fontsize=8)
+        _mark_void_rows(axes, n_counted + 0.5)
+    _label_columns(axes, table)
+    bar = axes.figure.colorbar(mesh, ax=axes, pad=0.03, aspect=30, ticks=[0, 0.5, 1])
+    bar.ax.set_yticklabels(["minimum\nin this run", "middle", "maximum\nin this run"], fontsize=8)
+    bar.set_label("position in the gene's range; hatched: not grown", fontsize=8)
     bar.outline.set_visible(False)  # pyright: ignore[reportCallIssue]
 
-    spread = _spread(values[rows], values, table)
-    close = table.names[int(np.argmin(spread))]
-    far = table.names[int(np.argmax(spread))]
-    describe(
+    distances = _mean_square_distances(values[rows], values, table)
+    most_similar = table.names[int(np.argmin(distances))]
+    most_different = table.names[int(np.argmax(distances))]
+    add_description(
         axes,
-        "The genes of a population",
-        f"The {len(table)} genes of the {count(len(rows), 'robot')} of generation {shown}, the fittest on top: "
-        f"{places.mask.mean():.0%} of them are not grown. They agree most in {_spoken(close)}, and differ most in "
-        f"{_spoken(far)}.",
+        GENES_TITLE,
+        f"The {len(table)} genes of the {count(len(rows), 'robot')} of generation {drawn}, the fittest on top: "
+        f"{positions.mask.mean():.0%} of the genes are not grown. The robots differ least in "
+        f"{_spell_gene(most_similar)} and most in {_spell_gene(most_different)}.",
     )
     return axes
 
 
-def _name_columns(axes: Axes, table: Genes) -> None:
-    """Write each gene's name below its column, and what it belongs to above its group."""
-    heads = [name.rpartition(".")[0].replace("seg", "segment ") or "body" for name in table.names]
-    tails = [name.rpartition(".")[2].replace("_", " ") for name in table.names]
-    across = axes.get_window_extent().width / axes.figure.dpi * 72 * 0.85  # points; a colour bar takes the rest
-    size = float(np.clip(0.9 * across / len(table), 3.5, 8))
-    axes.set_xticks(range(len(table)), tails, rotation=90, fontsize=size)
+def _mark_void_rows(axes: Axes, y: float) -> None:
+    """Draw a line above the robots whose walks do not count, with a label beside the map."""
+    axes.axhline(y, color="white", lw=2.5)
+    axes.axhline(y, color=VOID_COLOUR, lw=1.5, ls="--")
+    beside_axes = axes.get_yaxis_transform()
+    axes.text(1.005, y, "does\nnot\ncount", transform=beside_axes, fontsize=6, va="top", color=VOID_COLOUR)
+
+
+def _label_columns(axes: Axes, table: Genes) -> None:
+    """Write the name of each gene below its column, and that of each segment above its group of columns."""
+    groups = [name.rpartition(".")[0].replace("seg", "segment ") or "body" for name in table.names]
+    names = [name.rpartition(".")[2].replace("_", " ") for name in table.names]
+    width = 0.85 * axes.get_window_extent().width / axes.figure.dpi * POINTS_PER_INCH  # the colour bar takes the rest
+    font_size = float(np.clip(0.9 * width / len(table), 3.5, 8))
+    axes.set_xticks(range(len(table)), names, rotation=90, fontsize=font_size)
     axes.tick_params(axis="x", length=0, pad=2)
     axes.tick_params(axis="y", labelsize=8)
     axes.spines[:].set_visible(False)
     start = 0
-    for head, members in groupby(heads):
-        width = len(list(members))
+    for group, members in groupby(groups):
+        n_columns = len(list(members))
         if start:
             axes.axvline(start - 0.5, color="white", lw=2.5)
-        middle = start + (width - 1) / 2
-        axes.text(middle, 1.01, head, transform=axes.get_xaxis_transform(), ha="center", va="bottom", fontsize=8)
-        start += width
+        middle = start + (n_columns - 1) / 2
+        axes.text(middle, 1.01, group, transform=axes.get_xaxis_transform(), ha="center", va="bottom", fontsize=8)
+        start += n_columns
 
 
-def _spoken(name: str) -> str:
-    head, _, tail = name.rpartition(".")
-    return f"{tail.replace('_', ' ')}{f' of segment {head[3:]}' if head else ''}"
+def _spell_gene(name: str) -> str:
+    """Spell out the name of a gene: ``hip phase of segment 2``."""
+    segment, _, gene = name.rpartition(".")
+    return f"{gene.replace('_', ' ')}{f' of segment {segment[3:]}' if segment else ''}"
 
 
-# ------------------------------------------------------------------------------------------------------ the numbers
+# ------------------------------------------------------------------------------------------------------ computation
 
 
-def _evenly_spread(records: pd.DataFrame) -> pd.Series:
-    """Choose at most ``READ`` rows of each generation: all of them, or every so many."""
+def _select_sample(records: pd.DataFrame) -> pd.Series:
+    """Return a mask of at most ``MAX_SAMPLE`` evenly spaced rows of each generation."""
     grouped: Any = records.groupby("generation").generation
-    place, size = grouped.cumcount(), grouped.transform("size").clip(lower=READ)
-    return place * READ // size != (place - 1) * READ // size
+    position = grouped.cumcount()
+    size = grouped.transform("size").clip(lower=MAX_SAMPLE)
+    return position * MAX_SAMPLE // size != (position - 1) * MAX_SAMPLE // size
 
 
-def _read(records: pd.DataFrame) -> tuple[Floats, Genes]:
-    """Read the genomes of a table, each text once, for elites come again and again.
+def _parse_genomes(records: pd.DataFrame) -> tuple[Floats, Genes]:
+    """Parse the genomes of a table; each text is parsed once, because elites repeat.
 
     Returns:
-        (n, n_genes) values, a row for each of the table's; and their names and kinds: the ranges are not the run's.
+        The genes of each row, shape (n, n_genes), and the names and kinds of the genes; these have the default ranges
+        rather than those of the run.
 
     Raises:
-        ValueError: if the genomes are not all of one length, as those of one run are.
+        ValueError: If the genomes differ in length, which those of one run do not.
     """
     codes, texts = pd.factorize(records.genome)
-    found = [Genome.parse(text).values for text in texts]
-    if len({len(values) for values in found}) > 1:
+    parsed = [Genome.parse(text).values for text in texts]
+    if len({len(values) for values in parsed}) > 1:
         raise ValueError("the genomes of this table differ in length; draw the table of one run at a time")
-    values = np.array(found)
+    values = np.array(parsed)
     n_parts = (values.shape[1] - len(WHOLE)) // len(PART)
     return values[codes], genes_of(Robot(segments=(1, n_parts)))
 
 
-def _places(values: Floats, table: Genes) -> Floats:
-    """Return where each of (n, n_genes) values lies between the least and the greatest of its gene, 0 to 1.
+def _relative_positions(values: Floats, table: Genes) -> Floats:
+    """Return the position of each value between the minimum (0) and the maximum (1) of its gene, shape (n, n_genes).
 
-    A cyclic gene's lie on the whole turn; a gene that does not vary is in the middle.
+    The range of a cyclic gene is the full turn. A gene that does not vary has the position 0.5.
     """
     low = np.where(table.is_cyclic, table.low, values.min(axis=0))
     high = np.where(table.is_cyclic, table.high, values.max(axis=0))
@@ -214,44 +226,51 @@ def _places(values: Floats, table: Genes) -> Floats:
     return np.where(span > 0, (values - low) / np.where(span > 0, span, 1), 0.5)
 
 
-def _spread(some: Floats, values: Floats, table: Genes) -> Floats:
-    """Return the mean square distance of two of some robots in each gene, (n_genes,), as a share of its range.
+def _mean_square_distances(sample: Floats, values: Floats, table: Genes) -> Floats:
+    """Return the mean square distance in each gene over all pairs of a sample, as a fraction of the gene's range.
 
-    Over all pairs without laying out any: of numbers it is twice their variance; of points on a circle of diameter 1,
-    half of what their mean lacks to the rim, by its square.
+    It follows without enumerating the pairs: for numbers it is twice the variance; for points on a circle of diameter
+    1 it is (1 - r²) / 2 · n / (n - 1), where r is the length of the mean of the unit vectors.
+
+    Args:
+        sample: Genomes to compare, shape (n, n_genes).
+        values: Genomes that determine the ranges, shape (m, n_genes).
+        table: Names and kinds of the genes.
+
+    Returns:
+        The distances, shape (n_genes,).
     """
-    n = len(some)
+    n = len(sample)
     if n < 2:
         return np.zeros(len(table))
-    places = _places(
-        np.concatenate([some, values.min(axis=0, keepdims=True), values.max(axis=0, keepdims=True)]), table
-    )[:n]
-    mean = np.exp(2j * math.pi * places).mean(axis=0)
+    ends = np.stack([values.min(axis=0), values.max(axis=0)])
+    positions = _relative_positions(np.concatenate([sample, ends]), table)[:n]
+    mean = np.exp(2j * math.pi * positions).mean(axis=0)
     chords = np.maximum(0.0, 1 - np.abs(mean) ** 2) / 2 * n / (n - 1)
-    return np.where(table.is_cyclic, chords, 2 * places.var(axis=0, ddof=1))
+    return np.where(table.is_cyclic, chords, 2 * positions.var(axis=0, ddof=1))
 
 
-def _diversity(records: pd.DataFrame) -> dict[int, float]:
-    """Return the diversity of each generation."""
+def _compute_diversity(records: pd.DataFrame) -> dict[int, float]:
+    """Return the diversity of each generation, by its number."""
     if records.empty:
         return {}
-    records = records.loc[_evenly_spread(records), :]
-    values, table = _read(records)
+    records = records.loc[_select_sample(records), :]
+    values, table = _parse_genomes(records)
     ends = np.stack([values.min(axis=0), values.max(axis=0)])
-    vary = ends[1] > ends[0]
-    number = records.generation.to_numpy()
-    found: dict[int, float] = {}
-    for generation in np.unique(number).tolist():
-        spread = _spread(values[number == generation], ends, table)[vary]
-        found[generation] = math.sqrt(spread.mean()) if vary.any() else 0.0
-    return found
+    varies = ends[1] > ends[0]
+    generations = records.generation.to_numpy()
+    diversities: dict[int, float] = {}
+    for generation in np.unique(generations).tolist():
+        distances = _mean_square_distances(values[generations == generation], ends, table)[varies]
+        diversities[generation] = math.sqrt(distances.mean()) if varies.any() else 0.0
+    return diversities
 
 
-def _expressed(values: Floats, table: Genes) -> NDArray[np.bool_]:
-    """Say of (n, n_genes) genes which are grown: those of segments that are there, and of legs that these have."""
-    grown = np.arange(table.n_parts) < table.n_grown(values)[:, np.newaxis]
-    legged = table.parts(values)[:, :, PART.index(Feature.legs)] > 0
-    of_any = np.array([feature in OF_ANY_BODY for feature in PART])
-    parts = grown[:, :, np.newaxis] & (of_any | legged[:, :, np.newaxis])
-    whole = np.ones((len(values), table.n_whole), dtype=np.bool_)
-    return np.concatenate([whole, parts.reshape(len(values), -1)], axis=1)
+def _is_grown(values: Floats, table: Genes) -> NDArray[np.bool_]:
+    """Return which genes are grown, shape (n, n_genes): those of existing segments and of their existing legs."""
+    has_segment = np.arange(table.n_parts) < table.n_grown(values)[:, np.newaxis]
+    has_legs = table.parts(values)[:, :, PART.index(Feature.legs)] > 0
+    is_trunk = np.array([feature in TRUNK_FEATURES for feature in PART])
+    segment_genes = has_segment[:, :, np.newaxis] & (is_trunk | has_legs[:, :, np.newaxis])
+    body_genes = np.ones((len(values), table.n_whole), dtype=np.bool_)
+    return np.concatenate([body_genes, segment_genes.reshape(len(values), -1)], axis=1)

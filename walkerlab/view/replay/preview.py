@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 
 from walkerlab.settings.settings import Settings
 from walkerlab.text.numbers import with_unit
-from walkerlab.view.plots.appearance import own_look, paper
+from walkerlab.view.plots.appearance import paper, walkerlab_style
 from walkerlab.view.plots.bodies import add_body, stride
-from walkerlab.view.plots.style import literal
+from walkerlab.view.plots.style import escape_label
 from walkerlab.view.replay.animation import Walk
 from walkerlab.view.replay.meshes import tint
 from walkerlab.world.geometry import skins, valid_poses
@@ -22,7 +22,7 @@ WIDTH = 7.2  # inches
 def poster(walks: Sequence[Walk], settings: Settings) -> bytes:
     """Draw what a replay is about, as PNG."""
     axes = paper(WIDTH, WIDTH)
-    with own_look():
+    with walkerlab_style():
         if len(walks) == 1:
             stride(walks[0].scene.genome, settings, axes)
         else:
@@ -47,7 +47,7 @@ def _finish(axes: Axes, walks: Sequence[Walk]) -> None:
         axes.plot([0, max(right, 0.0)], [floor, floor], lw=1, color=walk.colour, zorder=0)
         judged = "" if walk.rollout.counts else f"\ndoes not count: {walk.rollout.verdict}"
         levels.append(floor + (high - low) / 2)
-        words.append(f"{literal(walk.label)}\n{with_unit(walk.rollout.distance, 'm')}{judged}")
+        words.append(f"{escape_label(walk.label)}\n{with_unit(walk.rollout.distance, 'm')}{judged}")
     axes.axvline(0, lw=1, ls=":", color="0.4")
     axes.autoscale_view()
     axes.set_aspect("equal")

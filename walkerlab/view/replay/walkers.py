@@ -13,7 +13,7 @@ from walkerlab.settings.fields import brief
 from walkerlab.settings.settings import Settings, Terrain
 from walkerlab.simulation.fitness import poorest_walk
 from walkerlab.text.html import printable
-from walkerlab.view.plots.style import RUNS
+from walkerlab.view.plots.style import RUN_COLOURS
 from walkerlab.view.replay.animation import Walk
 from walkerlab.view.replay.meshes import RGB
 from walkerlab.world.geometry import skins
@@ -102,5 +102,5 @@ def _lanes(reaches: Sequence[float], terrain: Terrain) -> list[float]:
 
 def _colour(number: int) -> RGB:
     """Give each racer a colour; after the last, the first again, darker and then lighter."""
-    hue, light, full = colorsys.rgb_to_hls(*to_rgb(RUNS[number % len(RUNS)]))
-    return colorsys.hls_to_rgb(hue, min(0.85, light * SHADES[number // len(RUNS) % len(SHADES)]), full)
+    hue, light, full = colorsys.rgb_to_hls(*to_rgb(RUN_COLOURS[number % len(RUN_COLOURS)]))
+    return colorsys.hls_to_rgb(hue, min(0.85, light * SHADES[number // len(RUN_COLOURS) % len(SHADES)]), full)

@@ -29,7 +29,7 @@ def panel(settings: Settings, records: pd.DataFrame, path: Path | None) -> str:
         records: its table, which may be empty.
         path: its run file, or None.
     """
-    said = tag("p", tag("strong", summary.summary(records, settings.model_dump())))
+    said = tag("p", tag("strong", summary.describe_result(records, settings.model_dump())))
     if records.empty:
         return shown(said)
     best = champion(records)

@@ -98,7 +98,7 @@ def write(
         _write_csv(_for_spreadsheets(records), new.folder / "records.csv")
     if files:
         with new.part(f"{TABLES}/generations.csv"):
-            _write_csv(summary.generations(records), new.folder / TABLES / "generations.csv")
+            _write_csv(summary.generation_statistics(records), new.folder / TABLES / "generations.csv")
     with new.part(REPLAY):
         replay(champion(records), settings).to_html(new.folder / REPLAY)
     pictures = [f"{FOLDER}/{picture.name}.{kind}" for picture in PICTURES for kind in KINDS]
@@ -171,8 +171,8 @@ def _in_short(run: Subject, drawn: Mapping[str, Html]) -> Html:
     ]
     cards = (tag("div", tag("b", figure), tag("span", about)) for figure, about in figures)
     watch = tag("p", tag("a", "Watch it walk, in 3D", href=REPLAY, class_="watch"))
-    told = tag("p", summary.champion_story(run.records, plain))  # whose lines run on
-    lead = tag("p", summary.summary(run.records, plain), class_="lead")
+    told = tag("p", summary.describe_champion(run.records, plain))  # whose lines run on
+    lead = tag("p", summary.describe_result(run.records, plain), class_="lead")
     return join(lead, tag("div", *cards, class_="figures"), watch, drawn["champion"], told)
 
 
@@ -187,7 +187,7 @@ def _evolved(settings: Settings) -> Html:
 
 
 def _came(run: Subject, drawn: Mapping[str, Html], files: bool) -> Html:
-    shown = summary.round_steps(int(run.records.generation.max()))
+    shown = summary.select_generations(int(run.records.generation.max()))
     unit = run.records.attrs.get("units", {}).get("fitness", "")
     columns = [
         "generation",
@@ -197,9 +197,9 @@ def _came(run: Subject, drawn: Mapping[str, Html], files: bool) -> Html:
     ]
     rows = [
         [row.generation, best, median, row.counted, row.robots]
-        for row, best, median in summary.best_and_median(run.records, shown)
+        for row, best, median in summary.format_generations(run.records, shown)
     ]
-    verdicts = [[verdict, n, meaning] for verdict, n, meaning in summary.verdicts(run.records)]
+    verdicts = [[verdict, n, meaning] for verdict, n, meaning in summary.count_verdicts(run.records)]
     link = tag("a", f"{TABLES}/generations.csv", href=f"{TABLES}/generations.csv")
     all_of_them = tag("p", "Every generation, and its quartiles, are in ", link, ".") if files else ""
     traits = (drawn[name] for name in ("weight", "body_length", "n_segments", "n_legs"))
@@ -245,7 +245,7 @@ def _confirmed(run: Subject) -> Html:
 def _descent(run: Subject, drawn: Mapping[str, Html]) -> Html:
     rows = [
         ["…", f"{skipped} more", "", ""] if skipped else [one.individual, one.born, fitness, one.operators]
-        for one, fitness, skipped in summary.line_of_descent(run.records, run.champion.individual)
+        for one, fitness, skipped in summary.format_descent(run.records, run.champion.individual)
     ]
     columns = ["robot", "generation", "fitness", "made by selection > crossover > mutation"]
     caption = "Its line of descent, through the fitter parent of each"

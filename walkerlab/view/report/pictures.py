@@ -65,7 +65,7 @@ class Picture:
 
 
 def _of_a_family(run: Subject) -> float:
-    line = summary.ancestors(run.records, run.champion.individual)
+    line = summary.select_descent(run.records, run.champion.individual)
     return 1.2 + 0.75 * min(sum(max(1, skipped) for _, skipped in line), 12)
 
 

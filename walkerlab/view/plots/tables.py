@@ -1,0 +1,73 @@
+"""Tables as plots use them: checked before drawing, with the names, units and numbers that a plot shows."""
+
+from typing import Any
+
+import pandas as pd
+
+from walkerlab.runfile.records import COLUMNS
+from walkerlab.text.numbers import significant
+
+UNKNOWN_FITNESS = "fitness"  # name of the fitness if the table does not name its fitness function
+
+
+def require_table(records: Any, *columns: str) -> pd.DataFrame:
+    """Return the table of a run after checking that it can be drawn.
+
+    Args:
+        records: Table of a run, or the run.
+        *columns: Required columns besides ``generation``.
+
+    Raises:
+        TypeError: If ``records`` is neither.
+        ValueError: If the table lacks a column, or contains several runs.
+    """
+    table = getattr(records, "records", records)
+    if not isinstance(table, pd.DataFrame):
+        raise TypeError(f"this plot needs the table of a run, run.records; got a {type(records).__name__}")
+    if missing := [name for name in ("generation", *columns) if name not in table]:
+        raise ValueError(
+            f"the table has no column {' and no column '.join(map(repr, missing))}, which this plot needs; it has "
+            f"{', '.join(map(str, table.columns)) or 'no columns'}. The complete table of a run is run.records."
+        )
+    if "individual" in table and (repeated := table.duplicated(["generation", "individual"])).any():
+        row = table.loc[repeated, :].iloc[0]
+        raise ValueError(
+            f"this table has robot {row.individual} of generation {row.generation} more than once, so it contains "
+            "several runs. Draw one run at a time; curves can share Axes, as in: for seed, run in enumerate(runs): "
+            'wl.plots.fitness_curve(run.records, ax, label=f"seed {seed}")'
+        )
+    return table
+
+
+def unit_of(records: pd.DataFrame, column: str) -> str:
+    """Return the unit of a column, "" if it has none; a table from a CSV file no longer has that of its fitness."""
+    default = COLUMNS[column][1] if column in COLUMNS else ""
+    return str(records.attrs.get("units", {}).get(column, default))
+
+
+def fitness_label(records: pd.DataFrame) -> str:
+    """Return the name of the fitness of a table with its unit: ``distance [m]``."""
+    return axis_label(str(records.attrs.get("fitness", UNKNOWN_FITNESS)), unit_of(records, "fitness"))
+
+
+def axis_label(name: str, unit: str) -> str:
+    """Return the label of an axis, with the unit in brackets: ``distance [m]``."""
+    return f"{name} [{unit}]" if unit else name
+
+
+def format_value(value: float, unit: str) -> str:
+    """Format a number with three significant figures, no trailing zeros, a true minus sign, and its unit."""
+    digits, _, power = significant(value).partition("e")
+    if "." in digits:
+        digits = digits.rstrip("0").rstrip(".")
+    number = f"{digits}e{power}" if power else digits
+    return f"{number.replace('-', '−')}{f' {unit}' if unit else ''}"
+
+
+def describe_change(values: pd.Series, unit: str) -> str:
+    """Describe the change of a series from its first to its last value: ``rises from 1 m to 2 m``."""
+    first = format_value(float(values.iloc[0]), unit)
+    last = format_value(float(values.iloc[-1]), unit)
+    if first == last:
+        return f"stays at {first}" if values.nunique() == 1 else f"begins and ends at {first}"
+    return f"{'rises' if values.iloc[-1] > values.iloc[0] else 'falls'} from {first} to {last}"
