@@ -28,7 +28,7 @@ def watched(settings: wl.Settings) -> float:
     """Evolve in a panel: s, from the press on the button to the last walk."""
     with tempfile.TemporaryDirectory() as folder:
         lab = Lab(settings, Path(folder))
-        lab.population.sight = [0, IN_SIGHT]
+        lab.population.visible = [0, IN_SIGHT]
         time.sleep(2)  # in which it draws the world and asks what a run will cost
         started = time.perf_counter()
         lab.transport._on_press("start")
