@@ -117,12 +117,12 @@ function number({ label, low, high }, send) {
   };
 }
 
-/** The description of the chosen option; its height fits the longest one, so that the layout is stable. */
+/** The description of the selected option; its height fits the longest one, so that the layout is stable. */
 function description(options) {
   const sentences = options.map(({ about }) => make("span", {}, about));
   return {
     element: make("div", { className: "description quiet" }, ...sentences),
-    show: (value) => sentences.forEach((one, index) => one.classList.toggle("chosen", options[index].name === value)),
+    show: (value) => sentences.forEach((one, index) => one.classList.toggle("selected", options[index].name === value)),
   };
 }
 

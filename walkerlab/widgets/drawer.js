@@ -21,7 +21,8 @@ function render({ model, el }) {
   });
   const details = make("details", {}, make("summary", { textContent: "Code of this run" }), code);
   const message = make("p", { className: "words", attributes: { role: "status" } });
-  el.append(make("div", { className: "row" }, out, copy, use, path, files, button("Load", "add this run to the list", load)), message, details);
+  const loader = make("span", { className: "loader" }, path, files, button("Load", "add this run to the list", load));
+  el.append(make("div", { className: "row" }, out, copy, use, loader), message, details);
 
   function update() {
     files.replaceChildren(...model.get("files").map((value) => make("option", { value })));

@@ -61,7 +61,7 @@ class Editor(Component):
         self._lock = threading.RLock()
         self._callbacks: dict[str, list[OnGenome]] = {"walk": [], "insert": []}
         self.observe(self._parse, ["text", "settings"])
-        self.observe(self._genome_changed, "genome")
+        self.observe(self._update_text, "genome")
         self.on_msg(self._handle_message)
         if genome is None:
             rng = stream(self.settings.algorithm.seed, "population", 0, 0)
@@ -103,7 +103,7 @@ class Editor(Component):
             self.genome = parsed.within(robot)
             self.picture = sketch.draw_robot(self.genome, robot, size=SIZE)
 
-    def _genome_changed(self, change: Any) -> None:
+    def _update_text(self, change: Any) -> None:
         """Change the text to that of a genome that was set from outside."""
         with self._lock:
             if change.new is not None and change.new != _parse_within(self.text, self.settings):

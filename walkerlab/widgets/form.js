@@ -100,6 +100,7 @@ function render({ model, el }) {
     const order = [...rows.keys()];
     const visible = new Set(); // settings that show their messages
     const hadOtherFaults = otherFaults.length > 0;
+    let appeared; // the first message that becomes visible
     otherFaults = [];
     for (const sentence of new Set(Object.values(faults).flatMap((sentences) => sentences.split("\n")))) {
       const named = order.filter((setting) => faults[setting]?.split("\n").includes(sentence));
@@ -113,7 +114,7 @@ function render({ model, el }) {
       if (fault.textContent !== (faults[setting] ?? "")) fault.textContent = faults[setting] ?? "";
       const wasHidden = fault.classList.contains("screen-reader-only");
       fault.classList.toggle("screen-reader-only", !visible.has(setting));
-      if (wasHidden && visible.has(setting)) fault.scrollIntoView({ block: "nearest" });
+      if (wasHidden && visible.has(setting)) appeared ??= fault;
       element.classList.toggle("wrong", wrong);
       for (const input of element.querySelectorAll("input, select")) {
         input.setAttribute("aria-invalid", wrong);
@@ -126,6 +127,7 @@ function render({ model, el }) {
       tab.classList.toggle("wrong", n > 0);
       mark.textContent = n ? `: ${n} invalid` : "";
     }
+    appeared?.scrollIntoView({ block: "nearest" }); // after the tabs, which become higher with a warning sign
   }
 
   // ------------------------------------------------------------------------- tabs

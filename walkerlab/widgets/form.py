@@ -101,13 +101,13 @@ class Form(Component):
         return self._last_values
 
     @traitlets.observe("settings")
-    def _settings_changed(self, change: Any) -> None:
+    def _update_controls(self, change: Any) -> None:
         """Update the controls to settings that were set from outside."""
         if change.new is not None and change.new != self._read()[0]:
             self._show(change.new)
 
     @traitlets.observe("values")
-    def _values_changed(self, _change: object = None) -> None:
+    def _update_settings(self, _change: object = None) -> None:
         """Update settings and messages to the values of the controls, valid or not."""
         settings, fault = self._read()
         self._last_valid = settings or self._last_valid
@@ -118,7 +118,7 @@ class Form(Component):
         self.preset = self._current_preset()
 
     @traitlets.observe("preset")
-    def _preset_changed(self, change: Any) -> None:
+    def _apply_preset(self, change: Any) -> None:
         """Change the settings to the selected preset, if it exists."""
         preset = self._presets.get(change.new, {}) if isinstance(change.new, str) else {}
         if change.new != self._current_preset() and preset:
@@ -144,7 +144,7 @@ class Form(Component):
         self._last_values = values
         self.tabs = self._make_tabs()
         if self.values == values:  # a function was replaced by another one of the same name
-            self._values_changed()
+            self._update_settings()
         self.values = values
 
     def _read(self) -> tuple[Settings | None, str]:

@@ -234,7 +234,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
             case State.finished:
                 words = f"Finished: generations 0 to {last} in {live.seconds:.0f} s."
             case state:
-                words = f"{state.capitalize()} {where}, and {live.seconds:.0f} s."
+                words = f"{state.capitalize()} {where} ({live.seconds:.0f} s)."
         with self.transport.hold_sync():
             self.transport.state = live.state
             self.transport.words = words
