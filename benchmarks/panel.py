@@ -29,7 +29,7 @@ def time_run_in_panel(settings: wl.Settings) -> float:
     """Evolve in a panel and return the time from the press of the button to the last walk [s]."""
     with tempfile.TemporaryDirectory() as folder:
         lab = Lab(settings, Path(folder))
-        lab.population.sight = [0, N_VISIBLE]
+        lab.population.visible = [0, N_VISIBLE]
         time.sleep(2)  # until it has drawn the world and estimated the duration of the run
         start = time.perf_counter()
         lab.transport._on_press("start")

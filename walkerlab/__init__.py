@@ -74,13 +74,13 @@ if TYPE_CHECKING:
     from walkerlab.evolution.run import load as load
     from walkerlab.evolution.run import rescue as rescue
     from walkerlab.ga.crossover import Children as Children
-    from walkerlab.ga.slots import OperatorError as OperatorError
+    from walkerlab.ga.user_functions import OperatorError as OperatorError
     from walkerlab.genome.genome import Genome as Genome
     from walkerlab.genome.genome import GenomeError as GenomeError
     from walkerlab.genome.phenotype import Phenotype as Phenotype
     from walkerlab.genome.phenotype import express as express
     from walkerlab.genome.repair import gene_table as gene_table
-    from walkerlab.runfile.store import RunFileError as RunFileError
+    from walkerlab.runfile.opening import RunFileError as RunFileError
     from walkerlab.settings.choices import Camera as Camera
     from walkerlab.settings.choices import Crossover as Crossover
     from walkerlab.settings.choices import Feature as Feature

@@ -215,7 +215,7 @@ def test_in_the_panel_it_is_text(forge, page, jupyter):
     page.set_viewport_size({"width": 1280, "height": 800})
     cells = f"import walkerlab as wl\nwl.load({str(path)!r})", "lab = wl.Lab()\nlab"
     assert run_all(page, jupyter.put(book(*cells), "JupyterLab")) == []
-    page.get_by_label("a run file to load").fill(str(path))
+    page.get_by_label("run file to load").fill(str(path))
     button(page, "Load", ".wl-drawer").click()
     says(page, "Loaded", ".wl-drawer")
     curve_says(page, "generations:")

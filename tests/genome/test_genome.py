@@ -18,7 +18,8 @@ from walkerlab.genome.genome import Genome, GenomeError, read_genomes
 from walkerlab.genome.phenotype import express
 from walkerlab.genome.repair import gene_table, genes_of, repair
 from walkerlab.runfile import records
-from walkerlab.settings.settings import Algorithm, Crossover, Feature, Mutation, Robot, Settings
+from walkerlab.settings.choices import Crossover, Feature, Mutation
+from walkerlab.settings.settings import Algorithm, Robot, Settings
 from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.simulation.rollout import simulate
 

@@ -17,8 +17,8 @@ from hypothesis import strategies as st
 from walkerlab.breeding import generate_robot_population
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile import opening, provenance, schema, store
+from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.records import COLUMNS, tidy
-from walkerlab.runfile.store import RunFileError
 from walkerlab.settings.settings import Settings
 
 WHOLE = st.integers(-(2**63), 2**63 - 1)

@@ -10,6 +10,7 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from tests.strategies import all_settings, finite, robots
+from walkerlab.settings.choices import Camera, Crossover, Fitness, Mutation, Selection, Structure
 from walkerlab.settings.fields import (
     PAIR,
     Choice,
@@ -20,21 +21,7 @@ from walkerlab.settings.fields import (
     number_text,
     shown_numbers,
 )
-from walkerlab.settings.settings import (
-    LIGHTEST,
-    MAX_PIECES,
-    Algorithm,
-    Camera,
-    Crossover,
-    Fitness,
-    Mutation,
-    Robot,
-    Selection,
-    Settings,
-    Simulation,
-    Structure,
-    Terrain,
-)
+from walkerlab.settings.settings import LIGHTEST, MAX_PIECES, Algorithm, Robot, Settings, Simulation, Terrain
 
 DOMAINS = {"terrain": Terrain, "robot": Robot, "algorithm": Algorithm, "simulation": Simulation}
 FIELDS = [(domain, name) for domain in DOMAINS.values() for name in domain.declared()]

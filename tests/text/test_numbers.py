@@ -28,9 +28,9 @@ from walkerlab.view import film, summary
 from walkerlab.view.replay import replay
 from walkerlab.view.report import page
 from walkerlab.view.report.pictures import Subject
-from walkerlab.widgets.card import card
-from walkerlab.widgets.listing import COLUMNS, roster
-from walkerlab.widgets.run_folders import best_of
+from walkerlab.widgets.card import robot_card
+from walkerlab.widgets.listing import COLUMNS, describe_generation
+from walkerlab.widgets.run_folders import best_result
 
 SIZES = st.floats(-9, 9).map(lambda power: 10**power)
 FITNESS = st.one_of(st.just(0.0), SIZES, SIZES.map(lambda size: -size))
@@ -149,9 +149,9 @@ def of_report(run):
 
 
 def of_roster(run):
-    row = roster(run.records[run.records.generation == 0])["rows"][0]
+    row = describe_generation(run.records[run.records.generation == 0])["rows"][0]
     cell = dict(zip(COLUMNS, row["cells"], strict=True))["fitness"]
-    return [cell, row["worth"], *found(r"Its near is (\S+)\.", row["says"])]
+    return [cell, row["label"], *found(r"Its near is (\S+)\.", row["description"])]
 
 
 def of_confirmation(value):
@@ -170,9 +170,9 @@ PLACES = {
         summary.tabulate_descent(run.records, run.champion.individual).split("\n")[-1].split()[2]
     ],
     "report": lambda run, _: of_report(run),
-    "list of runs": lambda run, _: [best_of(run)],
+    "list of runs": lambda run, _: [best_result(run)],
     "film": lambda run, _: [film._caption(film.ChampionPeriod(run.champion, 0, 1), "").split(" · ")[-1]],
-    "card": lambda run, _: found(r">Fitness</th><td>(.*?)<", card(run.records, run.champion.individual)),
+    "card": lambda run, _: found(r">Fitness</th><td>(.*?)<", robot_card(run.records, run.champion.individual)),
     "roster": lambda run, _: of_roster(run),
     "progress": lambda run, _: found(r"best (\S+)$", progress(run)),
     "confirmation": lambda _, value: of_confirmation(value),
@@ -249,13 +249,13 @@ def test_where_no_walk_counts_no_number_is_shown():
         summary.describe_champion(run.records, PLAIN),
         summary.tabulate_generations(run.records, PLAIN),
         summary.tabulate_descent(run.records, run.champion.individual),
-        best_of(run),
-        card(run.records, run.champion.individual),
+        best_result(run),
+        robot_card(run.records, run.champion.individual),
         progress(run),
         str(Confirmation(-math.inf, -math.inf, (-math.inf,), ("fell", "fell"), "near")),
         wl.plots.alt_text(wl.plots.fitness_curve(run, Figure().add_subplot())),
         wl.plots.alt_text(tree),
-        str(roster(run.records)["rows"]),
+        str(describe_generation(run.records)["rows"]),
         film._caption(film.ChampionPeriod(run.champion, 0, 1), ""),
     ]
     for text in texts:

@@ -1,4 +1,4 @@
-"""What the tests of several pieces begin with: threads that walk, and a run that is done."""
+"""Fixtures for the tests of several components: an executor, and a finished run."""
 
 from concurrent.futures import ThreadPoolExecutor
 

@@ -1,4 +1,4 @@
-"""A curve has room for what is to come, and no part of it is taken for a part of another."""
+"""A curve has space for coming generations, and IDs that are unique on the page."""
 
 import re
 
@@ -16,7 +16,7 @@ def lines(picture):
     return re.findall(r' d="(M[^"]*)"', picture)
 
 
-def test_drawn_anew_it_shares_no_id_with_what_it_was(done):
+def test_a_new_drawing_shares_no_id_with_the_previous_one(done):
     curve = Curve({"run": done.records})
     before = ids(curve.value)
     curve.draw({"run": done.records})
@@ -24,31 +24,31 @@ def test_drawn_anew_it_shares_no_id_with_what_it_was(done):
     assert not before & ids(curve.value)
 
 
-def test_two_on_a_page_share_no_id(done):
+def test_two_curves_share_no_id(done):
     first, second = (ids(Curve({"run": done.records}).value) for _ in range(2))
     assert first
     assert not first & second
 
 
-@pytest.mark.parametrize("room", [1, 3])
-def test_one_that_outgrows_its_room_gets_more(done, room):
+@pytest.mark.parametrize("n_generations", [1, 3])
+def test_axes_are_extended_if_a_run_is_longer_than_expected(done, n_generations):
     runs = {"run": done.records}
-    assert lines(Curve(runs, room).value) == lines(Curve(runs, done.n_generations).value)
+    assert lines(Curve(runs, n_generations).value) == lines(Curve(runs, done.n_generations).value)
 
 
-def test_one_with_room_to_grow_keeps_it(done):
+def test_axes_have_space_for_the_expected_generations(done):
     runs = {"run": done.records}
     assert lines(Curve(runs, 10).value) != lines(Curve(runs, done.n_generations).value)
 
 
-def test_runs_that_measure_different_things_get_axes_of_their_own(done):
+def test_runs_with_different_fitness_functions_have_separate_axes(done):
     other = done.records.copy()
     name_fitness(other, "efficiency", "m/J")
     runs = {"far": done.records, "thrifty": other, "farther": done.records}
     picture = Curve(runs).value
     assert len(re.findall(r' id="[^"]*-axes_\d+"', picture)) == 2
-    words = re.search(r'aria-label="([^"]*)"', picture)[1]
-    assert re.findall(r"(\w+): (\w+) over", words) == [
+    alternative_text = re.search(r'aria-label="([^"]*)"', picture)[1]
+    assert re.findall(r"(\w+): (\w+) over", alternative_text) == [
         ("Far", "distance"),
         ("Farther", "distance"),
         ("Thrifty", "efficiency"),

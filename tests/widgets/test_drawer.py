@@ -1,4 +1,4 @@
-"""A drawer hands on what is wished, and nothing that is half a wish."""
+"""The drawer calls its callbacks for valid messages and ignores all others."""
 
 import pytest
 
@@ -6,19 +6,27 @@ from walkerlab.widgets.drawer import Drawer
 
 
 @pytest.mark.parametrize(
-    ("message", "wished"),
+    ("message", "expected"),
     [
         ({"load": "a.walk"}, ["a.walk"]),
         ({"export": True}, ["export"]),
         ({"settings": True}, ["settings"]),
         *(
-            (half, [])
-            for half in ({"export": False}, {"export": "yes"}, {"settings": 2}, {"load": 5}, {"load": None}, {}, None)
+            (invalid, [])
+            for invalid in (
+                {"export": False},
+                {"export": "yes"},
+                {"settings": 2},
+                {"load": 5},
+                {"load": None},
+                {},
+                None,
+            )
         ),
     ],
 )
-def test_whole_wishes_are_handed_on_and_no_others(message, wished):
-    wishes = []
-    drawer = Drawer(wishes.append, lambda: wishes.append("export"), lambda: wishes.append("settings"))
+def test_only_valid_messages_call_a_callback(message, expected):
+    calls = []
+    drawer = Drawer(calls.append, lambda: calls.append("export"), lambda: calls.append("settings"))
     drawer._handle_custom_msg(message, [])
-    assert wishes == wished
+    assert calls == expected

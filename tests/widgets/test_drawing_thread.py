@@ -1,36 +1,43 @@
-"""At the desk the newest of each picture is drawn, and pictures take up a small share of the time."""
+"""The drawing thread draws the newest request for each picture, and limits its share of the time."""
 
 import threading
 import time
 
 import pytest
 
-from walkerlab.widgets.drawing_thread import SHARE, SHORTEST, Desk
+from walkerlab.widgets.drawing_thread import MAX_LOAD, MIN_INTERVAL, DrawingThread
 
 
 @pytest.fixture
-def desk():
-    faults = []
-    made = Desk(lambda: made.sparing, faults.append)
-    made.sparing, made.faults = False, faults
-    yield made
-    made.close()
+def drawing():
+    errors = []
+    thread = DrawingThread(lambda: thread.is_limited, errors.append)
+    thread.is_limited = False
+    thread.errors = errors
+    yield thread
+    thread.close()
 
 
-def test_of_several_orders_for_one_picture_the_newest_is_drawn(desk):
-    begun, go_on, drawn, done = threading.Event(), threading.Event(), [], threading.Event()
-    desk.order("first", lambda: (begun.set(), go_on.wait(5)))
+def test_of_several_requests_for_one_picture_the_newest_is_drawn(drawing):
+    begun = threading.Event()
+    resume = threading.Event()
+    done = threading.Event()
+    drawn = []
+    drawing.request("first", lambda: (begun.set(), resume.wait(5)))
     assert begun.wait(5)
     for n in range(5):
-        desk.order("curve", lambda n=n: drawn.append(n))
-    desk.order("last", done.set)
-    go_on.set()
+        drawing.request("curve", lambda n=n: drawn.append(n))
+    drawing.request("last", done.set)
+    resume.set()
     assert done.wait(5)
     assert drawn == [4]
 
 
-def test_while_it_spares_the_computer_it_rests_longer_than_it_draws(desk):
-    desk.sparing, times, work, done = True, [], [], threading.Event()
+def test_while_the_load_is_limited_it_pauses_longer_than_it_draws(drawing):
+    drawing.is_limited = True
+    done = threading.Event()
+    times = []
+    work = []
 
     def draw():
         work[:] = [time.thread_time()]
@@ -40,51 +47,56 @@ def test_while_it_spares_the_computer_it_rests_longer_than_it_draws(desk):
         if len(times) == 2:
             done.set()
 
-    desk.order("a", draw)
-    desk.order("b", draw)
+    drawing.request("a", draw)
+    drawing.request("b", draw)
     assert done.wait(10)
-    assert times[1] - times[0] > 0.03 / SHARE * 0.95
+    assert times[1] - times[0] > 0.03 / MAX_LOAD * 0.95
 
 
-@pytest.mark.parametrize("waits", [0.0, 0.2])
-def test_it_rests_after_work_of_its_own_and_not_after_waiting(desk, waits):
-    desk.sparing, begun, ended, done = True, [], [], threading.Event()
+@pytest.mark.parametrize("waiting_time", [0.0, 0.2])
+def test_the_pause_depends_on_work_and_not_on_waiting(drawing, waiting_time):
+    drawing.is_limited = True
+    done = threading.Event()
+    begun = []
+    ended = []
 
     def draw():
         begun.append(time.monotonic())
-        threading.Event().wait(waits)
+        threading.Event().wait(waiting_time)
         ended.append(time.monotonic())
         if len(ended) == 2:
             done.set()
 
-    desk.order("a", draw)
-    desk.order("b", draw)
+    drawing.request("a", draw)
+    drawing.request("b", draw)
     assert done.wait(10)
-    assert SHORTEST * 0.95 < begun[1] - ended[0] < 2
+    assert MIN_INTERVAL * 0.95 < begun[1] - ended[0] < 2
 
 
-def test_in_a_hurry_it_ends_its_rest(desk):
-    desk.sparing, drawn, done = True, threading.Event(), threading.Event()
-    desk.order("long", lambda: (sum(range(10**7)), drawn.set()))
+def test_a_pause_ends_when_the_load_is_no_longer_limited(drawing):
+    drawing.is_limited = True
+    drawn = threading.Event()
+    done = threading.Event()
+    drawing.request("long", lambda: (sum(range(10**7)), drawn.set()))
     assert drawn.wait(5)
-    desk.order("next", done.set)
-    desk.sparing = False
-    desk.hurry()
+    drawing.request("next", done.set)
+    drawing.is_limited = False
+    drawing.end_pause()
     assert done.wait(2)
 
 
-def test_a_drawing_that_fails_is_told_and_the_next_one_is_drawn(desk):
+def test_a_failed_drawing_is_reported_and_the_next_one_is_drawn(drawing):
     done = threading.Event()
-    desk.order("bad", lambda: 1 / 0)
-    desk.order("good", done.set)
+    drawing.request("bad", lambda: 1 / 0)
+    drawing.request("good", done.set)
     assert done.wait(5)
-    assert [type(fault) for fault in desk.faults] == [ZeroDivisionError]
+    assert [type(error) for error in drawing.errors] == [ZeroDivisionError]
 
 
-def test_closed_its_thread_ends(desk):
+def test_closing_ends_the_thread(drawing):
     done = threading.Event()
-    desk.order("one", done.set)
+    drawing.request("one", done.set)
     assert done.wait(5)
-    desk.close()
-    desk._thread.join(5)
-    assert not desk._thread.is_alive()
+    drawing.close()
+    drawing._thread.join(5)
+    assert not drawing._thread.is_alive()

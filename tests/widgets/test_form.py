@@ -1,4 +1,4 @@
-"""The form says what its controls say, and beside them what cannot be; whatever a browser sends, it goes on."""
+"""The form follows its controls, reports invalid values next to them, and survives any message of a browser."""
 
 import json
 from functools import partial
@@ -13,14 +13,15 @@ from walkerlab.ga.selection import tournament
 from walkerlab.settings.choices import Structure
 from walkerlab.settings.fields import OneOf, SettingsError
 from walkerlab.settings.settings import Algorithm, Robot, Settings, Simulation, Terrain
-from walkerlab.widgets.controls import OWN, controls_of, idle
-from walkerlab.widgets.form import KINDS, Form
+from walkerlab.widgets.controls import FUNCTION_PREFIX, make_controls, unused_settings
+from walkerlab.widgets.form import DOMAINS as DOMAINS_BY_NAME
+from walkerlab.widgets.form import Form
 from walkerlab.widgets.presets import PRESETS
 
 DOMAINS = (Terrain, Robot, Algorithm, Simulation)
 
 
-def every_place():
+def setting_names():
     return [f"{domain}.{field}" for domain, field in Settings.places().values()]
 
 
@@ -29,24 +30,24 @@ def controls(form):
 
 
 def send(form, **values):
-    """Say what a browser says: plain JSON of all values, some of them changed (``terrain__step_height=0.2``)."""
-    said = json.loads(json.dumps(form.values))
-    for place, value in values.items():
-        domain, _, field = place.partition("__")
-        said[domain][field] = value
-    form.set_state({"values": json.loads(json.dumps(said))})
+    """Send all values as a browser does, some of them changed (``terrain__step_height=0.2``)."""
+    sent = json.loads(json.dumps(form.values))
+    for setting, value in values.items():
+        domain, _, field = setting.partition("__")
+        sent[domain][field] = value
+    form.set_state({"values": json.loads(json.dumps(sent))})
 
 
 # -------------------------------------------------------------------------------------------------- controls
 
 
 def test_every_setting_has_a_control():
-    assert list(controls(Form())) == every_place()
+    assert list(controls(Form())) == setting_names()
 
 
 @pytest.mark.parametrize("kind", DOMAINS)
-def test_every_control_says_what_was_declared_of_its_setting(kind):
-    for control in controls_of(kind):
+def test_every_control_agrees_with_the_declaration_of_its_setting(kind):
+    for control in make_controls(kind):
         declared = kind.declared()[control["name"]]
         assert control["about"].split()[-1] == declared.about.split()[-1]
         assert kind.declared()[control["name"]](control["default"]) == kind.model_fields[control["name"]].default
@@ -59,8 +60,8 @@ def test_every_control_says_what_was_declared_of_its_setting(kind):
 
 
 @pytest.mark.parametrize("kind", DOMAINS)
-def test_a_slider_goes_from_end_to_end_in_steps_that_can_be_seen_and_stops_at_the_default(kind):
-    for control in controls_of(kind):
+def test_a_slider_covers_its_range_in_visible_steps_and_stops_at_the_default(kind):
+    for control in make_controls(kind):
         if "stops" in control:
             stops, default = control["stops"], control["default"]
             assert stops == sorted(set(stops))
@@ -71,14 +72,14 @@ def test_a_slider_goes_from_end_to_end_in_steps_that_can_be_seen_and_stops_at_th
             assert not control["whole"] or all(stop == int(stop) for stop in stops)
 
 
-def test_a_wide_range_gives_each_decade_the_same_room():
-    (weight,) = (control for control in controls_of(Robot) if control["name"] == "weight")
+def test_a_wide_range_has_the_same_number_of_stops_in_each_decade():
+    (weight,) = (control for control in make_controls(Robot) if control["name"] == "weight")
     assert [sum(low <= stop < 10 * low for stop in weight["stops"]) for low in (0.1, 1, 10)] == [35, 35, 35]
 
 
-def test_all_that_is_shown_is_plain_data():
+def test_the_traits_for_the_browser_are_plain_data():
     form = Form(Settings().with_(selection=tournament, mutation=["micro", partial(tournament, size=7)]))
-    for trait in ("tabs", "values", "faults", "idle", "presets"):
+    for trait in ("tabs", "values", "faults", "unused", "presets"):
         assert json.loads(json.dumps(getattr(form, trait))) == getattr(form, trait)
 
 
@@ -91,92 +92,100 @@ def test_all_that_is_shown_is_plain_data():
         ("legs", ["robot.legs"]),
     ],
 )
-def test_a_form_of_some_settings_shows_these_and_keeps_the_others(only, places):
+def test_a_form_of_some_settings_keeps_the_others(only, places):
     form = Form(Settings().with_(duration=5, legs=(4, 6)), only=only)
     assert list(controls(form)) == places
     send(form, terrain__step_height=0.2)
     assert form.settings == Settings().with_(duration=5, legs=(4, 6), step_height=0.2)
 
 
-def test_a_form_of_what_there_is_not_says_what_was_meant():
+def test_an_unknown_setting_is_reported_with_a_similar_name():
     with pytest.raises(ValueError, match=r"no setting 'step_hight'.* 'step_height'"):
         Form(only=["step_hight"])
 
 
-# ------------------------------------------------------------------------------------- settings, to and fro
+# ------------------------------------------------------------------------------------------------ settings
 
 
 @given(all_settings)
 @settings(max_examples=60, deadline=None)
-def test_what_is_set_is_what_it_says(made):
+def test_settings_survive_a_round_trip_through_the_controls(expected_settings):
     form = Form()
-    form.settings = made
-    assert form.settings == made
+    form.settings = expected_settings
+    assert form.settings == expected_settings
     assert form.fault == ""
-    said = json.loads(json.dumps(form.values))
+    values = json.loads(json.dumps(form.values))
     other = Form()
-    other.set_state({"values": said})
-    assert other.settings == made
-    assert other.values == said
+    other.set_state({"values": values})
+    assert other.settings == expected_settings
+    assert other.values == values
 
 
-def test_a_moved_control_is_told_once():
-    form, told = Form(), []
-    form.observe(lambda change: told.append(change.new), "settings")
+def test_a_changed_control_notifies_once():
+    form, notified = Form(), []
+    form.observe(lambda change: notified.append(change.new), "settings")
     send(form, terrain__step_height=0.2)
     send(form, terrain__step_height=0.2)
-    assert told == [Settings().with_(step_height=0.2)]
+    assert notified == [Settings().with_(step_height=0.2)]
 
 
-def test_setting_settings_moves_the_controls_and_is_told_once():
-    form, told = Form(), []
-    form.observe(lambda change: told.append(change.new), "settings")
+def test_setting_settings_changes_the_controls_and_notifies_once():
+    form, notified = Form(), []
+    form.observe(lambda change: notified.append(change.new), "settings")
     form.settings = Settings().with_(structure="stairs")
     assert form.values["terrain"]["structure"] == "stairs"
-    assert told == [Settings().with_(structure="stairs")]
+    assert notified == [Settings().with_(structure="stairs")]
 
 
-def test_settings_must_be_settings():
+def test_settings_of_another_type_are_rejected():
     with pytest.raises(TraitError):
         Form().settings = {"terrain": {}}
 
 
-def own_pick(fitness, n_parents, *, rng):
+def user_selection(fitness, n_parents, *, rng):
     return rng.permutation(n_parents)
 
 
-def test_functions_of_ones_own_are_choices_and_stay_when_other_things_change():
+def test_user_functions_are_options_and_stay_when_other_settings_change():
     sharp = partial(tournament, size=7)
-    made = Settings().with_(selection=[sharp, "rank", own_pick], fitness=own_pick)
-    form = Form(made)
-    assert form.values["algorithm"]["selection"] == [f"{OWN}tournament(size=7)", "rank", f"{OWN}own_pick"]
+    expected_settings = Settings().with_(selection=[sharp, "rank", user_selection], fitness=user_selection)
+    form = Form(expected_settings)
+    assert form.values["algorithm"]["selection"] == [
+        f"{FUNCTION_PREFIX}tournament(size=7)",
+        "rank",
+        f"{FUNCTION_PREFIX}user_selection",
+    ]
     offered = [option["name"] for option in controls(form)["algorithm.selection"]["options"]]
-    assert offered[-2:] == [f"{OWN}tournament(size=7)", f"{OWN}own_pick"]
+    assert offered[-2:] == [f"{FUNCTION_PREFIX}tournament(size=7)", f"{FUNCTION_PREFIX}user_selection"]
     send(form, simulation__duration=5)
-    assert form.settings == made.with_(duration=5)
+    assert form.settings == expected_settings.with_(duration=5)
     send(form, algorithm__selection="gradient")
-    send(form, algorithm__selection=["uniform", f"{OWN}own_pick"])
-    assert form.settings == made.with_(duration=5, selection=["uniform", own_pick])
+    send(form, algorithm__selection=["uniform", f"{FUNCTION_PREFIX}user_selection"])
+    assert form.settings == expected_settings.with_(duration=5, selection=["uniform", user_selection])
 
 
-def test_two_functions_of_one_name_are_two_and_a_new_one_takes_the_place_of_the_old():
+def test_functions_of_the_same_name_are_distinguished():
     first, second, third = ((lambda fitness, n, *, rng: None) for _ in range(3))
     form = Form(Settings().with_(selection=[first, second, first]))
-    assert form.values["algorithm"]["selection"] == [f"{OWN}<lambda>", f"{OWN}<lambda>′", f"{OWN}<lambda>"]
+    assert form.values["algorithm"]["selection"] == [
+        f"{FUNCTION_PREFIX}<lambda>",
+        f"{FUNCTION_PREFIX}<lambda>′",
+        f"{FUNCTION_PREFIX}<lambda>",
+    ]
     assert form.settings.algorithm.selection == (first, second, first)
     form.settings = Settings().with_(selection=third)
     form.settings = Settings().with_(selection=first)
     assert form.settings.algorithm.selection is first
 
 
-def test_a_function_that_was_not_given_cannot_be_chosen():
+def test_a_function_that_was_not_given_is_rejected():
     form = Form()
-    send(form, algorithm__selection=f"{OWN}system")
+    send(form, algorithm__selection=f"{FUNCTION_PREFIX}system")
     assert form.settings is None
     assert "algorithm.selection" in form.faults
 
 
-# --------------------------------------------------------------------------------------- what cannot be
+# ------------------------------------------------------------------------------------------ invalid values
 
 CLASHES = [
     {"texture_density": 0.9, "texture_size": 0.02},
@@ -201,14 +210,15 @@ CLASHES = [
 
 
 @pytest.mark.parametrize("clash", CLASHES, ids=lambda clash: ", ".join(clash))
-def test_what_cannot_be_is_told_beside_each_field_that_it_names(clash):
-    form, places = Form(), Settings.places()
-    with pytest.raises(SettingsError) as refused:
+def test_an_invalid_combination_is_reported_at_each_setting_that_it_names(clash):
+    form = Form()
+    places = Settings.places()
+    with pytest.raises(SettingsError) as caught:
         Settings().with_(**clash)
     send(form, **{"__".join(places[name]): value for name, value in clash.items()})
     assert form.settings is None
-    assert form.fault == str(refused.value)
-    named = {word.rstrip(".,:;").lower() for word in form.fault.split()} & {*every_place()}
+    assert form.fault == str(caught.value)
+    named = {word.rstrip(".,:;").lower() for word in form.fault.split()} & {*setting_names()}
     assert set(form.faults) == named
     assert {".".join(places[name]) for name in clash} & named
     for sentence in form.faults.values():
@@ -218,7 +228,7 @@ def test_what_cannot_be_is_told_beside_each_field_that_it_names(clash):
     assert (form.settings, form.fault, form.faults) == (Settings(), "", {})
 
 
-def test_faults_of_several_domains_are_all_told():
+def test_errors_of_several_domains_are_all_reported():
     form = Form()
     send(form, terrain__step_height=9, robot__legs=[3, 3], algorithm__n_elites=500)
     assert set(form.faults) == {
@@ -226,7 +236,7 @@ def test_faults_of_several_domains_are_all_told():
     }  # fmt: skip
 
 
-def test_settings_that_are_set_mend_what_was_wrong():
+def test_setting_settings_fixes_invalid_values():
     form = Form()
     send(form, terrain__step_height=9)
     form.settings = Settings()
@@ -241,14 +251,16 @@ garbage = st.recursive(
     | st.floats()
     | st.text()
     | st.sampled_from([10**400, "ƒ", "\0", "Robot.x"]),
-    lambda inside: st.lists(inside) | st.dictionaries(st.text() | st.sampled_from([*KINDS, "seed", "legs"]), inside),
+    lambda inside: (
+        st.lists(inside) | st.dictionaries(st.text() | st.sampled_from([*DOMAINS_BY_NAME, "seed", "legs"]), inside)
+    ),
     max_leaves=8,
 )
 
 
 @given(place=st.sampled_from(sorted(Settings.places().values())), sent=garbage)
 @settings(deadline=None)
-def test_a_value_that_is_no_setting_is_a_fault_beside_its_field_and_raises_nothing(place, sent):
+def test_an_invalid_value_is_reported_at_its_setting_and_raises_nothing(place, sent):
     form, (domain, field) = Form(), place
     form.set_state({"values": form.values | {domain: form.values[domain] | {field: sent}}})
     if form.settings is None:
@@ -259,13 +271,13 @@ def test_a_value_that_is_no_setting_is_a_fault_beside_its_field_and_raises_nothi
 
 @given(st.dictionaries(st.sampled_from(sorted(Form().keys)), garbage), garbage)
 @settings(deadline=None)
-def test_whatever_a_browser_sends_the_form_stays_whole(state, values):
+def test_the_form_stays_consistent_for_any_message(state, values):
     form = Form()
     tabs, presets = form.tabs, form.presets
     form.set_state(state)
     form.set_state({"values": values, "preset": values})
     assert {domain: list(fields) for domain, fields in form.values.items()} == {
-        domain: list(kind.model_fields) for domain, kind in KINDS.items()
+        domain: list(kind.model_fields) for domain, kind in DOMAINS_BY_NAME.items()
     }
     assert (form.tabs, form.presets) == (tabs, presets)
     assert (form.settings is None) == bool(form.fault)
@@ -273,19 +285,19 @@ def test_whatever_a_browser_sends_the_form_stays_whole(state, values):
     assert (form.fault, form.values["simulation"]["duration"]) == ("", 3)
 
 
-# ------------------------------------------------------------------------------------- what does not matter
+# ----------------------------------------------------------------------------------------- unused settings
 
 
 @given(all_settings)
 @settings(max_examples=30, deadline=None)
-def test_what_does_not_matter_has_a_reason_that_fits_beside_it(made):
-    for place, why in idle(made.model_dump()).items():
-        assert place in every_place()
-        assert 0 < len(why) <= 18
+def test_every_unused_setting_has_a_short_reason(expected_settings):
+    for setting, reason in unused_settings(expected_settings.model_dump()).items():
+        assert setting in setting_names()
+        assert 0 < len(reason) <= 18
 
 
 @pytest.mark.parametrize(
-    ("changes", "matter"),
+    ("changes", "expected"),
     [
         ({"structure": "stairs"}, {"terrain.step_height", "terrain.step_depth"}),
         ({"structure": "incline"}, {"terrain.incline"}),
@@ -294,18 +306,18 @@ def test_what_does_not_matter_has_a_reason_that_fits_beside_it(made):
         ({"texture_density": 0.1}, {"terrain.texture_size", "terrain.seed"}),
         ({"obstacle": "box"}, {"terrain.obstacle_size", "terrain.obstacle_density", "terrain.seed"}),
         ({"mutation": ["micro", "favored"]}, {"algorithm.favored_gene"}),
-        ({"mutation": own_pick}, {"algorithm.favored_gene"}),
+        ({"mutation": user_selection}, {"algorithm.favored_gene"}),
     ],
 )
-def test_a_choice_wakes_the_settings_that_it_needs(changes, matter):
+def test_an_option_uses_the_settings_that_it_needs(changes, expected):
     form = Form()
-    asleep = set(form.idle)
+    unused_before = set(form.unused)
     form.settings = Settings().with_(**changes)
-    assert asleep - set(form.idle) == matter
+    assert unused_before - set(form.unused) == expected
 
 
-def test_a_guard_that_is_off_needs_no_number():
-    assert set(Form(Settings().with_(forgive=["too_fast", "airborne"])).idle) >= {
+def test_the_limit_of_a_forgiven_verdict_is_unused():
+    assert set(Form(Settings().with_(forgive=["too_fast", "airborne"])).unused) >= {
         "simulation.max_speed", "simulation.max_airborne",
     }  # fmt: skip
 
@@ -314,14 +326,14 @@ def test_a_guard_that_is_off_needs_no_number():
 
 
 @pytest.mark.parametrize("name", PRESETS)
-def test_a_preset_changes_the_world_and_nothing_else(name):
+def test_a_preset_changes_only_terrain_and_robot(name):
     form = Form(Settings().with_(structure="stairs", legs=(4, 8), seed=5, duration=3))
     form.set_state({"preset": name})
     assert form.preset == name
     assert form.settings == Settings().with_(seed=5, duration=3, **PRESETS[name].changes)
 
 
-def test_a_preset_is_named_as_long_as_it_is_the_world():
+def test_the_preset_is_named_while_the_settings_equal_it():
     form = Form()
     assert form.preset == "Earth"
     form.settings = Settings().with_(gravity="moon", texture="sand", duration=3)
@@ -332,14 +344,14 @@ def test_a_preset_is_named_as_long_as_it_is_the_world():
     assert form.preset == ""
 
 
-def test_a_preset_mends_what_was_wrong():
+def test_a_preset_fixes_invalid_values():
     form = Form()
     send(form, terrain__step_height=9)
     form.set_state({"preset": "Earth"})
     assert form.settings == Settings()
 
 
-def test_a_form_offers_the_presets_of_which_all_is_shown():
+def test_a_form_offers_the_presets_of_the_shown_domains():
     assert not Form(only=["structure"]).presets
     assert not Form(only=["algorithm"]).presets
     offered = {preset["name"] for preset in Form(only=["terrain"]).presets}
@@ -350,12 +362,11 @@ def test_a_form_offers_the_presets_of_which_all_is_shown():
     assert form.settings == Settings().with_(legs=(4, 8), texture="ice")
 
 
-def test_settings_that_are_seen_only_if_they_matter_are_those_of_one_structure_or_another():
-    told = {control["name"] for control in controls_of(Terrain) if control["alternative"]}
-    places = {f"terrain.{name}" for name in told}
+def test_structure_settings_are_those_used_by_single_structures():
+    places = {f"terrain.{control['name']}" for control in make_controls(Terrain) if control["structure_only"]}
     for structure in Structure:
         values = Settings().with_(structure=structure).model_dump()
-        assert len(places - idle(values).keys()) <= 2, "or the place that is kept for them is too low"
-    everywhere = [idle(Settings().with_(structure=structure).model_dump()).keys() for structure in Structure]
+        assert len(places - unused_settings(values).keys()) <= 2, "the height of their group in form.css fits two"
+    everywhere = [unused_settings(Settings().with_(structure=structure).model_dump()).keys() for structure in Structure]
     assert places <= set.union(*map(set, everywhere))
     assert not places & set.intersection(*map(set, everywhere))

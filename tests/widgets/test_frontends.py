@@ -1,21 +1,21 @@
-"""The pieces of the panel work in JupyterLab, in Notebook 7 and under Voila, by mouse and by keyboard, at any time."""
+"""Components work in JupyterLab, Notebook 7 and Voila, by mouse and by keyboard, also while a cell is running."""
 
 import pytest
 
 from tests.frontends import book, finish_all, open_notebook, run_all, start_all
 from tests.reach import beyond_keyboard, reached_by_keyboard, unnamed_controls
 
-# A piece in a box, with a button that Python answers and one of each kind of control.
+# A component with a button that Python answers and one of each kind of control.
 ECHO = '''
 import threading
 from ipywidgets import VBox
-from walkerlab.widgets.component import Part
+from walkerlab.widgets.component import Component
 
-class Echo(Part):
+class Echo(Component):
     _esm = """
     function render({ model, el }) {
         const root = document.createElement("div"), answer = document.createElement("output");
-        root.className = "wl-part wl-echo";
+        root.className = "wl-component wl-echo";
         root.innerHTML = `<button>press</button>
             <label>step height <input type="range"></label>
             <label>camera <select><option>side<option>top</select></label>
@@ -40,7 +40,7 @@ on_main = lambda: threading.current_thread() is threading.main_thread()
 VBox([echo])
 '''
 
-# A cell that goes on until it is told that it is over.
+# A cell that runs until the file "over" exists.
 LONG = """
 from pathlib import Path
 from time import sleep, monotonic
@@ -57,33 +57,33 @@ def press(page):
     return float(page.locator(".wl-echo").get_attribute("data-waited")) / 1000
 
 
-def test_a_piece_is_shown_and_answers(page, jupyter, frontend):
+def test_a_component_is_displayed_and_answers(page, jupyter, frontend):
     assert run_all(page, jupyter.put(book(ECHO), frontend)) == []
     assert press(page) < 1
 
 
-def test_an_error_is_told(page, jupyter, frontend):
+def test_an_error_of_a_cell_is_returned(page, jupyter, frontend):
     [error] = run_all(page, jupyter.put(book("1 + 1", "1 / 0", "2 + 2"), frontend))
     assert "ZeroDivisionError: division by zero" in error
 
 
 @pytest.mark.parametrize("frontend", ["JupyterLab", "Notebook 7"])
-def test_a_piece_answers_within_a_second_while_a_cell_is_running(page, jupyter, frontend):
+def test_a_component_answers_within_a_second_while_a_cell_is_running(page, jupyter, frontend):
     over = jupyter.folder / "over"
     over.unlink(missing_ok=True)
     open_notebook(page, jupyter.put(book(ECHO, LONG), frontend))
     start_all(page)
     assert press(page) < 1
     assert page.locator(".wl-echo output").inner_text() == "on another thread"
-    assert page.locator(".jp-InputPrompt", has_text="[*]").count() == 1, "or this shows nothing"
+    assert page.locator(".jp-InputPrompt", has_text="[*]").count() == 1, "the cell is still running"
     over.touch()
     assert finish_all(page) == []
 
 
 @pytest.mark.parametrize("frontend", ["JupyterLab", "Notebook 7"])
-def test_keys_are_for_the_control_that_has_the_focus_and_not_for_the_notebook(page, jupyter, frontend):
+def test_keys_act_on_the_focused_control_and_not_on_the_notebook(page, jupyter, frontend):
     assert run_all(page, jupyter.put(book("1 + 1", ECHO, "2 + 2"), frontend)) == []
-    for name, key, moved in (
+    for name, key, expected in (
         ("step height", "ArrowDown", "49"),
         ("camera", "ArrowDown", "top"),
         ("seed", "ArrowUp", "1"),
@@ -91,16 +91,16 @@ def test_keys_are_for_the_control_that_has_the_focus_and_not_for_the_notebook(pa
         control = page.get_by_label(name)
         control.focus()
         page.keyboard.press(key)
-        assert control.input_value() == moved
+        assert control.input_value() == expected
     page.get_by_label("flat").focus()
     page.keyboard.press("ArrowDown")
     assert page.get_by_label("stairs").is_checked()
     page.get_by_role("button", name="press").focus()
     page.keyboard.press("x")
-    assert page.locator(".jp-CodeCell").count() == 3, "for the notebook, x means to cut the cell"
+    assert page.locator(".jp-CodeCell").count() == 3, "in the notebook, x cuts the cell"
 
 
-def test_controls_are_reached_and_named(page, jupyter, frontend):
+def test_controls_are_reached_by_keyboard_and_named(page, jupyter, frontend):
     assert run_all(page, jupyter.put(book(ECHO), frontend)) == []
     page.locator(".wl-echo").wait_for()
     assert unnamed_controls(page, ".wl-echo") == []
@@ -108,7 +108,7 @@ def test_controls_are_reached_and_named(page, jupyter, frontend):
     assert len(reached_by_keyboard(page, ".wl-echo")) == 5
 
 
-def test_what_is_out_of_reach_or_has_no_name_is_found(page):
+def test_unreachable_and_unnamed_controls_are_found(page):
     page.set_content(
         """<div id="panel"><button>named</button> <input type="range"> <button disabled></button>
         <span role="button" tabindex="0"></span> <button tabindex="-1">never</button> <button hidden></button>

@@ -1,4 +1,4 @@
-"""The whole panel in a real browser: everything that a student does with it, by mouse and by keyboard."""
+"""The whole panel in a real browser, used by mouse and by keyboard."""
 
 import os
 import re
@@ -18,12 +18,12 @@ s = wl.Settings().with_(population_size=20, generations=60, duration=4)
 lab = wl.Lab(s)
 lab
 """
-ROOMS = ("form", "world", "transport", "curve", "shelf", "drawer", "population", "robot")
+COMPONENTS = ("form", "world", "transport", "curve", "run-list", "drawer", "population", "robot")
 IN_NOTEBOOKS = pytest.mark.parametrize("frontend", ["JupyterLab", "Notebook 7"])
 
 
 def picture(page, name):
-    """Keep a picture of the page for people to look at, if they want any."""
+    """Save a screenshot of the page if WALKERLAB_SCREENSHOTS names a folder."""
     if folder := os.environ.get("WALKERLAB_SCREENSHOTS"):
         page.screenshot(path=Path(folder) / f"panel-{name}.png")
 
@@ -50,13 +50,13 @@ def curve_says(page, words):
     )
 
 
-def places(page):
-    """Where each room of the panel is on the page."""
-    return {room: page.locator(f".wl-lab .wl-{room}").first.bounding_box() for room in ROOMS}
+def boxes(page):
+    """Return the bounding box of each component of the panel."""
+    return {name: page.locator(f".wl-lab .wl-{name}").first.bounding_box() for name in COMPONENTS}
 
 
 def only_run(jupyter):
-    """The run file that the panel has made."""
+    """Return the run file that the panel has created."""
     [path] = (jupyter.folder / "lab").glob("*/run.walk")
     return path
 
@@ -79,8 +79,8 @@ def test_a_student_evolves_a_walker(page, jupyter):
     page.keyboard.press("ArrowLeft")
     assert page.get_by_role("tab", name="robot").get_attribute("aria-selected") == "true"
 
-    # a run that grows, pauses, goes on
-    before = places(page)
+    # a run that is started, paused and continued
+    before = boxes(page)
     button(page, "Start").click()
     curve_says(page, "generations:")
     button(page, "Pause").click()
@@ -90,26 +90,26 @@ def test_a_student_evolves_a_walker(page, jupyter):
     button(page, "One generation").click()
     page.locator(".wl-transport", has_not_text=at_rest).wait_for()
     says(page, "Paused after")
-    assert places(page).keys() == before.keys()
-    assert [box["y"] for box in places(page).values()][:6] == [box["y"] for box in before.values()][:6], "nothing jumps"
+    assert boxes(page).keys() == before.keys()
+    assert [box["y"] for box in boxes(page).values()][:6] == [box["y"] for box in before.values()][:6]
 
-    # one robot: selected by keyboard, watched, edited, put into the next generation
+    # one robot: selected by keyboard, watched, inserted into the next generation
     robots = page.locator(".wl-population [role=option]")
     robots.first.focus()
     page.keyboard.press("ArrowRight")
     page.keyboard.press("Enter")
     number = robots.nth(1).get_attribute("data-robot")
     says(page, f"Robot {number}", ".wl-robot")
-    page.get_by_role("button", name="Let it walk").click()
+    page.get_by_role("button", name="Play its walk").click()
     replay = page.locator(".wl-robot iframe").element_handle(timeout=30_000).content_frame()
     replay.wait_for_function("window.walkerlab && walkerlab.state.time > 0.1", timeout=30_000)
     picture(page, "replay")
     page.locator('button[title^="close the replay"]').click()
-    page.get_by_role("button", name="Put it into the next generation").click()
-    says(page, "It will be in generation", ".wl-robot")
+    page.get_by_role("button", name="Insert into the next generation").click()
+    says(page, "The gene will be in generation", ".wl-robot")
 
-    # to its end; what comes out of it
-    button(page, "Go on").click()
+    # stop, export and code
+    button(page, "Continue").click()
     page.locator(".wl-transport", has_not_text="Paused").wait_for()
     button(page, "Stop").click()
     says(page, "Stopped after")
@@ -118,21 +118,22 @@ def test_a_student_evolves_a_walker(page, jupyter):
     button(page, "Copy as code", ".wl-drawer").click()
     says(page, "Copied", ".wl-drawer")
     path = only_run(jupyter)
-    records, place = wl.load(path).records, {}
-    exec(page.get_by_label("the Python that repeats this run").input_value(), place)
-    pd.testing.assert_frame_equal(place["run"].records, records)
+    records = wl.load(path).records
+    namespace = {}
+    exec(page.get_by_label("Python code that repeats this run").input_value(), namespace)
+    pd.testing.assert_frame_equal(namespace["run"].records, records)
     assert {"report.html", "replay.html", "fitness.svg", "records.csv"} <= {one.name for one in path.parent.iterdir()}
     picture(page, "stopped")
     page.set_viewport_size({"width": 900, "height": 800})
     picture(page, "narrow")
 
-    # the snapshot has followed, and never rebuilt the panel; without a kernel it takes the panel's place
+    # the snapshot is up to date, and replaces the panel only without a kernel
     page.locator(".wl-snapshot", has_text="Stopped after").wait_for(state="attached")
     assert page.locator(".wl-snapshot").is_hidden()
     assert page.locator(".wl-lab[data-is='the first view']").count() == 1
     page.evaluate("jupyterapp.commands.execute('docmanager:save')")
     jupyter.end_kernels()
-    reopened = page.context.new_page()  # whose console complains that there is no such widget
+    reopened = page.context.new_page()  # its console reports a missing widget
     reopened.goto(jupyter.address_of("book.ipynb", stem="reopened"))
     snapshot = reopened.locator(".wl-snapshot", has_text="Stopped after")
     snapshot.get_by_role("img", name="generations:").wait_for(timeout=30_000)
@@ -151,12 +152,12 @@ def test_it_answers_while_a_cell_is_running(page, jupyter, frontend):
     says(page, "Paused after")
     button(page, "Stop").click()
     says(page, "Stopped after")
-    assert page.locator(".jp-InputPrompt", has_text="[*]").count() >= 1, "or this shows nothing"
+    assert page.locator(".jp-InputPrompt", has_text="[*]").count() >= 1, "the cell is still running"
     over.touch()
     assert finish_all(page) == []
 
 
-def test_cells_run_while_it_runs_and_closed_it_is_gone(page, jupyter):
+def test_cells_run_during_a_run_and_a_closed_panel_is_removed(page, jupyter):
     wait = "import time\nwhile not (lab.run and lab.run.n_generations):\n    time.sleep(0.1)"
     n_workers = (
         "from pathlib import Path\nimport os\n\n"
@@ -166,7 +167,7 @@ def test_cells_run_while_it_runs_and_closed_it_is_gone(page, jupyter):
         "    return sum(b'LokyProcess' in name for name in names)\n"
     )
     end = "lab.close()\nend = time.monotonic() + 20\nwhile workers() and time.monotonic() < end:\n    time.sleep(0.2)\n"
-    cells = (f"{wait}\n{n_workers}", "assert workers() > 0, 'or this shows nothing'", f"{end}assert not workers()")
+    cells = (f"{wait}\n{n_workers}", "assert workers() > 0, 'the panel has workers'", f"{end}assert not workers()")
     open_notebook(page, jupyter.put(book(PANEL, *cells)))
     start_all(page)
     button(page, "Start").click()
@@ -174,7 +175,7 @@ def test_cells_run_while_it_runs_and_closed_it_is_gone(page, jupyter):
     assert page.locator(".wl-transport").count() == 0
 
 
-def test_every_control_has_a_name_and_comes_with_the_tab_key(page, jupyter, frontend):
+def test_every_control_has_a_name_and_is_reached_by_keyboard(page, jupyter, frontend):
     open_panel(page, jupyter, frontend)
     says(page, "on this computer")
     button(page, "One generation").click()
@@ -185,14 +186,14 @@ def test_every_control_has_a_name_and_comes_with_the_tab_key(page, jupyter, fron
         assert unnamed_controls(page, ".wl-lab") == []
         assert beyond_keyboard(page, ".wl-lab .wl-form") == []
     assert beyond_keyboard(page, ".wl-lab") == []
-    button(page, "Go on").click()
+    button(page, "Continue").click()
     curve_says(page, "generations:")
     button(page, "Stop").click()
     says(page, "Stopped after")
     picture(page, frontend.replace(" ", "-"))
 
 
-def test_what_cannot_be_keeps_start_from_being_pressed(page, jupyter):
+def test_invalid_settings_disable_the_start_button(page, jupyter):
     open_panel(page, jupyter, "JupyterLab")
     page.get_by_role("tab", name="algorithm").click()
     page.get_by_role("spinbutton", name="elites").fill("20")
@@ -213,27 +214,31 @@ def test_two_panels_in_one_notebook(page, jupyter):
     for panel in (first, second):
         panel.get_by_role("button", name="One generation").click()
         panel.locator(".wl-transport", has_text="Paused after generation 0").wait_for(timeout=60_000)
-    first.get_by_role("button", name="Go on").click()
-    first.locator(".wl-transport", has_text=re.compile(r"Generation \d+ of 0 to 59 walks")).wait_for(timeout=60_000)
-    assert second.locator(".wl-transport", has_text="Paused after generation 0").count() == 1  # though out of sight
+    first.get_by_role("button", name="Continue").click()
+    first.locator(".wl-transport", has_text=re.compile(r"Generation \d+ of 0 to 59 is running")).wait_for(
+        timeout=60_000
+    )
+    assert (
+        second.locator(".wl-transport", has_text="Paused after generation 0").count() == 1
+    )  # although it is not visible
     first.get_by_role("button", name="Stop").click()
     first.locator(".wl-transport", has_text="Stopped").wait_for()
-    assert second.get_by_role("button", name="Go on").is_enabled()
+    assert second.get_by_role("button", name="Continue").is_enabled()
 
 
-def test_a_cell_that_runs_again_closes_the_panel_that_it_had(page, jupyter):
+def test_a_cell_that_runs_again_closes_its_earlier_panel(page, jupyter):
     open_panel(page, jupyter, "JupyterLab")
     button(page, "Start").click()
     curve_says(page, "generations:")
     page.locator(".jp-Cell .jp-InputArea-editor").first.click()
     page.keyboard.press("Control+Enter")
-    says(page, "The panel that stood here is closed")
+    says(page, "The earlier panel of this cell was closed")
     assert page.locator(".wl-transport").count() == 1
     assert button(page, "Start").is_enabled()
-    page.get_by_label("a run file to load").fill(str(only_run(jupyter)))
+    page.get_by_label("run file to load").fill(str(only_run(jupyter)))
     button(page, "Load", ".wl-drawer").click()
     says(page, "Loaded", ".wl-drawer")
-    button(page, "Take its settings", ".wl-drawer").click()
+    button(page, "Use its settings", ".wl-drawer").click()
     curve_says(page, "generations:")
 
 
@@ -248,7 +253,7 @@ lab
 """
 
 
-def test_a_function_that_goes_wrong_is_told_with_how_to_go_on(page, jupyter):
+def test_an_error_in_a_user_function_is_reported_with_how_to_resume(page, jupyter):
     page.set_viewport_size({"width": 1280, "height": 800})
     assert run_all(page, jupyter.put(book(FAULTY), "JupyterLab")) == []
     page.locator(".wl-lab .wl-transport").first.scroll_into_view_if_needed()
@@ -259,5 +264,5 @@ def test_a_function_that_goes_wrong_is_told_with_how_to_go_on(page, jupyter):
     says(page, f"run = wl.resume('{path}', mutation=bad)", ".wl-drawer")
     drawer = page.locator(".wl-drawer").first
     drawer.scroll_into_view_if_needed()
-    assert drawer.evaluate("one => one.scrollHeight <= one.clientHeight"), "nothing of it is cut off"
+    assert drawer.evaluate("one => one.scrollHeight <= one.clientHeight"), "the message is not cut off"
     picture(page, "fault")

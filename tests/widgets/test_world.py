@@ -1,4 +1,4 @@
-"""The world as it will be: drawn when something changes, once, on any thread."""
+"""The world is drawn once for each change, on any thread."""
 
 import threading
 
@@ -12,32 +12,33 @@ from walkerlab.widgets.world import World
 
 @pytest.fixture
 def drawings(monkeypatch):
-    """Keep what has been drawn: settings and genome of each."""
-    kept, draw = [], sketch.draw_world
+    """Record settings and genome of each drawing."""
+    drawings = []
+    draw = sketch.draw_world
 
     def world(settings, genome):
-        kept.append((settings, genome))
+        drawings.append((settings, genome))
         return draw(settings, genome)
 
     monkeypatch.setattr(sketch, "draw_world", world)
-    return kept
+    return drawings
 
 
-def test_it_shows_the_settings_and_the_genome_that_it_has(drawings):
+def test_it_shows_its_settings_and_its_genome(drawings):
     settings = wl.Settings().with_(gravity="moon")
     world = World(settings, GENOME)
     assert drawings == [(settings, wl.Genome.parse(GENOME))]
     assert world.picture == sketch.draw_world(settings, GENOME)
 
 
-def test_a_robot_of_chance_is_one_with_which_a_run_begins(drawings):
+def test_random_robots_are_those_of_generation_0(drawings):
     settings = wl.Settings().with_(seed=3, population_size=4)
     begin = wl.generate_robot_population(settings.robot, 4, seed=3)
     World(settings)._handle_custom_msg("another", [])
     assert [genome.values.tolist() for _, genome in drawings] == begin[:2].tolist()
 
 
-def test_it_is_drawn_anew_once_for_each_change(drawings):
+def test_it_is_drawn_once_for_each_change(drawings):
     world, stairs = World(), wl.Settings().with_(structure="stairs")
     world.settings = stairs
     world.genome = wl.Genome.parse(GENOME)
@@ -47,7 +48,7 @@ def test_it_is_drawn_anew_once_for_each_change(drawings):
     assert len(drawings) == 4
 
 
-def test_a_button_puts_the_next_robot_of_chance_there(drawings):
+def test_the_button_shows_the_next_random_robot(drawings):
     world = World()
     for _ in range(2):
         world._handle_custom_msg("another", [])
@@ -55,14 +56,14 @@ def test_a_button_puts_the_next_robot_of_chance_there(drawings):
     assert world.by_chance
 
 
-def test_a_robot_of_ones_own_stays(drawings):
+def test_a_given_robot_stays(drawings):
     world = World(genome=GENOME)
     world._handle_custom_msg("another", [])
     assert not world.by_chance
     assert len(drawings) == 1
 
 
-def test_while_there_are_no_settings_the_drawing_stays(drawings):
+def test_without_settings_the_drawing_stays(drawings):
     world = World()
     before = world.picture
     world.settings = None
@@ -72,7 +73,7 @@ def test_while_there_are_no_settings_the_drawing_stays(drawings):
 
 
 @pytest.mark.parametrize("message", [None, {}, {"another": 1}, ["another"], 7, "another "])
-def test_what_makes_no_sense_is_passed_over(message, drawings):
+def test_invalid_messages_are_ignored(message, drawings):
     world = World()
     world._handle_custom_msg(message, [])
     assert len(drawings) == 1

@@ -21,7 +21,8 @@ def evolve(given: argparse.Namespace) -> int:
     with interrupts_held():
         from walkerlab.commands import flags
         from walkerlab.evolution.run import load
-        from walkerlab.runfile.store import RUN_FILE, RunFileError
+        from walkerlab.runfile.opening import RunFileError
+        from walkerlab.runfile.store import RUN_FILE
         from walkerlab.simulation.workers import n_cores
         from walkerlab.view import summary
 
@@ -159,7 +160,8 @@ def show(given: argparse.Namespace) -> int:
 def rescue(given: argparse.Namespace) -> int:
     """Save what is whole of a damaged run."""
     from walkerlab.evolution import run as runs
-    from walkerlab.runfile.store import RUN_FILE, RunFileError
+    from walkerlab.runfile.opening import RunFileError
+    from walkerlab.runfile.store import RUN_FILE
 
     out = shown(folder_path(given.out, "--out"))
     if (given.out / RUN_FILE).exists():
@@ -177,7 +179,7 @@ def stopped(given: argparse.Namespace) -> str:
     if given.run not in (evolve, resume):
         return "Stopped."
     from walkerlab.evolution.run import load
-    from walkerlab.runfile.store import RunFileError
+    from walkerlab.runfile.opening import RunFileError
 
     try:
         return kept(load(given.path if given.run is resume else given.out))

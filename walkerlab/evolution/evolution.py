@@ -24,8 +24,8 @@ from walkerlab.genome.repair import genes_of, repair
 from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.runfile import provenance, records, store
 from walkerlab.runfile.archive import Archive
+from walkerlab.runfile.opening import DamagedError, RunFileError
 from walkerlab.runfile.records import Individual, Walked
-from walkerlab.runfile.store import DamagedError, RunFileError
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.fields import SettingsError, count, did_you_mean, pasted
 from walkerlab.settings.settings import Settings

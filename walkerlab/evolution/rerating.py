@@ -11,9 +11,9 @@ from walkerlab.evolution.run import own_slots
 from walkerlab.ga.genes import Floats
 from walkerlab.ga.loop import Population
 from walkerlab.ga.user_functions import OperatorError
+from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.provenance import UNKNOWN, source_digest
 from walkerlab.runfile.records import Walked
-from walkerlab.runfile.store import RunFileError
 from walkerlab.settings.fields import function_name, number_text
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.evaluation import Evaluation

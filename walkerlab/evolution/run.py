@@ -16,8 +16,8 @@ from walkerlab.ga.user_functions import name_of
 from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.runfile import provenance, records, store
 from walkerlab.runfile.missing_functions import Missing, MissingFitness, remember_walks, typed_name
+from walkerlab.runfile.opening import DamagedError, RunFileError
 from walkerlab.runfile.records import Individual, copy_of
-from walkerlab.runfile.store import DamagedError, RunFileError
 from walkerlab.settings import binding, choices
 from walkerlab.settings.choices import Camera, Fitness
 from walkerlab.settings.fields import MAX_JSON, STORED_MODULES, Choice, SettingsError, brief, function_name

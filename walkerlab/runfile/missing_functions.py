@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from walkerlab.genome.genome import Genome
-from walkerlab.runfile.store import RunFileError
+from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings.binding import arguments_as_python
 from walkerlab.settings.choices import Camera
 from walkerlab.settings.fields import function_name

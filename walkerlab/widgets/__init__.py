@@ -1,4 +1,4 @@
-"""The panel, and the pieces that it is made of, each of use on its own in a lesson's cell."""
+"""The panel and its components, each of which can also be used alone in a notebook cell."""
 
 from walkerlab.widgets.curve import Curve as Curve
 from walkerlab.widgets.editor import Editor as Editor

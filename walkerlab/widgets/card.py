@@ -1,4 +1,4 @@
-"""The card of a robot: what it is, what the judge said of its walk, and from whom it descends."""
+"""The description of one robot: its body, the verdict on its walk, and its ancestors."""
 
 from typing import Any
 
@@ -11,23 +11,23 @@ from walkerlab.text.html import Html, details, facts, shown, table
 from walkerlab.view import summary
 from walkerlab.view.plots.tables import format_value
 
-COUNTS = "ok"
-SOME = 4  # parents that are named
+COUNTED = "ok"  # verdict on a walk that counts
+MAX_PARENTS = 4  # parents that are listed
 
 
-def card(records: pd.DataFrame, individual: int) -> str:
-    """Write the card of one robot of a run.
+def robot_card(records: pd.DataFrame, individual: int) -> str:
+    """Return the description of one robot of a run as HTML.
 
     Args:
-        records: the tidy table of the run.
-        individual: its number.
+        records: Table of the run.
+        individual: Number of the robot.
     """
     row: Any = births(records).loc[individual]
     units = records.attrs.get("units", {})
-    does_not = "" if row.verdict == COUNTS else f" That is, {row.reason}."
-    known = [
-        ("Born", f"in generation {row.born}, {_made(row)}"),
-        ("Verdict", f"{row.verdict}: {VERDICTS.get(row.verdict, '')}{does_not}"),
+    reason = "" if row.verdict == COUNTED else f" Details: {row.reason}."
+    entries = [
+        ("Born", f"in generation {row.born}, {_origin(row)}"),
+        ("Verdict", f"{row.verdict}: {VERDICTS.get(row.verdict, '')}{reason}"),
         ("Walk", f"{format_value(row.distance, 'm')} forward, {format_value(row.velocity, 'm/s')}"),
         (
             "Body",
@@ -35,28 +35,31 @@ def card(records: pd.DataFrame, individual: int) -> str:
             f"{format_value(row.body_length, 'm')} long",
         ),
     ]
-    if row.verdict == COUNTS:
-        known.insert(1, ("Fitness", format_value(row.fitness, units.get("fitness", ""))))
+    if row.verdict == COUNTED:
+        entries.insert(1, ("Fitness", format_value(row.fitness, units.get("fitness", ""))))
     best = ", the champion so far" if individual == champion(records).individual else ""
-    return shown(facts(f"Robot {individual}{best}", known), _line(records, individual))
+    return shown(facts(f"Robot {individual}{best}", entries), _lineage(records, individual))
 
 
-def _made(row: Any) -> str:
-    """Say how a robot came to be."""
+def _origin(row: Any) -> str:
+    """Describe how a robot was made."""
     parents = row.parents.split()
     if not parents:
-        return "made by hand" if row.operators == BY_HAND else "drawn by chance"
-    more = f" and {len(parents) - SOME} more" if len(parents) > SOME else ""
-    return f"child of {', '.join(parents[:SOME])}{more}, by {row.operators.replace(' > ', ', ')}"
+        return "made by hand" if row.operators == BY_HAND else "random"
+    more = f" and {len(parents) - MAX_PARENTS} more" if len(parents) > MAX_PARENTS else ""
+    return f"child of {', '.join(parents[:MAX_PARENTS])}{more}, by {row.operators.replace(' > ', ', ')}"
 
 
-def _line(records: pd.DataFrame, individual: int) -> Html:
+def _lineage(records: pd.DataFrame, individual: int) -> Html:
+    """Return the line of descent of a robot as a table; empty if the robot has no parents."""
     line = summary.format_descent(records, individual)
     if len(line) < 2:
         return Html("")
     rows = [
-        [f"… {skipped} more …", "", "", ""] if skipped else [one.individual, one.born, fitness, one.operators]
-        for one, fitness, skipped in line
+        [f"… {skipped} more …", "", "", ""]
+        if skipped
+        else [ancestor.individual, ancestor.born, fitness, ancestor.operators]
+        for ancestor, fitness, skipped in line
     ]
     lineage = table("Line of descent, through the fitter parent", ["robot", "born", "fitness", "made by"], rows)
-    return details("Its ancestors", lineage)
+    return details("Ancestors", lineage)

@@ -1,31 +1,34 @@
-"""Which panels a notebook's cell made when it ran before, so that they can give way when it runs again."""
+"""The widgets that each notebook cell has created, so that they can be closed when the cell runs again."""
 
 from typing import Any
 from weakref import WeakSet
 
 from IPython.core.getipython import get_ipython
 
-_MADE = dict[str, tuple[str, WeakSet[Any]]]()
-"""By cell, the run of it and what it made then."""
+_CREATED: dict[str, tuple[str, WeakSet[Any]]] = {}
+"""By cell ID, the ID of the cell's last execution and the widgets that it created."""
 
 
-def made_before(made_now: object) -> list[Any]:
-    """Return what the running cell made when it ran before, and remember what it makes now.
+def register_in_cell(widget: object) -> list[Any]:
+    """Register a widget as created by the running cell.
 
     Returns:
-        Nothing outside a notebook, or in one whose front end does not say which cell is running.
+        Widgets that an earlier execution of the same cell created; empty outside a notebook and in front ends that do
+        not report which cell is running.
     """
-    cell, run = _running()
+    cell, execution = _running_cell()
     if not cell:
         return []
-    before, things = _MADE.get(cell, ("", WeakSet[Any]()))
-    gone = [] if before == run else list(things)
-    _MADE[cell] = run, WeakSet([made_now] if before != run else [*things, made_now])
-    return gone
+    last_execution, created = _CREATED.setdefault(cell, (execution, WeakSet()))
+    if last_execution == execution:
+        created.add(widget)
+        return []
+    _CREATED[cell] = execution, WeakSet([widget])
+    return list(created)
 
 
-def _running() -> tuple[str, str]:
-    """Name the cell that is running, and this run of it."""
+def _running_cell() -> tuple[str, str]:
+    """Return the IDs of the running cell and of its execution; empty if they are unknown."""
     kernel: Any = getattr(get_ipython(), "kernel", None)
     message: dict[str, Any] = kernel.get_parent() if kernel else {}
     return message.get("metadata", {}).get("cellId", ""), message.get("header", {}).get("msg_id", "")

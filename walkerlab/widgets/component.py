@@ -1,4 +1,4 @@
-"""What all pieces of the panel share: their looks, and that they answer while a cell is running."""
+"""The base class of the panel's components: shared styles and scripts, and replies while a cell is running."""
 
 from pathlib import Path
 from typing import Any
@@ -7,48 +7,61 @@ import anywidget
 
 from walkerlab.view.snapshots import LIVE_STYLE, HasSnapshot
 
-HERE = Path(__file__).parent
+FOLDER = Path(__file__).parent
 
 
-def style(*names: str) -> str:
-    """Return the style sheet of a piece: what all share, and those of these names."""
-    return f"{_joined('css', names)}\n{LIVE_STYLE}"
+def load_style(*names: str) -> str:
+    """Return the style sheet of a component.
+
+    Args:
+        names: Style sheets that are appended to the shared one, by file name without extension.
+    """
+    return f"{_join_files('css', names)}\n{LIVE_STYLE}"
 
 
-def script(*names: str) -> str:
-    """Return the JavaScript of a piece: what all share, and those of these names, of which the last renders."""
-    return _joined("js", names)
+def load_script(*names: str) -> str:
+    """Return the JavaScript of a component.
+
+    Args:
+        names: Scripts that are appended to the shared one, by file name without extension; the last one renders.
+    """
+    return _join_files("js", names)
 
 
-def _joined(kind: str, names: tuple[str, ...]) -> str:
-    return "\n".join((HERE / f"{name}.{kind}").read_text(encoding="utf-8") for name in ("component", *names))
+def _join_files(extension: str, names: tuple[str, ...]) -> str:
+    files = (FOLDER / f"{name}.{extension}" for name in ("component", *names))
+    return "\n".join(file.read_text(encoding="utf-8") for file in files)
 
 
-class Part(HasSnapshot, anywidget.AnyWidget):
-    """A piece of the panel: traits that a browser and Python both see, and the JavaScript that shows them.
+class Component(HasSnapshot, anywidget.AnyWidget):
+    """A component of the panel: traits shared by the browser and Python, and the JavaScript that displays them.
 
-    Its controls are those of HTML, which every keyboard reaches and every screen reader knows.
+    Components use plain HTML controls, which work with every keyboard and screen reader.
     """
 
     def __init__(self, **traits: Any) -> None:
-        """Make it, with the values of its traits."""
+        """Create the component.
+
+        Args:
+            **traits: Initial values of its traits.
+        """
         super().__init__(**traits)
-        answer_at_once(self)
+        answer_on_requested_thread(self)
 
     def __repr__(self) -> str:
-        """Name it; its traits are long."""
-        return f"<{type(self).__name__}: a widget, to be seen in a notebook>"
+        """Return a short description without the traits, which are long."""
+        return f"<{type(self).__name__}: a widget, displayed in a notebook>"
 
 
-def answer_at_once(widget: anywidget.AnyWidget) -> None:
-    """Let what a browser says be heard on the thread that the browser asks for, also while a cell is running.
+def answer_on_requested_thread(widget: anywidget.AnyWidget) -> None:
+    """Process the browser's messages on the thread that the browser requests, also while a cell is running.
 
-    JupyterLab asks for a thread beside that of the cells. ipykernel 7.4 hands its messages to the thread that spoke
-    last to the browser instead, which is that of the cells; earlier kernels do as they are asked.
+    JupyterLab requests a thread other than that of the cells. ipykernel 7.4 ignores the request and uses the thread
+    that last sent a message to the browser, which is that of the cells; earlier kernels obey the request.
     """
     if hasattr(widget.comm, "_reply_subshell_for"):
-        widget.comm._reply_subshell_for = _as_asked  # type: ignore[union-attr]
+        widget.comm._reply_subshell_for = _requested_subshell  # type: ignore[union-attr]
 
 
-def _as_asked(_data: object, asked: object) -> object:
-    return asked
+def _requested_subshell(_data: object, requested: object) -> object:
+    return requested

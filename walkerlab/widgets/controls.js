@@ -1,148 +1,150 @@
-// The kinds of controls. Each is made from what controls.py says of a setting and from a function to tell its value;
-// it gives the elements of its row, and a function to show a value. component.js stands before this, form.js behind it.
+// The kinds of controls. Each function takes a control of controls.py and a function `send` that receives a new value;
+// it returns the elements of the control's row and a function that shows a value. component.js precedes this file,
+// form.js follows it.
 
-const fresh = () => `wl-${Math.random().toString(36).slice(2)}`;
+const newId = () => `wl-${Math.random().toString(36).slice(2)}`;
 const focused = (element) => element.getRootNode().activeElement === element;
-const list = (value) => (Array.isArray(value) ? value : [value]);
-const spoken = (name) => (name.startsWith("ƒ") ? name : name.replaceAll("_", " ")); // a function keeps its own
-const brief = (number) => String(Number(Number(number).toPrecision(6)));
+const asList = (value) => (Array.isArray(value) ? value : [value]);
+const optionLabel = (name) => (name.startsWith("ƒ") ? name : name.replaceAll("_", " ")); // functions keep their names
+const format = (number) => String(Number(Number(number).toPrecision(6)));
 
-/** A slider of one thumb or of two, and beside it what it says, as a number that can be typed. */
-function dial({ stops, unit, low, high }, names, tell) {
+/** A slider with one or two thumbs, and number fields for its values. */
+function sliderWithNumbers({ stops, unit, low, high }, names, send) {
   const nearest = (value) =>
     stops.reduce((best, stop, place) => (Math.abs(stop - value) < Math.abs(stops[best] - value) ? place : best), 0);
-  const measured = !unit ? "exactly" : unit.startsWith("per") ? unit : `in ${unit}`;
-  const many = names.length > 1;
-  let now = names.map(() => low);
-  let both; // the number of both thumbs, if they were taken where they meet: the way they go says which was meant
-  const saying = (numbers) => {
-    now = numbers;
-    tell(many ? now : now[0]);
+  const inUnit = !unit ? "value" : unit.startsWith("per") ? unit : `in ${unit}`;
+  const isRange = names.length > 1;
+  let values = names.map(() => low);
+  let overlap; // value of both thumbs, if they were grabbed where they overlap: the direction decides which one moves
+  const setAll = (numbers) => {
+    values = numbers;
+    send(isRange ? values : values[0]);
   };
-  const say = (which, value) => saying(now.map((old, place) => (place === which ? value : old)));
+  const set = (which, value) => setAll(values.map((old, index) => (index === which ? value : old)));
   const slide = (which, place) => {
     const stop = stops[Math.min(Math.max(place, 0), stops.length - 1)];
-    say(which, many ? (which ? Math.max(stop, now[0]) : Math.min(stop, now[1])) : stop); // thumbs do not pass
+    set(which, isRange ? (which ? Math.max(stop, values[0]) : Math.min(stop, values[1])) : stop); // thumbs do not cross
   };
   const thumbs = names.map((name, which) =>
     make("input", {
       type: "range", min: 0, max: stops.length - 1, step: 1, ariaLabel: name,
       oninput: ({ target }) => {
         const stop = stops[target.value];
-        if (both === undefined) slide(which, Number(target.value));
-        else saying([Math.min(stop, both), Math.max(stop, both)]);
+        if (overlap === undefined) slide(which, Number(target.value));
+        else setAll([Math.min(stop, overlap), Math.max(stop, overlap)]);
       },
-      onpointerdown: () => { both = many && now[0] === now[1] ? now[0] : undefined; },
-      onpointerup: () => { both = undefined; },
+      onpointerdown: () => { overlap = isRange && values[0] === values[1] ? values[0] : undefined; },
+      onpointerup: () => { overlap = undefined; },
     }));
   const numbers = names.map((name, which) =>
     make("input", {
-      type: "number", min: low, max: high, step: "any", ariaLabel: `${name}, ${measured}`,
-      oninput: ({ target }) => target.value && say(which, target.valueAsNumber),
-      onchange: () => show(many ? now : now[0], true),
+      type: "number", min: low, max: high, step: "any", ariaLabel: `${name}, ${inUnit}`,
+      oninput: ({ target }) => target.value && set(which, target.valueAsNumber),
+      onchange: () => show(isRange ? values : values[0], true),
       onkeydown: (event) => {
         const step = { ArrowUp: 1, ArrowDown: -1 }[event.key];
         if (!step) return;
         event.preventDefault();
-        slide(which, nearest(now[which]) + step);
-        event.target.value = brief(now[which]);
+        slide(which, nearest(values[which]) + step);
+        event.target.value = format(values[which]);
       },
     }));
-  const rail = make("span", { className: many ? "rail two" : "rail" }, ...thumbs);
-  rail.addEventListener("pointerdown", (event) => { // beside two thumbs: the nearer one comes
+  const rail = make("span", { className: isRange ? "rail two" : "rail" }, ...thumbs);
+  rail.addEventListener("pointerdown", (event) => { // a click on the rail of a range moves the nearer thumb
     if (event.target !== rail) return;
     const { left, width } = rail.getBoundingClientRect();
     const place = Math.round(((event.clientX - left) / width) * (stops.length - 1));
-    const [least, most] = now.map(nearest);
-    const which = Math.abs(place - least) < Math.abs(place - most) || place < least ? 0 : 1;
+    const [lower, upper] = values.map(nearest);
+    const which = Math.abs(place - lower) < Math.abs(place - upper) || place < lower ? 0 : 1;
     slide(which, place);
     thumbs[which].focus();
     event.preventDefault();
   });
-  function show(value, even) {
-    now = list(value);
-    const places = now.map(nearest);
+  function show(value, evenFocused) { // a number field that has the focus is being typed in
+    values = asList(value);
+    const places = values.map(nearest);
     thumbs.forEach((thumb, which) => {
       thumb.value = places[which];
-      thumb.setAttribute("aria-valuetext", `${brief(now[which])} ${unit}`.trim());
+      thumb.setAttribute("aria-valuetext", `${format(values[which])} ${unit}`.trim());
     });
-    numbers.forEach((number, which) => { if (even || !focused(number)) number.value = brief(now[which]); });
-    const ends = many ? places : [nearest(Math.max(low, 0)), places[0]];
+    numbers.forEach((number, which) => { if (evenFocused || !focused(number)) number.value = format(values[which]); });
+    const ends = isRange ? places : [nearest(Math.max(low, 0)), places[0]];
     rail.style.setProperty("--from", Math.min(...ends) / (stops.length - 1));
     rail.style.setProperty("--to", Math.max(...ends) / (stops.length - 1));
   }
-  const measure = make("span", { className: "unit" }, unit);
-  return { elements: many ? [numbers[0], rail, numbers[1], measure] : [rail, numbers[0], measure], show };
+  const unitLabel = make("span", { className: "unit" }, unit);
+  return { elements: isRange ? [numbers[0], rail, numbers[1], unitLabel] : [rail, numbers[0], unitLabel], show };
 }
 
-const slider = (control, tell) => dial(control, [control.label], tell);
-const range = (control, tell) => dial(control, [`least ${control.label}`, `greatest ${control.label}`], tell);
+const slider = (control, send) => sliderWithNumbers(control, [control.label], send);
+const range = (control, send) =>
+  sliderWithNumbers(control, [`minimum ${control.label}`, `maximum ${control.label}`], send);
 
-/** Three sliders, and buttons for the vectors that have a name. */
-function vector(control, tell) {
-  let now = [];
-  const dials = control.parts.map((part, which) => {
-    const say = (value) => tell(now.map((old, place) => (place === which ? value : old)));
-    return dial(control, [`${control.label} ${part}`], say);
+/** A slider for each component of a vector, and buttons for its presets. */
+function vector(control, send) {
+  let values = [];
+  const sliders = control.directions.map((direction, which) => {
+    const set = (value) => send(values.map((old, index) => (index === which ? value : old)));
+    return sliderWithNumbers(control, [`${control.label} ${direction}`], set);
   });
   const names = control.presets.map(({ name, value }) => make("button", { type: "button", className: "chip",
-    ariaLabel: `${control.label}: ${name}`, onclick: () => tell(value) }, name));
-  const lines = dials.map((one, which) => make("div", { className: "line" },
-    make("span", { className: "part quiet" }, control.parts[which]), ...one.elements));
+    ariaLabel: `${control.label}: ${name}`, onclick: () => send(value) }, name));
+  const lines = sliders.map((one, which) => make("div", { className: "line" },
+    make("span", { className: "direction quiet" }, control.directions[which]), ...one.elements));
   const above = names.length ? [make("div", { className: "chips" }, ...names)] : [];
   return {
     elements: [make("div", { className: "wide" }, ...above, ...lines)],
     show(value) {
-      now = list(value);
-      dials.forEach((one, which) => one.show(now[which]));
+      values = asList(value);
+      sliders.forEach((one, which) => one.show(values[which]));
       names.forEach((button, which) =>
-        button.setAttribute("aria-pressed", JSON.stringify(control.presets[which].value) === JSON.stringify(now)));
+        button.setAttribute("aria-pressed", JSON.stringify(control.presets[which].value) === JSON.stringify(values)));
     },
   };
 }
 
-/** A whole number of no meaning of its own: typed, or drawn by chance. */
-function number({ label, low, high }, tell) {
+/** A number field for an arbitrary whole number, with a button for a random one. */
+function number({ label, low, high }, send) {
   const box = make("input", {
     type: "number", min: low, max: high, step: 1, ariaLabel: label,
-    oninput: () => box.value && tell(box.valueAsNumber),
+    oninput: () => box.value && send(box.valueAsNumber),
   });
-  const another = make("button", { type: "button", ariaLabel: `another ${label}`,
-    onclick: () => tell(Math.floor(Math.random() * 10000)) }, "another");
+  const random = make("button", { type: "button", ariaLabel: `random ${label}`,
+    onclick: () => send(Math.floor(Math.random() * 10000)) }, "random");
   return {
-    elements: [make("span", { className: "wide inline" }, box, another)],
+    elements: [make("span", { className: "wide inline" }, box, random)],
     show: (value) => { if (!focused(box)) box.value = value; },
   };
 }
 
-/** The sentence on what is chosen; there is room for the longest, so that nothing moves. */
-function meaning(options) {
+/** The description of the selected option; its height fits the longest one, so that the layout is stable. */
+function description(options) {
   const sentences = options.map(({ about }) => make("span", {}, about));
   return {
-    element: make("div", { className: "meaning quiet" }, ...sentences),
-    show: (value) => sentences.forEach((one, place) => one.classList.toggle("chosen", options[place].name === value)),
+    element: make("div", { className: "description quiet" }, ...sentences),
+    show: (value) => sentences.forEach((one, index) => one.classList.toggle("selected", options[index].name === value)),
   };
 }
 
-function menu({ options }, name, tell) {
-  const box = make("select", { ariaLabel: name, onchange: () => tell(box.value) },
-    ...options.map((option) => make("option", { value: option.name }, spoken(option.name))));
+function menu({ options }, name, send) {
+  const box = make("select", { ariaLabel: name, onchange: () => send(box.value) },
+    ...options.map((option) => make("option", { value: option.name }, optionLabel(option.name))));
   return { box, show: (value) => { box.value = value; } };
 }
 
-/** One of some options: a button each if they are few, or else a list. */
-function choice(control, tell) {
-  const group = fresh();
-  const about = meaning(control.options);
-  if (!control.few) {
-    const { box, show } = menu(control, control.label, tell);
+/** One of several options: buttons, or a menu if there are many. */
+function choice(control, send) {
+  const group = newId();
+  const about = description(control.options);
+  if (!control.as_buttons) {
+    const { box, show } = menu(control, control.label, send);
     return {
       elements: [make("div", { className: "wide" }, box, about.element)],
       show: (value) => { show(value); about.show(value); },
     };
   }
   const radios = control.options.map(({ name }) =>
-    make("input", { type: "radio", name: group, value: name, ariaLabel: spoken(name), onchange: () => tell(name) }));
+    make("input", { type: "radio", name: group, value: name, ariaLabel: optionLabel(name), onchange: () => send(name) }));
   const chips = radios.map((radio) => make("label", { className: "chip" }, radio, radio.ariaLabel));
   return {
     elements: [make("div", { className: "wide" }, make("div", { className: "chips" }, ...chips), about.element)],
@@ -153,56 +155,56 @@ function choice(control, tell) {
   };
 }
 
-/** Some options, one applied after the other. */
-function turns(control, tell) {
+/** A sequence of options, applied one after the other. */
+function sequence(control, send) {
   const lines = [];
   const box = make("div", { className: "wide" });
-  const add = make("button", { type: "button", className: "small", ariaLabel: `${control.label}: then another`,
-    onclick: () => { say([...now, now.at(-1)]); lines.at(-1).select.box.focus(); } }, "+ then another");
-  let now = [];
-  const say = (several) => tell(several.length === 1 ? several[0] : several);
-  function line(place) {
-    const select = menu(control, place ? `${control.label}, step ${place + 1}` : control.label,
-      (value) => say(now.map((old, other) => (other === place ? value : old))));
-    const drop = make("button", { type: "button", className: "small",
-      ariaLabel: `${control.label}: leave out step ${place + 1}`,
-      onclick: () => say(now.filter((_, other) => other !== place)) }, "✕");
-    const about = meaning(control.options);
-    return { select, drop, about, element: make("div", { className: "turn" }, select.box, drop, about.element) };
+  const add = make("button", { type: "button", className: "small", ariaLabel: `${control.label}: add a step`,
+    onclick: () => { set([...values, values.at(-1)]); lines.at(-1).select.box.focus(); } }, "+ add a step");
+  let values = [];
+  const set = (several) => send(several.length === 1 ? several[0] : several);
+  function line(index) {
+    const select = menu(control, index ? `${control.label}, step ${index + 1}` : control.label,
+      (value) => set(values.map((old, other) => (other === index ? value : old))));
+    const remove = make("button", { type: "button", className: "small",
+      ariaLabel: `${control.label}: remove step ${index + 1}`,
+      onclick: () => set(values.filter((_, other) => other !== index)) }, "✕");
+    const about = description(control.options);
+    return { select, remove, about, element: make("div", { className: "step" }, select.box, remove, about.element) };
   }
   return {
     elements: [box],
     show(value) {
-      now = list(value);
-      while (lines.length > now.length) lines.pop().element.remove();
-      while (lines.length < now.length) {
+      values = asList(value);
+      while (lines.length > values.length) lines.pop().element.remove();
+      while (lines.length < values.length) {
         lines.push(line(lines.length));
         box.append(lines.at(-1).element);
       }
-      lines.at(-1).drop.after(add);
-      lines.forEach(({ select, drop, about }, place) => {
-        select.show(now[place]);
-        about.show(now[place]);
-        drop.hidden = now.length === 1;
+      lines.at(-1).remove.after(add);
+      lines.forEach(({ select, remove, about }, index) => {
+        select.show(values[index]);
+        about.show(values[index]);
+        remove.hidden = values.length === 1;
       });
     },
   };
 }
 
-/** Any of some options, or none. */
-function flags({ options }, tell) {
+/** Any number of options. */
+function flags({ options }, send) {
   const boxes = options.map(({ name }) =>
-    make("input", { type: "checkbox", value: name, ariaLabel: spoken(name), onchange: say }));
-  function say() {
-    const on = boxes.filter((box) => box.checked).map((box) => box.value);
-    tell(on.length ? on : "none");
+    make("input", { type: "checkbox", value: name, ariaLabel: optionLabel(name), onchange: update }));
+  function update() {
+    const checked = boxes.filter((box) => box.checked).map((box) => box.value);
+    send(checked.length ? checked : "none");
   }
-  const lines = boxes.map((box, place) => make("label", { className: "flag" }, box,
-    make("span", {}, `${box.ariaLabel} `, make("span", { className: "quiet" }, options[place].about))));
+  const lines = boxes.map((box, index) => make("label", { className: "flag" }, box,
+    make("span", {}, `${box.ariaLabel} `, make("span", { className: "quiet" }, options[index].about))));
   return {
     elements: [make("div", { className: "wide" }, ...lines)],
-    show: (value) => boxes.forEach((box) => { box.checked = list(value).includes(box.value); }),
+    show: (value) => boxes.forEach((box) => { box.checked = asList(value).includes(box.value); }),
   };
 }
 
-const KINDS = { slider, range, vector, number, choice, turns, flags };
+const KINDS = { slider, range, vector, number, choice, sequence, flags };

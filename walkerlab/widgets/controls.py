@@ -1,4 +1,4 @@
-"""The controls of the form as plain data: one for each setting, made from what was declared of it."""
+"""The controls of the form as plain data, one for each setting, made from its declaration."""
 
 import math
 import re
@@ -11,88 +11,92 @@ from walkerlab.settings.glossary import DRAWN, rows_of
 from walkerlab.settings.settings import Settings
 
 Control: TypeAlias = dict[str, Any]
-"""What a browser needs to know of one setting.
+"""What the browser needs to know about one setting.
 
-name, label, about, default and ``usual`` (the default in words), and a ``kind``:
-``slider`` (with unit, low, high and stops), ``range`` (the same, of two thumbs), ``vector`` (the same, of named parts,
-with presets), ``number`` (typed, or drawn by chance), ``choice`` (one of options), ``turns`` (options applied in turn)
-or ``flags`` (any of the options).
+``name``, ``label``, ``about``, ``default``, ``default_text``, ``structure_only`` and a ``kind``: ``slider`` (with unit,
+low, high and stops), ``range`` (the same, with two thumbs), ``vector`` (the same, with named components and presets),
+``number`` (typed or random), ``choice`` (one of several options), ``sequence`` (options applied one after the other) or
+``flags`` (any of the options).
 """
 
 Values: TypeAlias = Mapping[str, Mapping[str, Any]]
 """Settings as plain data, by domain and field."""
 
-OWN = "ƒ "
-"""Put before the name of a function of the user's own, which no choice of ours has."""
+FUNCTION_PREFIX = "ƒ "
+"""Prefix of the names of user functions; no built-in option starts with it."""
 
-MANY = 100_000  # whole numbers, among which a slider would find none
-WIDE = 100  # times the least value that the greatest must be, for each decade to have the same room
-ALTERNATIVES = {"incline", "step_height", "step_depth", "hill_height", "hill_length", "gap_width", "gap_distance"}
-"""Settings of one structure or another, of which only those of the chosen one are to be seen."""
+MAX_SLIDER_RANGE = 100_000  # difference of the limits, above which whole numbers are typed
+MIN_LOG_RATIO = 100  # ratio of the limits, from which the stops of a slider are logarithmic
+STRUCTURE_SETTINGS = {"incline", "step_height", "step_depth", "hill_height", "hill_length", "gap_width", "gap_distance"}
+"""Settings that apply to one structure only; they are hidden while another one is selected."""
 
-FEW = 6  # options that have a button each; more are in a list
+MAX_BUTTONS = 6  # options that have a button each; more are in a menu
 MANTISSAS = [*range(10, 20), *range(20, 50, 2), *range(50, 100, 5)]
-WAYS = {"x": "forward", "y": "left", "z": "up"}
-PLACE = re.compile(rf"\b({'|'.join(name.capitalize() for name in Settings.model_fields)})\.(\w+)")
-"""How messages name a setting: ``Terrain.step_height``."""
+DIRECTIONS = {"x": "forward", "y": "left", "z": "up"}
+SETTING_NAME = re.compile(rf"\b({'|'.join(name.capitalize() for name in Settings.model_fields)})\.(\w+)")
+"""Name of a setting in error messages: ``Terrain.step_height``."""
 
 
-def controls_of(kind: type[Domain], own: Mapping[str, Sequence[str]] | None = None) -> list[Control]:
-    """Make a control for each setting of a domain, in the order in which they were declared.
+def make_controls(domain: type[Domain], functions: Mapping[str, Sequence[str]] | None = None) -> list[Control]:
+    """Create a control for each setting of a domain, in the order of their declaration.
 
     Args:
-        kind: the domain.
-        own: by field, the user's own functions that can be chosen too, as ``"ƒ my_selection"``.
+        domain: Class of the domain.
+        functions: By field, the names of user functions that are additional options, such as ``"ƒ my_selection"``.
     """
-    plain, rows = kind().model_dump(), {row.name: row for row in rows_of(kind())}
+    defaults = domain().model_dump()
+    rows = {row.name: row for row in rows_of(domain())}
     return [
         {
             "name": name,
             "label": label(name),
-            "about": in_words(declared.about),
-            "default": plain[name],
-            "usual": rows[name].default,
-            "alternative": name in ALTERNATIVES,
+            "about": use_labels(declared.about),
+            "default": defaults[name],
+            "default_text": rows[name].default,
+            "structure_only": name in STRUCTURE_SETTINGS,
         }
-        | _fit_for(declared, plain[name], (own or {}).get(name, ()))
-        for name, declared in kind.declared().items()
+        | _kind_of_control(declared, defaults[name], (functions or {}).get(name, ()))
+        for name, declared in domain.declared().items()
     ]
 
 
-def _fit_for(declared: Declared, default: Any, own: Sequence[str]) -> Control:
-    """Say which kind of control a setting has, and what that kind needs."""
+def _kind_of_control(declared: Declared, default: Any, functions: Sequence[str]) -> Control:
+    """Return the kind of control of a setting, and the entries that this kind requires."""
     if isinstance(declared, OneOf):
         options = [
-            {"name": member.name, "about": in_words(member.about.lstrip(DRAWN))} for member in declared.choices
-        ] + [{"name": name, "about": "a function of your own"} for name in own]
+            {"name": member.name, "about": use_labels(member.about.lstrip(DRAWN))} for member in declared.choices
+        ] + [{"name": name, "about": "your function"} for name in functions]
         if declared.several and not declared.functions:
             return {"kind": "flags", "options": [option for option in options if option["name"] != "none"]}
-        return {"kind": "turns" if declared.several else "choice", "options": options, "few": len(options) <= FEW}
+        if declared.several:
+            return {"kind": "sequence", "options": options}
+        return {"kind": "choice", "options": options, "as_buttons": len(options) <= MAX_BUTTONS}
     numbers: Control = {"unit": declared.unit, "low": declared.low, "high": declared.high, "whole": declared.whole}
-    if declared.whole and declared.high - declared.low > MANY:
+    if declared.whole and declared.high - declared.low > MAX_SLIDER_RANGE:
         return {"kind": "number"} | numbers
-    known = [default if declared.parts else [default], *declared.presets.values()]
-    numbers["stops"] = stops(declared, {number for one in known for number in one})
+    vectors = [default if declared.parts else [default], *declared.presets.values()]
+    numbers["stops"] = slider_stops(declared, {number for vector in vectors for number in vector})
     if not declared.parts:
         return {"kind": "slider"} | numbers
     if declared.parts == PAIR:
         return {"kind": "range"} | numbers
     presets = [{"name": name, "value": list(value)} for name, value in declared.presets.items()]
-    return {"kind": "vector", "parts": [WAYS[part] for part in declared.parts], "presets": presets} | numbers
+    directions = [DIRECTIONS[part] for part in declared.parts]
+    return {"kind": "vector", "directions": directions, "presets": presets} | numbers
 
 
-def stops(declared: Quantity, known: set[float]) -> list[float]:
-    """Return the round numbers at which a slider stops, from the least to the greatest value.
+def slider_stops(declared: Quantity, required: set[float]) -> list[float]:
+    """Return the round numbers at which a slider stops, in ascending order from the lower to the upper limit.
 
-    They are evenly spread; over a wide range of positive numbers each decade has the same room instead.
+    They are equidistant, or logarithmic over a wide range of positive numbers.
 
     Args:
-        declared: the range.
-        known: numbers that are stops as well, round or not: the default, for one.
+        declared: Setting of the slider.
+        required: Numbers that are stops even if they are not round, such as the default.
     """
     low, high = declared.low, declared.high
-    start = low or high / 1000  # nothing at all, then decades
-    if (low > 0 and high / low >= WIDE) or (low == 0 and high >= WIDE):
+    start = low or high / 1000  # from 0, the logarithmic stops start at a thousandth of the upper limit
+    if (low > 0 and high / low >= MIN_LOG_RATIO) or (low == 0 and high >= MIN_LOG_RATIO):
         decades = range(math.floor(math.log10(start)), math.ceil(math.log10(high)) + 1)
         found = {mantissa * 10.0 ** (decade - 1) for decade, mantissa in product(decades, MANTISSAS)}
         found = {number for number in found if number >= start}
@@ -102,61 +106,73 @@ def stops(declared: Quantity, known: set[float]) -> list[float]:
     exact = {float(f"{number:.9g}") for number in found}
     if declared.whole:
         exact = {number for number in exact if number == round(number)}
-    return sorted({number for number in exact if low <= number <= high} | known | {low, high})
+    return sorted({number for number in exact if low <= number <= high} | required | {low, high})
 
 
 def _round_up(number: float) -> float:
-    """Return the next of 1, 2, 5, 10, 20 … and of 0.5, 0.2, 0.1 … that is not under a number."""
+    """Return the least of …, 0.1, 0.2, 0.5, 1, 2, 5, 10, … that is not less than a number."""
     power = 10.0 ** math.floor(math.log10(number))
     return next(power * digit for digit in (1, 2, 5, 10) if power * digit >= number * (1 - 1e-9))
 
 
 def label(name: str) -> str:
-    """Name a setting as people do: ``n_elites`` is "elites"."""
+    """Return the label of a setting: "elites" for ``n_elites``."""
     return name.removeprefix("n_").replace("_", " ")
 
 
-def in_words(message: str) -> str:
-    """Name settings as their labels do, where a message names them as in code."""
-    told = PLACE.sub(lambda found: label(found[2]), message)
-    return told[:1].upper() + told[1:] if PLACE.match(message) else told
+def use_labels(message: str) -> str:
+    """Replace the names of settings in a message by their labels."""
+    labelled = SETTING_NAME.sub(lambda found: label(found[2]), message)
+    return labelled[:1].upper() + labelled[1:] if SETTING_NAME.match(message) else labelled
 
 
-# ------------------------------------------------------------------------------- which settings matter now
+# --------------------------------------------------------------------------------------------- unused settings
 
 
-def idle(values: Values) -> dict[str, str]:
-    """Say which settings change nothing as the others are, and why: ``{"terrain.step_height": "only for stairs"}``."""
-    return {place: why for place, (why, matters) in _MATTERS.items() if not matters(values)}
+def unused_settings(values: Values) -> dict[str, str]:
+    """Return the settings that have no effect with the other values, and why.
+
+    Returns:
+        Reason by setting: ``{"terrain.step_height": "only for stairs"}``.
+    """
+    return {setting: reason for setting, (reason, is_used) in _CONDITIONS.items() if not is_used(values)}
 
 
-def _names(values: Values, place: str) -> set[str]:
-    """Return what is chosen, by name; a browser may have sent anything."""
-    domain, _, field = place.partition(".")
+def _chosen_names(values: Values, setting: str) -> set[str]:
+    """Return the names of the chosen options; a browser may have sent any value."""
+    domain, _, field = setting.partition(".")
     chosen = values.get(domain, {}).get(field)
-    return {str(one) for one in (cast(list[object], chosen) if isinstance(chosen, list) else [chosen])}
+    return {str(option) for option in (cast(list[object], chosen) if isinstance(chosen, list) else [chosen])}
 
 
-def _with(place: str, *names: str) -> Callable[[Values], bool]:
-    """Return whether one of some choices, or a function of the user's own, is chosen."""
-    return lambda values: any(one in names or one.startswith(OWN) for one in _names(values, place))
+def _includes(setting: str, *names: str) -> Callable[[Values], bool]:
+    """Return a condition: that one of some options, or a user function, is chosen."""
+    return lambda values: any(
+        name in names or name.startswith(FUNCTION_PREFIX) for name in _chosen_names(values, setting)
+    )
 
 
-def _without(place: str, *names: str) -> Callable[[Values], bool]:
-    """Return whether anything but some choices is chosen."""
-    return lambda values: not _names(values, place) <= {*names}
+def _excludes(setting: str, name: str) -> Callable[[Values], bool]:
+    """Return a condition: that neither an option nor a user function is chosen."""
+    return lambda values: not _includes(setting, name)(values)
 
 
-def _scattered(values: Values) -> bool:
-    """Return whether any of the ground is left to chance."""
-    return any(matters(values) for matters in (_ROUGH, _TEXTURED, _OBSTACLES))
+def _not_only(setting: str, *names: str) -> Callable[[Values], bool]:
+    """Return a condition: that an option other than some is chosen."""
+    return lambda values: not _chosen_names(values, setting) <= {*names}
 
 
-_STAIRS, _ROUGH, _GAPS = (_with("terrain.structure", name) for name in ("stairs", "rough", "gaps"))
-_TEXTURED, _OBSTACLES = _without("terrain.texture_density", "0", "0.0"), _without("terrain.obstacle", "none")
+def _has_random_terrain(values: Values) -> bool:
+    """Return whether a part of the terrain is random."""
+    return any(is_used(values) for is_used in (_ROUGH, _TEXTURED, _OBSTACLES))
 
-_MATTERS: dict[str, tuple[str, Callable[[Values], bool]]] = {
-    "terrain.incline": ("only for incline", _with("terrain.structure", "incline")),
+
+_STAIRS, _ROUGH, _GAPS = (_includes("terrain.structure", name) for name in ("stairs", "rough", "gaps"))
+_TEXTURED = _not_only("terrain.texture_density", "0", "0.0")
+_OBSTACLES = _not_only("terrain.obstacle", "none")
+
+_CONDITIONS: dict[str, tuple[str, Callable[[Values], bool]]] = {
+    "terrain.incline": ("only for incline", _includes("terrain.structure", "incline")),
     "terrain.step_height": ("only for stairs", _STAIRS),
     "terrain.step_depth": ("only for stairs", _STAIRS),
     "terrain.hill_height": ("only for rough", _ROUGH),
@@ -166,10 +182,10 @@ _MATTERS: dict[str, tuple[str, Callable[[Values], bool]]] = {
     "terrain.texture_size": ("density is 0", _TEXTURED),
     "terrain.obstacle_size": ("no obstacles", _OBSTACLES),
     "terrain.obstacle_density": ("no obstacles", _OBSTACLES),
-    "terrain.seed": ("nothing by chance", _scattered),
-    "algorithm.mutation_scale": ("macro needs none", _without("algorithm.mutation", "macro")),
-    "algorithm.favored_gene": ("only for favored", _with("algorithm.mutation", "favored")),
-    "simulation.max_speed": ("its guard is off", lambda values: not _with("simulation.forgive", "too_fast")(values)),
-    "simulation.max_airborne": ("its guard is off", lambda values: not _with("simulation.forgive", "airborne")(values)),
+    "terrain.seed": ("nothing is random", _has_random_terrain),
+    "algorithm.mutation_scale": ("unused by macro", _not_only("algorithm.mutation", "macro")),
+    "algorithm.favored_gene": ("only for favored", _includes("algorithm.mutation", "favored")),
+    "simulation.max_speed": ("too fast forgiven", _excludes("simulation.forgive", "too_fast")),
+    "simulation.max_airborne": ("airborne forgiven", _excludes("simulation.forgive", "airborne")),
 }
-"""By setting, why it may not matter, and whether it does."""
+"""By setting, the reason why it can be unused, and the condition under which it is used."""

@@ -1,4 +1,4 @@
-"""The fitness of one run or several, generation by generation: a picture that grows."""
+"""The fitness of one or several runs by generation, as a picture that is updated while they run."""
 
 import base64
 import io
@@ -19,62 +19,69 @@ from walkerlab.view.snapshots import LIVE_STYLE, WHITE, HasSnapshot
 
 SIZE = (6.4, 3.5)  # inches
 MARGINS = {"left": 0.14, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
-_NAMES = count()  # of all drawings, for no two on a page may share an id
-LONGEST = 18  # characters of a name in the key; the list of runs has it whole
-LINE = 0.055  # of the height, for each line of the key above the axes
+MAX_LABEL_LENGTH = 18  # characters of a name in the legend
+LEGEND_LINE_HEIGHT = 0.055  # height of a line of the legend, as a fraction of the picture's height
 LIVE = tag("style", Html(LIVE_STYLE))
-EMPTY = "margin: auto; padding: 0 10%; text-align: center"
+EMPTY_STYLE = "margin: auto; padding: 0 10%; text-align: center"
+_IDS = count()  # of all drawings: IDs are unique on a page
 
 
 class Curve(HasSnapshot, ipywidgets.HTML):
-    """The fitness curves of runs, with Axes for each measure of fitness."""
+    """The fitness curves of runs, with separate axes for each fitness function."""
 
     title = "fitness curve"
 
     def __init__(self, runs: Mapping[str, pd.DataFrame] | None = None, n_generations: int = 1) -> None:
-        """Draw the runs that there are, as ``draw`` does."""
+        """Draw the curves.
+
+        Args:
+            runs: Table of each run, by its name; no runs if None.
+            n_generations: Number of generations for which the axes have space.
+        """
         super().__init__(layout={"max_width": "720px", "width": "100%"})
         self.add_class("wl-curve")
         self.draw(runs or {}, n_generations)
 
     def draw(self, runs: Mapping[str, pd.DataFrame], n_generations: int = 1, looks: Sequence[int] = ()) -> None:
-        """Draw them anew, on any thread: pyplot is not used. Runs that measure different things get Axes of their own.
+        """Draw other curves; can be called from any thread, because pyplot is not used.
 
         Args:
-            runs: the table of each, by its name.
-            n_generations: for how many there is to be room, so that a curve can grow without moving.
-            looks: which of the colours and marks each gets, counted from 0; in their order if empty.
+            runs: Table of each run, by its name.
+            n_generations: Number of generations for which the axes have space, so that a curve can grow without moving.
+            looks: Index of the colour and marker of each run; in the order of the runs if empty.
         """
         groups: dict[str, list[tuple[int, str, pd.DataFrame]]] = {}
         for look, (name, table) in zip(looks or range(len(runs)), runs.items(), strict=True):
             if not table.empty:
-                groups.setdefault(fitness_label(table), []).append((look, _brief(name), table))
+                groups.setdefault(fitness_label(table), []).append((look, _shorten(name), table))
                 n_generations = max(n_generations, int(table.generation.max()) + 1)
-        self._figure, self._alt = None, ""
+        self._figure = None
+        self._alt = ""
         if not groups:
-            empty = tag("p", "Here the fitness curve will grow, generation by generation.", style=EMPTY)
-            self.value = tag("div", empty, LIVE, style=_sheet(1))
+            empty = tag("p", "The fitness curve appears here, generation by generation.", style=EMPTY_STYLE)
+            self.value = tag("div", empty, LIVE, style=_frame_style(1))
             return
         figure = Figure(figsize=(SIZE[0], SIZE[1] * len(groups)))
         panels: Any = figure.subfigures(len(groups), 1, squeeze=False).ravel()
         n_runs = sum(map(len, groups.values()))
-        words: list[str] = []
+        alternative_texts: list[str] = []
         for panel, group in zip(panels, groups.values(), strict=True):
             n_lines = 2 * math.ceil(len(group) / MAX_LEGEND_COLUMNS) if n_runs > 1 else 1
-            panel.subplots_adjust(**MARGINS, top=0.97 - LINE * n_lines)
+            panel.subplots_adjust(**MARGINS, top=0.97 - LEGEND_LINE_HEIGHT * n_lines)
             axes = panel.add_subplot()
             for look, name, table in group:
                 plots.fitness_curve(table, axes, label=name if n_runs > 1 else "", look=look)
             axes.set_xlim(-0.02 * n_generations, 1.02 * max(1, n_generations - 1))
-            words.append(plots.alt_text(axes))
+            alternative_texts.append(plots.alt_text(axes))
         file = io.StringIO()
         figure.savefig(file, format="svg")
-        self._figure, self._alt = figure, " ".join(words)
-        picture = inline_svg(file.getvalue(), f"curve{next(_NAMES)}", self._alt)
-        self.value = tag("div", picture, LIVE, style=_sheet(len(groups)))
+        self._figure = figure
+        self._alt = " ".join(alternative_texts)
+        picture = inline_svg(file.getvalue(), f"curve{next(_IDS)}", self._alt)
+        self.value = tag("div", picture, LIVE, style=_frame_style(len(groups)))
 
     def snapshot(self) -> Html:
-        """Write the picture as static HTML: as PNG, the size of which does not grow with the curve."""
+        """Return the picture as static HTML: as PNG, the size of which does not grow with the curve."""
         if not self._figure:
             return tag("p", "No generation was done yet.")
         file = io.BytesIO()
@@ -83,10 +90,10 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         return tag("img", src=url, alt=self._alt, style=WHITE)
 
 
-def _sheet(n_pictures: int) -> str:
-    shape = f"aspect-ratio: {SIZE[0]} / {SIZE[1] * n_pictures}"
-    return f"{shape}; background: white; border-radius: 6px; color: #555; display: grid"
+def _frame_style(n_axes: int) -> str:
+    ratio = f"aspect-ratio: {SIZE[0]} / {SIZE[1] * n_axes}"
+    return f"{ratio}; background: white; border-radius: 6px; color: #555; display: grid"
 
 
-def _brief(name: str) -> str:
-    return name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
+def _shorten(name: str) -> str:
+    return name if len(name) <= MAX_LABEL_LENGTH else f"{name[: MAX_LABEL_LENGTH - 1]}…"

@@ -1,4 +1,4 @@
-"""The drawer of a panel: run files to load, a run to export, and its code to copy."""
+"""The run files of a panel: load one, export the selected run, and copy its code."""
 
 from collections.abc import Callable
 from typing import Any
@@ -6,22 +6,22 @@ from typing import Any
 import traitlets
 
 from walkerlab.text.html import Html, code, details, join, tag
-from walkerlab.widgets.component import Part, script, style
+from walkerlab.widgets.component import Component, load_script, load_style
 
 
-class Drawer(Part):
-    """What is taken out of a panel and put into it. What its buttons do is up to whoever listens.
+class Drawer(Component):
+    """Controls that load and export runs and show the code of the selected one; the actions are callbacks.
 
     Attributes:
-        files: the run files that can be loaded, newest first.
-        code: the Python that repeats the run, or "".
-        words: what became of the last wish.
-        can_export: whether there is something to export.
+        files: Run files that can be loaded, newest first.
+        code: Python code that repeats the run; empty if there is none.
+        words: Message on the last action.
+        can_export: Whether there is a run to export.
     """
 
     title = "run files"
-    _esm = script("drawer")
-    _css = style("drawer")
+    _esm = load_script("drawer")
+    _css = load_style("drawer")
     files = traitlets.List(traitlets.Unicode()).tag(sync=True)
     code = traitlets.Unicode("").tag(sync=True)
     words = traitlets.Unicode("").tag(sync=True)
@@ -30,24 +30,26 @@ class Drawer(Part):
     def __init__(
         self, on_load: Callable[[str], None], on_export: Callable[[], None], on_settings: Callable[[], None]
     ) -> None:
-        """Make it.
+        """Create the controls.
 
         Args:
-            on_load: told the path of a run file that is to be loaded.
-            on_export: told that the run is to be exported.
-            on_settings: told that its settings are wanted for the next one.
+            on_load: Called with the path of a run file to load.
+            on_export: Called to export the selected run.
+            on_settings: Called to copy the settings of the selected run to the form.
         """
         super().__init__()
-        self._on_load, self._on_export, self._on_settings = on_load, on_export, on_settings
-        self.on_msg(self._hear)
+        self._on_load = on_load
+        self._on_export = on_export
+        self._on_settings = on_settings
+        self.on_msg(self._handle_message)
 
     def snapshot(self) -> Html:
-        """Write what became of the last wish, and the code of the run, as static HTML."""
-        code_of_run = details("The Python that repeats this run", code(self.code)) if self.code else ""
-        said = tag("p", self.words) if self.words else ""
-        return join(said, code_of_run) or tag("p", "No run was loaded or exported.")
+        """Return the last message and the code of the run as static HTML."""
+        code_of_run = details("Python code that repeats this run", code(self.code)) if self.code else ""
+        message = tag("p", self.words) if self.words else ""
+        return join(message, code_of_run) or tag("p", "No run was loaded or exported.")
 
-    def _hear(self, _widget: object, message: Any, _buffers: object) -> None:
+    def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
         match message:
             case {"load": str(path)}:
                 self._on_load(path)

@@ -1,4 +1,4 @@
-"""A gene to be written by hand: its robot beside it as one types, and what is wrong with it."""
+"""A text editor for one gene, with a picture of its robot and messages on what is wrong."""
 
 import threading
 from collections.abc import Callable
@@ -12,114 +12,121 @@ from walkerlab.settings.settings import Settings
 from walkerlab.text.html import Html, code, join, tag
 from walkerlab.view import sketch
 from walkerlab.view.snapshots import image
-from walkerlab.widgets.component import Part, script, style
-from walkerlab.widgets.repairs import laid_out, mended, place_of
+from walkerlab.widgets.component import Component, load_script, load_style
+from walkerlab.widgets.repairs import describe_repairs, find_fault, format_genome
 
-SIZE = (300, 190)  # pixels of the drawing
-SAID = 5  # genes at most, of which it is said that they were brought within the limits
+SIZE = (300, 190)  # pixels of the picture
+MAX_NOTES = 5  # changes to the gene that are listed
 
 OnGenome = Callable[[Genome], object]
 
 
-class Editor(Part):
-    """A gene as text, and the robot that grows from it.
+class Editor(Component):
+    """A gene as editable text, and the robot that it describes.
 
     Attributes:
-        text: what is written.
-        genome: the genome that it is, within the limits; None while it is none. Setting it writes its text.
-        settings: of which the limits hold.
-        fault: why the text is no genome, or "".
-        place: the first character of the text that is at fault, and the one after the last; empty if there is none.
-        notes: which genes were beyond the limits, and what is used in their place: a sentence each.
-        picture: the robot, as SVG; that of the last genome, while there is none.
-        can_insert: whether there is a generation into which it can be put.
-        heard: the buttons that somebody listens to; the others are not there.
+        text: Text in the editor.
+        genome: Genome of the text, brought within the limits; None while the text is not a valid genome. Setting it
+            changes the text.
+        settings: Settings with the limits of the robot.
+        fault: Why the text is not a valid genome; empty if it is.
+        fault_range: Start and exclusive end of the wrong characters of the text; empty if they are unknown.
+        notes: Sentences on the genes that were beyond the limits and the values that are used instead.
+        picture: Picture of the robot, as SVG; that of the last valid genome while the text is not valid.
+        can_insert: Whether the genome can be inserted into a coming generation.
+        buttons: Names of the visible buttons: those with a callback.
     """
 
     title = "gene editor"
-    _esm = script("editor")
-    _css = style("editor")
+    _esm = load_script("editor")
+    _css = load_style("editor")
     text = traitlets.Unicode("").tag(sync=True)
     genome: Any = traitlets.Instance(Genome, allow_none=True)
     settings: Any = traitlets.Instance(Settings)
     fault = traitlets.Unicode("").tag(sync=True)
-    place = traitlets.List(traitlets.Int()).tag(sync=True)
+    fault_range = traitlets.List(traitlets.Int()).tag(sync=True)
     notes = traitlets.List(traitlets.Unicode()).tag(sync=True)
     picture = traitlets.Unicode("").tag(sync=True)
     can_insert = traitlets.Bool(False).tag(sync=True)
-    heard = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    buttons = traitlets.List(traitlets.Unicode()).tag(sync=True)
 
     def __init__(self, genome: Genome | str | None = None, settings: Settings | None = None) -> None:
-        """Open it.
+        """Create the editor.
 
         Args:
-            genome: to begin with, or its text, which need not be one yet; one drawn by chance if None.
-            settings: of which the limits hold; the defaults if None.
+            genome: Initial genome, or a text, which may be invalid; a random genome if None.
+            settings: Settings with the limits of the robot; the defaults if None.
         """
         super().__init__(settings=settings or Settings())
-        self._lock, self._listeners = threading.RLock(), dict[str, list[OnGenome]](walk=[], insert=[])
-        self.observe(self._read, ["text", "settings"])
-        self.observe(self._write, "genome")
-        self.on_msg(self._hear)
-        robot, seed = self.settings.robot, self.settings.algorithm.seed
-        begin = Genome.random(robot, rng=stream(seed, "population", 0, 0)) if genome is None else genome
-        self.text = begin if isinstance(begin, str) else laid_out(begin)
+        self._lock = threading.RLock()
+        self._callbacks: dict[str, list[OnGenome]] = {"walk": [], "insert": []}
+        self.observe(self._parse, ["text", "settings"])
+        self.observe(self._update_text, "genome")
+        self.on_msg(self._handle_message)
+        if genome is None:
+            rng = stream(self.settings.algorithm.seed, "population", 0, 0)
+            genome = Genome.random(self.settings.robot, rng=rng)
+        self.text = genome if isinstance(genome, str) else format_genome(genome)
 
     def on_walk(self, callback: OnGenome) -> None:
-        """Have something called with the genome, when its robot is to walk."""
-        self._listen("walk", callback)
+        """Register a function that is called with the genome when its walk is to be played."""
+        self._add_callback("walk", callback)
 
     def on_insert(self, callback: OnGenome) -> None:
-        """Have something called with the genome, when it is to be put into the next generation."""
-        self._listen("insert", callback)
+        """Register a function that is called with the genome when it is to be inserted into the next generation."""
+        self._add_callback("insert", callback)
 
     def snapshot(self) -> Html:
-        """Write the robot, its gene and what is wrong with it as static HTML."""
+        """Return the robot, its gene and the messages as static HTML."""
         notes = [tag("p", note) for note in ([self.fault] if self.fault else self.notes)]
         return join(image(self.picture) if self.picture else "", code(self.text), *notes)
 
-    def _listen(self, button: str, callback: OnGenome) -> None:
-        self._listeners[button].append(callback)
-        self.heard = [name for name, callbacks in self._listeners.items() if callbacks]
+    def _add_callback(self, button: str, callback: OnGenome) -> None:
+        self._callbacks[button].append(callback)
+        self.buttons = [name for name, callbacks in self._callbacks.items() if callbacks]
 
-    def _read(self, _: object = None) -> None:
-        """Make a genome of the text, or say why that cannot be."""
+    def _parse(self, _: object = None) -> None:
+        """Update the genome and the picture from the text, or report why the text is not valid."""
         with self._lock, self.hold_sync():
             robot = self.settings.robot
             try:
-                read = Genome.parse(self.text)
+                parsed = Genome.parse(self.text)
             except GenomeError as error:
                 self.fault = str(error).partition("\n")[0]
-                self.place = place_of(self.fault, self.text) or []
-                self.genome, self.notes = None, []
+                self.fault_range = find_fault(self.fault, self.text) or []
+                self.genome = None
+                self.notes = []
                 return
-            self.fault, self.place, self.notes = "", [], _brief(mended(read, robot))
-            self.genome = read.within(robot)
+            self.fault = ""
+            self.fault_range = []
+            self.notes = _shorten(describe_repairs(parsed, robot))
+            self.genome = parsed.within(robot)
             self.picture = sketch.draw_robot(self.genome, robot, size=SIZE)
 
-    def _write(self, change: Any) -> None:
-        """Write the text of a genome that was not read from it."""
+    def _update_text(self, change: Any) -> None:
+        """Change the text to that of a genome that was set from outside."""
         with self._lock:
-            if change.new is not None and change.new != _within(self.text, self.settings):
-                self.text = laid_out(change.new)
+            if change.new is not None and change.new != _parse_within(self.text, self.settings):
+                self.text = format_genome(change.new)
 
-    def _hear(self, _widget: object, message: Any, _buffers: object) -> None:
-        """Hand the genome on, when a button is pressed."""
+    def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
+        """Call the callbacks of the pressed button, if the text is a valid genome."""
         match message:
             case {"press": "walk" | "insert" as button} if self.genome is not None:
-                for callback in self._listeners[button]:
+                for callback in self._callbacks[button]:
                     callback(self.genome)
             case _:
                 pass
 
 
-def _within(text: str, settings: Settings) -> Genome | None:
+def _parse_within(text: str, settings: Settings) -> Genome | None:
+    """Return the genome of a text, brought within the limits; None if the text is not valid."""
     try:
         return Genome.parse(text).within(settings.robot)
     except GenomeError:
         return None
 
 
-def _brief(notes: list[str]) -> list[str]:
-    more = len(notes) - SAID
-    return notes if more <= 0 else [*notes[:SAID], f"And {more} more."]
+def _shorten(notes: list[str]) -> list[str]:
+    n_more = len(notes) - MAX_NOTES
+    return notes if n_more <= 0 else [*notes[:MAX_NOTES], f"And {n_more} more."]

@@ -1,15 +1,16 @@
-// The form: tabs of rows, a row to each setting. What a control says goes to Python, which knows what can be, and
-// answers with what is wrong, and with what does not matter now. component.js and controls.js stand before this.
-const PAUSE = 100; // ms between two values that are sent while a slider is moved
-const ROOMY = 8; // rows that need no tabs
+// The form: tabs with a row for each setting. Python validates the values of the controls, and returns the error
+// messages and the settings that are unused. component.js and controls.js precede this file.
+const PAUSE = 100; // ms between two values that are sent while a slider moves
+const MAX_ROWS_WITHOUT_TABS = 8;
+const MIN_GROUP = 3; // structure settings that are grouped
 
 function render({ model, el }) {
   const rows = new Map(); // by "terrain.step_height"
-  let chosen = ""; // the tab
-  let touched = ""; // the row that was moved last
-  let stray = []; // sentences on what is not shown
+  let selectedTab = ""; // its domain
+  let changedLast = ""; // the setting that the user changed last
+  let otherFaults = []; // messages on settings that are not shown
   let timer = 0;
-  let sent = 0; // ms
+  let sent = 0; // time of the last message, ms
 
   function send() {
     timer = 0;
@@ -17,198 +18,201 @@ function render({ model, el }) {
     model.save_changes();
   }
 
-  function tell(place, value) {
-    const [domain, field] = place.split(".");
+  function change(setting, value) {
+    const [domain, field] = setting.split(".");
     const values = model.get("values");
-    touched = place;
+    changedLast = setting;
     model.set("values", { ...values, [domain]: { ...values[domain], [field]: value } });
     timer ||= setTimeout(send, Math.max(0, sent + PAUSE - Date.now()));
   }
 
-  // ------------------------------------------------------------------------- the line that explains
-  const told = make("div", { className: "told" });
+  // ------------------------------------------------------------------------- the help line
+  const help = make("div", { className: "help" });
 
-  function explain(place) {
-    const row = rows.get(place);
-    if (stray.length) told.replaceChildren(make("span", { className: "fault" }, stray.join(" ")));
-    else if (!row) told.replaceChildren(model.get("tabs").find(({ domain }) => domain === chosen)?.about ?? "");
-    else told.replaceChildren(make("b", {}, row.control.label), `: ${row.meaning}`);
+  function showHelp(setting) {
+    const row = rows.get(setting);
+    if (otherFaults.length) help.replaceChildren(make("span", { className: "fault" }, otherFaults.join(" ")));
+    else if (!row) help.replaceChildren(model.get("tabs").find(({ domain }) => domain === selectedTab)?.about ?? "");
+    else help.replaceChildren(make("b", {}, row.control.label), `: ${row.description}`);
   }
 
-  function listen(panel) {
-    const placed = ({ target }) => target.closest?.(".row")?.dataset.setting;
-    panel.addEventListener("pointerover", (event) => explain(placed(event)));
-    panel.addEventListener("focusin", (event) => explain(placed(event)));
-    panel.addEventListener("pointerleave", () => explain(placed({ target: el.getRootNode().activeElement ?? el })));
+  function addHelp(panel) {
+    const settingOf = ({ target }) => target.closest?.(".row")?.dataset.setting;
+    panel.addEventListener("pointerover", (event) => showHelp(settingOf(event)));
+    panel.addEventListener("focusin", (event) => showHelp(settingOf(event)));
+    panel.addEventListener("pointerleave", () => showHelp(settingOf({ target: el.getRootNode().activeElement ?? el })));
   }
 
-  // ------------------------------------------------------------------------- a row
+  // ------------------------------------------------------------------------- rows
   function makeRow(domain, control) {
-    const place = `${domain}.${control.name}`;
-    const { elements, show } = KINDS[control.kind](control, (value) => tell(place, value));
-    const [name, about, fault] = [fresh(), fresh(), fresh()];
-    const bounds = control.low === undefined ? "" : `; ${brief(control.low)} to ${brief(control.high)} ${control.unit}`;
-    const meaning = `${control.about}${bounds.trimEnd()}. By default ${control.usual}.`;
-    const why = make("small", { className: "why" });
-    const again = make("button", { type: "button", className: "again", title: `back to ${control.usual}`,
-      ariaLabel: `${control.label}: back to ${control.usual}`, onclick: () => tell(place, control.default) }, "↺");
-    const complaint = make("p", { className: "fault unseen", id: fault, role: "status" });
+    const setting = `${domain}.${control.name}`;
+    const { elements, show } = KINDS[control.kind](control, (value) => change(setting, value));
+    const [nameId, descriptionId, faultId] = [newId(), newId(), newId()];
+    const limits = control.low === undefined ? "" : `; ${format(control.low)} to ${format(control.high)} ${control.unit}`;
+    const description = `${control.about}${limits.trimEnd()}. Default: ${control.default_text}.`;
+    const unusedReason = make("small", { className: "unused-reason" });
+    const reset = make("button", { type: "button", className: "reset", title: `reset to ${control.default_text}`,
+      ariaLabel: `${control.label}: reset to ${control.default_text}`, onclick: () => change(setting, control.default) }, "↺");
+    const fault = make("p", { className: "fault screen-reader-only", id: faultId, role: "status" });
     const element = make("div", { className: `row ${control.kind}`, role: "group",
-      attributes: { "aria-labelledby": name, "aria-describedby": about, "data-setting": place } },
-      make("span", { className: "name" }, make("span", { id: name }, control.label), why), ...elements, again, complaint,
-      make("span", { className: "unseen", id: about }, meaning));
-    rows.set(place, { element, control, show, meaning, why, again, complaint, fault });
+      attributes: { "aria-labelledby": nameId, "aria-describedby": descriptionId, "data-setting": setting } },
+      make("span", { className: "name" }, make("span", { id: nameId }, control.label), unusedReason), ...elements, reset,
+      fault, make("span", { className: "screen-reader-only", id: descriptionId }, description));
+    rows.set(setting, { element, control, show, description, unusedReason, reset, fault });
     return element;
   }
 
   function showValues() {
     const values = model.get("values");
-    for (const [place, { control, show, again, element }] of rows) {
-      const [domain, field] = place.split(".");
+    for (const [setting, { control, show, reset, element }] of rows) {
+      const [domain, field] = setting.split(".");
       const value = values[domain]?.[field] ?? control.default;
       const changed = JSON.stringify(value) !== JSON.stringify(control.default);
       show(value);
       element.classList.toggle("changed", changed);
-      again.style.visibility = changed ? "visible" : "hidden";
+      reset.style.visibility = changed ? "visible" : "hidden";
     }
   }
 
-  function showIdle() {
-    const idle = model.get("idle");
-    for (const [place, { why, element }] of rows) {
-      why.textContent = idle[place] ?? "";
-      element.classList.toggle("idle", place in idle);
+  function showUnused() {
+    const unused = model.get("unused");
+    for (const [setting, { unusedReason, element }] of rows) {
+      unusedReason.textContent = unused[setting] ?? "";
+      element.classList.toggle("unused", setting in unused);
     }
   }
 
-  // Rows of which only some matter at a time stand in a place of their own, which is as high whichever do.
+  // Settings of single structures are grouped in an element of fixed height, in which unused ones are hidden.
   function makeRows({ domain, controls }) {
-    const lines = controls.map((control) => makeRow(domain, control));
-    const some = lines.filter((_, n) => controls[n].alternative);
-    if (some.length < 3) return lines;
-    const place = make("div", { className: "alternatives" });
-    const all = lines.map((line) => (line === some[0] ? place : line)).filter((line) => !some.includes(line));
-    place.append(...some);
-    return all;
+    const all = controls.map((control) => makeRow(domain, control));
+    const grouped = all.filter((_, index) => controls[index].structure_only);
+    if (grouped.length < MIN_GROUP) return all;
+    const group = make("div", { className: "structure-settings" });
+    const children = all.map((row) => (row === grouped[0] ? group : row)).filter((row) => !grouped.includes(row));
+    group.append(...grouped);
+    return children;
   }
 
-  // A sentence names all that it is about, and is read at one of them: at the control that was moved, if it is named,
-  // or else at the next below it, so that nothing above moves. The others are marked, and carry it unseen.
+  // A message names one or several settings. It is visible at one of them: at the setting that was changed last, if it
+  // is named, or else at the next one below, so that the rows above do not move. The others are only marked.
   function showFaults() {
     const faults = model.get("faults");
     const order = [...rows.keys()];
-    const loud = new Set();
-    const [before, now] = [stray, []];
-    for (const sentence of new Set(Object.values(faults).flatMap((told) => told.split("\n")))) {
-      const named = order.filter((place) => faults[place]?.split("\n").includes(sentence));
-      const below = named.find((place) => order.indexOf(place) > order.indexOf(touched));
-      if (named.length) loud.add(named.includes(touched) ? touched : below ?? named.at(-1));
-      else now.push(sentence);
+    const visible = new Set(); // settings that show their messages
+    const hadOtherFaults = otherFaults.length > 0;
+    let appeared; // the first message that becomes visible
+    otherFaults = [];
+    for (const sentence of new Set(Object.values(faults).flatMap((sentences) => sentences.split("\n")))) {
+      const named = order.filter((setting) => faults[setting]?.split("\n").includes(sentence));
+      const below = named.find((setting) => order.indexOf(setting) > order.indexOf(changedLast));
+      if (named.length) visible.add(named.includes(changedLast) ? changedLast : below ?? named.at(-1));
+      else otherFaults.push(sentence);
     }
-    stray = now;
-    if (before.length || now.length) explain(touched);
-    for (const [place, { element, complaint, fault }] of rows) {
-      const wrong = place in faults;
-      if (complaint.textContent !== (faults[place] ?? "")) complaint.textContent = faults[place] ?? "";
-      const silent = complaint.classList.contains("unseen");
-      complaint.classList.toggle("unseen", !loud.has(place));
-      if (silent && loud.has(place)) complaint.scrollIntoView({ block: "nearest" });
+    if (hadOtherFaults || otherFaults.length) showHelp(changedLast);
+    for (const [setting, { element, fault }] of rows) {
+      const wrong = setting in faults;
+      if (fault.textContent !== (faults[setting] ?? "")) fault.textContent = faults[setting] ?? "";
+      const wasHidden = fault.classList.contains("screen-reader-only");
+      fault.classList.toggle("screen-reader-only", !visible.has(setting));
+      if (wasHidden && visible.has(setting)) appeared ??= fault;
       element.classList.toggle("wrong", wrong);
       for (const input of element.querySelectorAll("input, select")) {
         input.setAttribute("aria-invalid", wrong);
-        if (wrong) input.setAttribute("aria-describedby", fault);
+        if (wrong) input.setAttribute("aria-describedby", fault.id);
         else input.removeAttribute("aria-describedby");
       }
     }
     for (const { domain, tab, mark } of tabs) {
-      const n = Object.keys(faults).filter((place) => place.startsWith(`${domain}.`)).length;
+      const n = Object.keys(faults).filter((setting) => setting.startsWith(`${domain}.`)).length;
       tab.classList.toggle("wrong", n > 0);
-      mark.textContent = n ? `: ${n} to be mended` : "";
+      mark.textContent = n ? `: ${n} invalid` : "";
     }
+    appeared?.scrollIntoView({ block: "nearest" }); // after the tabs, which become higher with a warning sign
   }
 
-  // ------------------------------------------------------------------------- tabs, and the whole
+  // ------------------------------------------------------------------------- tabs
   let tabs = []; // {domain, tab, panel, mark}
 
-  function choose(domain, focus) {
-    if (chosen !== domain) el.querySelector(".panels").scrollTop = 0;
-    chosen = domain;
+  function selectTab(domain, focus) {
+    if (selectedTab !== domain) el.querySelector(".panels").scrollTop = 0;
+    selectedTab = domain;
     for (const { domain: other, tab, panel } of tabs) {
       tab.setAttribute("aria-selected", other === domain);
       tab.tabIndex = other === domain ? 0 : -1;
       panel.hidden = other !== domain;
       if (other === domain && focus) tab.focus();
     }
-    explain();
+    showHelp();
   }
 
-  function turn(event) { // arrow keys go from tab to tab
-    const here = tabs.findIndex(({ domain }) => domain === chosen);
+  function pressKey(event) { // arrow keys select the next or the previous tab
+    const here = tabs.findIndex(({ domain }) => domain === selectedTab);
     const next = { ArrowRight: here + 1, ArrowLeft: here - 1 + tabs.length, Home: 0, End: tabs.length - 1 }[event.key];
     if (next === undefined) return;
     event.preventDefault();
-    choose(tabs[next % tabs.length].domain, true);
+    selectTab(tabs[next % tabs.length].domain, true);
   }
 
   function makeTab({ domain, title, controls }) {
-    const [name, place] = [fresh(), fresh()];
-    const mark = make("span", { className: "unseen" });
-    const tab = make("button", { type: "button", role: "tab", id: name,
-      attributes: { "aria-controls": place }, onclick: () => choose(domain), onkeydown: turn }, title, mark);
-    const panel = make("div", { className: "panel", role: "tabpanel", id: place,
-      attributes: { "aria-labelledby": name } }, ...makeRows({ domain, controls }));
+    const [tabId, panelId] = [newId(), newId()];
+    const mark = make("span", { className: "screen-reader-only" });
+    const tab = make("button", { type: "button", role: "tab", id: tabId,
+      attributes: { "aria-controls": panelId }, onclick: () => selectTab(domain), onkeydown: pressKey }, title, mark);
+    const panel = make("div", { className: "panel", role: "tabpanel", id: panelId,
+      attributes: { "aria-labelledby": tabId } }, ...makeRows({ domain, controls }));
     return { domain, tab, panel, mark };
   }
 
   function makePresets() {
     const presets = model.get("presets");
-    const [name, about] = [fresh(), make("span", { className: "quiet" })];
-    const box = make("select", { id: name, onchange: () => { model.set("preset", box.value); model.save_changes(); } },
-      make("option", { value: "", disabled: true }, "my own"), ...presets.map((one) => make("option", {}, one.name)));
+    const menuId = newId();
+    const about = make("span", { className: "quiet" });
+    const box = make("select", { id: menuId, onchange: () => { model.set("preset", box.value); model.save_changes(); } },
+      make("option", { value: "", disabled: true }, "custom"), ...presets.map(({ name }) => make("option", {}, name)));
     model.off("change:preset");
     const show = () => {
       box.value = model.get("preset");
-      about.textContent = presets.find((one) => one.name === box.value)?.about ?? "as it is set below";
+      about.textContent = presets.find(({ name }) => name === box.value)?.about ?? "with the settings below";
     };
     model.on("change:preset", show);
     show();
-    return make("div", { className: "presets" }, make("label", { htmlFor: name }, "world"), box, about);
+    return make("div", { className: "presets" }, make("label", { htmlFor: menuId }, "world"), box, about);
   }
 
   function build() {
     const domains = model.get("tabs");
-    const tabbed = domains.length > 1 && domains.flatMap(({ controls }) => controls).length > ROOMY;
+    const tabbed = domains.length > 1 && domains.flatMap(({ controls }) => controls).length > MAX_ROWS_WITHOUT_TABS;
     rows.clear();
     tabs = [];
     const panels = make("div", { className: "panels" });
     const strip = make("div", { className: "tabs", role: "tablist", ariaLabel: "settings" });
-    for (const one of domains) {
+    for (const domain of domains) {
       if (tabbed) {
-        tabs.push(makeTab(one));
+        tabs.push(makeTab(domain));
         strip.append(tabs.at(-1).tab);
         panels.append(tabs.at(-1).panel);
       } else {
-        panels.append(make("div", { className: "panel" }, ...makeRows(one)));
+        panels.append(make("div", { className: "panel" }, ...makeRows(domain)));
       }
     }
-    listen(panels);
+    addHelp(panels);
     el.classList.toggle("tabbed", tabbed);
     const worlds = model.get("presets").length ? [makePresets()] : [];
-    el.replaceChildren(...worlds, ...(tabbed ? [strip] : []), panels, told);
-    choose(domains.some(({ domain }) => domain === chosen) ? chosen : domains[0].domain);
-    for (const show of [showValues, showIdle, showFaults]) show();
+    el.replaceChildren(...worlds, ...(tabbed ? [strip] : []), panels, help);
+    selectTab(domains.some(({ domain }) => domain === selectedTab) ? selectedTab : domains[0].domain);
+    for (const show of [showValues, showUnused, showFaults]) show();
   }
 
-  el.classList.add("wl-part", "wl-form");
-  const free = own_keys(el);
-  const heard = { tabs: build, values: showValues, idle: showIdle, faults: showFaults };
-  for (const [trait, show] of Object.entries(heard)) model.on(`change:${trait}`, show);
+  el.classList.add("wl-component", "wl-form");
+  const releaseKeys = captureKeys(el);
+  const listeners = { tabs: build, values: showValues, unused: showUnused, faults: showFaults };
+  for (const [trait, show] of Object.entries(listeners)) model.on(`change:${trait}`, show);
   build();
   return () => {
     clearTimeout(timer);
     if (timer) send();
-    free();
-    for (const [trait, show] of Object.entries(heard)) model.off(`change:${trait}`, show);
+    releaseKeys();
+    for (const [trait, show] of Object.entries(listeners)) model.off(`change:${trait}`, show);
     model.off("change:preset");
   };
 }

@@ -1,4 +1,4 @@
-"""The form: a control for each setting, and beside them what cannot be."""
+"""The form: a control for each setting, with messages on invalid values next to them."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, cast
@@ -9,29 +9,36 @@ from walkerlab.settings.fields import Domain, SettingsError, did_you_mean, funct
 from walkerlab.settings.glossary import rows_of
 from walkerlab.settings.settings import Settings
 from walkerlab.text.html import Html, join, table, tag
-from walkerlab.widgets.component import Part, script, style
-from walkerlab.widgets.controls import OWN, PLACE, controls_of, idle, in_words, label
-from walkerlab.widgets.presets import PRESETS, worlds
+from walkerlab.widgets.component import Component, load_script, load_style
+from walkerlab.widgets.controls import (
+    FUNCTION_PREFIX,
+    SETTING_NAME,
+    label,
+    make_controls,
+    unused_settings,
+    use_labels,
+)
+from walkerlab.widgets.presets import PRESETS, available_presets
 
 Named = dict[str, Any]
-"""Things by their name."""
+"""Values by name."""
 
-KINDS: dict[str, type[Domain]] = {name: type(field.default) for name, field in Settings.model_fields.items()}
+DOMAINS: dict[str, type[Domain]] = {name: type(field.default) for name, field in Settings.model_fields.items()}
 
 
-class Form(Part):
-    """Settings to be moved: what its controls say is ``settings``, and setting that moves the controls.
+class Form(Component):
+    """Controls for settings; ``settings`` follows the controls, and setting it changes them.
 
-    Of a combination that cannot be, the message stands beside the fields that it names, and ``settings`` is None until
-    it is mended. A function of the user's own is one more choice of its slot.
+    While values are invalid, messages are shown next to the settings that they name, and ``settings`` is None. A user
+    function in the initial settings is an additional option of its control.
 
         form = Form(only=["structure", "step_height"])
         form.observe(lambda change: print(change.new), "settings")
     """
 
     title = "form"
-    _esm = script("controls", "form")
-    _css = style("form")
+    _esm = load_script("controls", "form")
+    _css = load_style("form")
 
     settings = traitlets.Instance(Settings, allow_none=True)
     fault = traitlets.Unicode("")
@@ -39,182 +46,194 @@ class Form(Part):
     tabs = traitlets.Any([]).tag(sync=True)
     values = traitlets.Any({}).tag(sync=True)
     faults = traitlets.Any({}).tag(sync=True)
-    idle = traitlets.Any({}).tag(sync=True)
+    unused = traitlets.Any({}).tag(sync=True)
     presets = traitlets.Any([]).tag(sync=True)
     preset = traitlets.Any("").tag(sync=True)
 
     def __init__(self, settings: Settings | None = None, only: Sequence[str] = ()) -> None:
-        """Make a form.
+        """Create the form.
 
         Args:
-            settings: what its controls say at first; the defaults if None.
-            only: the domains (``"terrain"``) and single settings (``"step_height"``, ``"terrain_seed"``) to be shown;
-                all if none is named. The others keep their values.
+            settings: Initial settings; the defaults if None.
+            only: Names of the domains (``"terrain"``) and settings (``"step_height"``, ``"terrain_seed"``) to show;
+                all if empty. The other settings keep their values.
 
         Raises:
-            ValueError: if there is no setting of such a name.
+            ValueError: If a name is unknown.
         """
-        self._shown = _places([only] if isinstance(only, str) else only)
-        self._own: dict[tuple[str, str], Named] = {}
-        self._worlds = worlds({domain for domain in KINDS if self._shown[domain] == _fields(domain)})
-        self._last = settings or Settings()
-        super().__init__(presets=[{"name": name, "about": PRESETS[name].about} for name in self._worlds])
-        self._show(self._last)
+        self._shown = _select_fields([only] if isinstance(only, str) else only)
+        self._functions: dict[tuple[str, str], Named] = {}  # user functions by name, by domain and field
+        self._presets = available_presets({domain for domain in DOMAINS if self._shown[domain] == _fields(domain)})
+        self._last_valid = settings or Settings()
+        super().__init__(presets=[{"name": name, "about": PRESETS[name].about} for name in self._presets])
+        self._show(self._last_valid)
 
     def set_state(self, sync_data: Named) -> None:
-        """Hear from a browser what is its to say: no more than the values, and the name of a preset."""
-        super().set_state({name: said for name, said in sync_data.items() if name in ("values", "preset")})
+        """Accept only values and the name of a preset from the browser."""
+        super().set_state({name: value for name, value in sync_data.items() if name in ("values", "preset")})
 
     def snapshot(self) -> Html:
-        """Write the settings that are shown as static HTML, a table to a domain."""
-        tables = tag("div", *map(self._table, self._last), class_="beside")
+        """Return the shown settings as static HTML, with a table for each domain."""
+        tables = tag("div", *map(self._table, self._last_valid), class_="beside")
         return join(tables, tag("p", self.fault)) if self.fault else tables
 
-    def _table(self, named: tuple[str, Domain]) -> Html:
-        """Write the shown settings of a domain: those that differ from the default are bold and marked."""
-        name, domain = named
+    def _table(self, named_domain: tuple[str, Domain]) -> Html:
+        """Return a table of the shown settings of a domain, in which those that differ from the default are marked."""
+        name, domain = named_domain
         rows = [row for row in rows_of(domain) if row.name in self._shown[name]]
         lines = ([f"● {label(row.name)}" if row.changed else label(row.name), row.value] for row in rows)
-        strong = ["strong" if row.changed else "" for row in rows]
-        caption = f"{name.capitalize()} (● differs from the default)" if any(strong) else name.capitalize()
-        return table(caption, ("setting", "value"), lines, classes=strong) if rows else Html("")
+        classes = ["strong" if row.changed else "" for row in rows]
+        caption = f"{name.capitalize()} (● differs from the default)" if any(classes) else name.capitalize()
+        return table(caption, ("setting", "value"), lines, classes=classes) if rows else Html("")
 
     @traitlets.validate("values")
-    def _whole(self, proposal: Any) -> dict[str, Named]:
-        """Keep what is not said as it was, and leave out what there is no setting for: a browser may send anything."""
-        said: Any = proposal.value
-        given = {name: said[name] if isinstance(said, Mapping) and name in said else {} for name in KINDS}
-        self._plain = {
+    def _complete(self, proposal: Any) -> dict[str, Named]:
+        """Replace missing values by the last ones and remove unknown settings: a browser may send anything."""
+        sent: Any = proposal.value
+        given = {name: sent[name] if isinstance(sent, Mapping) and name in sent else {} for name in DOMAINS}
+        self._last_values = {
             name: {
-                field: fields[field] if isinstance(fields, Mapping) and field in fields else kept
-                for field, kept in self._plain[name].items()
+                field: fields[field] if isinstance(fields, Mapping) and field in fields else last
+                for field, last in self._last_values[name].items()
             }
             for name, fields in given.items()
         }
-        return self._plain
+        return self._last_values
 
     @traitlets.observe("settings")
-    def _move(self, change: Any) -> None:
-        """Move the controls to settings that someone else has set."""
+    def _update_controls(self, change: Any) -> None:
+        """Update the controls to settings that were set from outside."""
         if change.new is not None and change.new != self._read()[0]:
             self._show(change.new)
 
     @traitlets.observe("values")
-    def _hear(self, _change: object = None) -> None:
-        """Take in what the controls say, be it settings or not."""
+    def _update_settings(self, _change: object = None) -> None:
+        """Update settings and messages to the values of the controls, valid or not."""
         settings, fault = self._read()
-        self._last = settings or self._last
-        self.faults, self.idle, self.fault = _beside(fault), idle(self.values), fault
+        self._last_valid = settings or self._last_valid
+        self.faults = _faults_by_setting(fault)
+        self.unused = unused_settings(self.values)
+        self.fault = fault
         self.settings = settings
-        self.preset = self._world()
+        self.preset = self._current_preset()
 
     @traitlets.observe("preset")
-    def _go(self, change: Any) -> None:
-        """Go to the world that was chosen, if there is one of the name."""
-        world = self._worlds.get(change.new, {}) if isinstance(change.new, str) else {}
-        if change.new != self._world() and world:
-            self.settings = self._last.with_(**world)
-        self.preset = self._world()
+    def _apply_preset(self, change: Any) -> None:
+        """Change the settings to the selected preset, if it exists."""
+        preset = self._presets.get(change.new, {}) if isinstance(change.new, str) else {}
+        if change.new != self._current_preset() and preset:
+            self.settings = self._last_valid.with_(**preset)
+        self.preset = self._current_preset()
 
-    def _world(self) -> str:
-        """Name the preset that the settings are; "" if they are none."""
+    def _current_preset(self) -> str:
+        """Return the name of the preset that the settings equal; empty if there is none."""
         settings = self.settings
-        same = (
+        equal = (
             name
-            for name, world in self._worlds.items()
-            if all(getattr(settings, domain, None) == made for domain, made in world.items())
+            for name, preset in self._presets.items()
+            if all(getattr(settings, domain, None) == value for domain, value in preset.items())
         )
-        return next(same, "")
+        return next(equal, "")
 
     def _show(self, settings: Settings) -> None:
-        """Move every control to what settings say."""
+        """Update all controls to settings."""
         values = settings.model_dump()
-        for domain, field, value in _each(settings):
-            if any(map(callable, _several(value))):
-                values[domain][field] = self._name(domain, field, value)
-        self._plain = values
-        self.tabs = self._tabs()
-        if self.values == values:  # a function has been replaced by another of its name
-            self._hear()
+        for domain, field, value in _all_values(settings):
+            if any(map(callable, _as_tuple(value))):
+                values[domain][field] = self._name_functions(domain, field, value)
+        self._last_values = values
+        self.tabs = self._make_tabs()
+        if self.values == values:  # a function was replaced by another one of the same name
+            self._update_settings()
         self.values = values
 
     def _read(self) -> tuple[Settings | None, str]:
-        """Return the settings that the controls say, or None and why they cannot be."""
-        said = {
-            domain: {field: self._meant(domain, field, value) for field, value in fields.items()}
+        """Return the settings of the controls and "", or None and the error message."""
+        values = {
+            domain: {field: self._replace_names(domain, field, value) for field, value in fields.items()}
             for domain, fields in self.values.items()
         }
         try:
-            return Settings.model_validate(said), ""
+            return Settings.model_validate(values), ""
         except SettingsError as error:
             return None, str(error)
 
-    def _meant(self, domain: str, field: str, value: Any) -> Any:
-        """Return the function of the user's own that a name stands for; all else as it is."""
+    def _replace_names(self, domain: str, field: str, value: Any) -> Any:
+        """Replace the names of user functions in a value by the functions."""
         if isinstance(value, list):
-            return [self._meant(domain, field, one) for one in cast(list[Any], value)]
-        own = self._own.get((domain, field), {})
-        return own.get(value, value) if isinstance(value, str) else value
+            return [self._replace_names(domain, field, item) for item in cast(list[Any], value)]
+        functions = self._functions.get((domain, field), {})
+        return functions.get(value, value) if isinstance(value, str) else value
 
-    def _name(self, domain: str, field: str, value: Any) -> Any:
-        """Name the functions among what fills a slot, and remember them by that name."""
+    def _name_functions(self, domain: str, field: str, value: Any) -> Any:
+        """Replace the user functions in a value by names, and remember the functions by name."""
         named: Named = {}
 
-        def name(one: Any) -> str:
-            if not callable(one):
-                return one.name
-            ways = (f"{OWN}{function_name(one)}{'′' * n}" for n in range(len(named) + 1))  # two may share a name
-            free = next(way for way in ways if named.get(way, one) is one)
-            named[free] = one
-            return free
+        def name(choice: Any) -> str:
+            if not callable(choice):
+                return choice.name
+            base = f"{FUNCTION_PREFIX}{function_name(choice)}"
+            candidates = (f"{base}{'′' * n}" for n in range(len(named) + 1))  # several functions may share a name
+            unused = next(candidate for candidate in candidates if named.get(candidate, choice) is choice)
+            named[unused] = choice
+            return unused
 
-        names = [name(one) for one in _several(value)]
-        self._own[domain, field] = self._own.get((domain, field), {}) | named
+        names = [name(choice) for choice in _as_tuple(value)]
+        self._functions[domain, field] = self._functions.get((domain, field), {}) | named
         return names if isinstance(value, tuple) else names[0]
 
-    def _tabs(self) -> list[Named]:
-        """Return the controls to be shown, by domain."""
+    def _make_tabs(self) -> list[Named]:
+        """Return the shown controls by domain, as plain data."""
         tabs: list[Named] = []
-        for domain, kind in KINDS.items():
-            own = {field: list(named) for (of, field), named in self._own.items() if of == domain}
-            controls = [control for control in controls_of(kind, own) if control["name"] in self._shown[domain]]
-            about = (kind.__doc__ or "").strip()
+        for domain, domain_class in DOMAINS.items():
+            functions = {field: list(named) for (other, field), named in self._functions.items() if other == domain}
+            shown = self._shown[domain]
+            controls = [control for control in make_controls(domain_class, functions) if control["name"] in shown]
+            about = (domain_class.__doc__ or "").strip()
             if controls:
                 tabs.append({"domain": domain, "title": domain, "about": about, "controls": controls})
         return tabs
 
 
-def _places(only: Iterable[str]) -> dict[str, list[str]]:
-    """Return the fields of each domain that are to be shown, in their order."""
+def _select_fields(only: Iterable[str]) -> dict[str, list[str]]:
+    """Return the fields of each domain that are shown, in the order of their declaration."""
     places = Settings.places()
-    wanted = set(only) or set(KINDS)
-    for name in sorted(wanted - {*places, *KINDS}):
-        raise ValueError(f"there is no setting {name!r} to be shown.{did_you_mean(name, [*KINDS, *places])}")
+    wanted = set(only) or set(DOMAINS)
+    for name in sorted(wanted - {*places, *DOMAINS}):
+        raise ValueError(f"there is no setting {name!r}.{did_you_mean(name, [*DOMAINS, *places])}")
     return {
-        domain: [field for name, (of, field) in places.items() if of == domain and (domain in wanted or name in wanted)]
-        for domain in KINDS
+        domain: [
+            field for name, (other, field) in places.items() if other == domain and (domain in wanted or name in wanted)
+        ]
+        for domain in DOMAINS
     }
 
 
 def _fields(domain: str) -> list[str]:
-    return list(KINDS[domain].model_fields)
+    return list(DOMAINS[domain].model_fields)
 
 
-def _several(value: Any) -> tuple[Any, ...]:
+def _as_tuple(value: Any) -> tuple[Any, ...]:
     return cast(tuple[Any, ...], value) if isinstance(value, tuple) else (value,)
 
 
-def _each(settings: Settings) -> Iterable[tuple[str, str, Any]]:
-    """Yield each single setting: its domain, its field and its value."""
+def _all_values(settings: Settings) -> Iterable[tuple[str, str, Any]]:
+    """Return the domain, the field and the value of each setting."""
     return ((domain, field, value) for domain, fields in settings for field, value in fields)
 
 
-def _beside(fault: str) -> dict[str, str]:
-    """Put each sentence beside the fields that it names: {"terrain.step_height": "Step height is …"}."""
-    beside: dict[str, list[str]] = {}
+def _faults_by_setting(fault: str) -> dict[str, str]:
+    """Group the lines of an error message by the settings that they name.
+
+    Returns:
+        Sentences by setting: ``{"terrain.step_height": "Step height is …"}``.
+    """
+    found: dict[str, list[str]] = {}
     for line in fault.splitlines():
-        for domain, field in PLACE.findall(line):
+        sentence = use_labels(line)
+        for domain, field in SETTING_NAME.findall(line):
             if field in _fields(domain.lower()):
-                sentences = beside.setdefault(f"{domain.lower()}.{field}", [])
-                sentences += [in_words(line)] * (in_words(line) not in sentences)
-    return {place: "\n".join(sentences) for place, sentences in beside.items()}
+                sentences = found.setdefault(f"{domain.lower()}.{field}", [])
+                if sentence not in sentences:
+                    sentences.append(sentence)
+    return {setting: "\n".join(sentences) for setting, sentences in found.items()}

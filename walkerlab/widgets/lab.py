@@ -1,10 +1,7 @@
-"""The whole panel: buttons on top, settings on the left, what comes of them on the right, the robots below.
+"""The panel: run controls at the top, settings on the left, runs on the right, and the robots below.
 
-    form → world                            what will be
-    transport → LiveRun → runs, population  what comes of it
-    population → robot                      one of them: its card, its gene, its walk
-
-Every run goes on on a thread of its own, and tells that it has come farther; then what shows it is drawn, at one desk.
+The form changes the drawing of the world and the settings of new runs. Live runs, each on its own thread, update the
+curves, the list of runs and the population. All pictures are drawn on one other thread.
 """
 
 import time
@@ -22,26 +19,26 @@ from walkerlab.evolution.forecast import in_words, seconds_of
 from walkerlab.evolution.live import LiveRun, State
 from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome
+from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.records import join
-from walkerlab.runfile.store import RunFileError
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.workers import check_executor
 from walkerlab.system.files import absolute_path
 from walkerlab.text.html import Html, details, tag
 from walkerlab.view.snapshots import HasSnapshot, pieces_of
-from walkerlab.widgets.cells import made_before
-from walkerlab.widgets.controls import in_words as in_labels
-from walkerlab.widgets.drawing_thread import Desk
+from walkerlab.widgets.cells import register_in_cell
+from walkerlab.widgets.controls import use_labels
+from walkerlab.widgets.drawing_thread import DrawingThread
 from walkerlab.widgets.form import Form
 from walkerlab.widgets.population import Population
-from walkerlab.widgets.robot import RobotRoom
-from walkerlab.widgets.run_folders import Kept, new_file
-from walkerlab.widgets.runs import RunsRoom
+from walkerlab.widgets.robot import RobotArea
+from walkerlab.widgets.run_folders import ListedRun, new_run_path
+from walkerlab.widgets.runs import RunsArea
 from walkerlab.widgets.transport import Transport
 from walkerlab.widgets.world import World
 
-OFTEN = 0.2  # s between two words on how far a run has come
+STATUS_INTERVAL = 0.2  # s between two updates of the progress of a run
 
 
 class Lab(HasSnapshot, ipywidgets.Box):
@@ -51,8 +48,8 @@ class Lab(HasSnapshot, ipywidgets.Box):
         lab
 
     Attributes:
-        run: the run that is chosen in the list, as far as it has come; None before there is one.
-        settings: what the form says; None while that cannot be. Setting it moves the form.
+        run: Completed generations of the run that is selected in the list; None without runs.
+        settings: Settings of the form; None while they are invalid. Setting it changes the form.
     """
 
     title = "panel"
@@ -60,57 +57,55 @@ class Lab(HasSnapshot, ipywidgets.Box):
     def __init__(
         self, settings: Settings | None = None, folder: str | Path = "lab", executor: Executor | None = None
     ) -> None:
-        """Set it up; nothing walks, and no file is made, before a button is pressed.
+        """Create the panel; no robot walks and no file is created before a button is pressed.
 
         Args:
-            settings: with which the form begins; the defaults if None.
-            folder: where every run is kept, in a folder of its own, made with the first run; if nothing can be written
-                there, runs go with the panel.
-            executor: any ``concurrent.futures.Executor``; loky on all cores if None.
+            settings: Initial settings of the form; the defaults if None.
+            folder: Folder of the runs, each in a subfolder; if it is not writable, runs are not saved.
+            executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         """
         settings = Settings() if settings is None else require_settings(settings)
-        self._folder, self._executor = absolute_path(folder, "folder"), executor
-        self._told = dict[LiveRun, tuple[object, float]]()
+        self._folder = absolute_path(folder, "folder")
+        self._executor = executor
+        self._reported: dict[LiveRun, tuple[tuple[State, int] | None, float]] = {}  # last state and time shown
         self._active: LiveRun | None = None
-        self._pressing = Lock()
-        self._desk = Desk(self._is_busy, self._tell_fault)
-        self.form, self.world = Form(settings), World(settings)
-        self.transport, self.runs = (
-            Transport(self._press),
-            RunsRoom(self._folder, self._desk, self._run_chosen, self._take_settings),
-        )
-        self.population, self.robot = Population(), RobotRoom(settings, self._insert)
-        rooms = ipywidgets.Box(
-            [
-                _room("wide", self.transport),
-                _room("left", self.form, self.world),
-                _room("right", self.runs),
-                _room("wide", self.population, self.robot),
-            ]
-        )
-        rooms.add_class("wl-rooms")
-        super().__init__([rooms])
-        check_executor(executor)  # now that there is a whole panel, which can be thrown away
+        self._button_lock = Lock()
+        self._drawing = DrawingThread(self._is_running, self._report_drawing_error)
+        self.form = Form(settings)
+        self.world = World(settings)
+        self.transport = Transport(self._press)
+        self.runs = RunsArea(self._folder, self._drawing, self._run_selected, self._copy_settings)
+        self.population = Population()
+        self.robot = RobotArea(settings, self._insert)
+        areas = [
+            _area("wide", self.transport),
+            _area("left", self.form, self.world),
+            _area("right", self.runs),
+            _area("wide", self.population, self.robot),
+        ]
+        super().__init__([ipywidgets.Box(areas).add_class("wl-areas")])
+        check_executor(executor)  # last, so that the panel can be closed if this raises
         self.add_class("wl-lab")
         self.form.observe(self._form_changed, ["settings", "fault"])
-        self.population.observe(self._robot_chosen, "selected")
-        for panel in made_before(self):  # or its run would go on, with nobody to see it
+        self.population.observe(self._robot_selected, "selected")
+        for panel in register_in_cell(self):  # or its run would continue without a panel
             panel.close()
-            self.transport.words = "The panel that stood here is closed. What it has run is in its files: see Load."
+            self.transport.words = "The earlier panel of this cell was closed. Its runs are saved: open them with Load."
         self._form_changed()
 
     def __repr__(self) -> str:
-        """Name it; its widgets are many."""
-        return f"<Lab: a panel, to be seen in a notebook; it keeps {len(self.runs.kept)} runs>"
+        """Return a short description without the widgets, which are many."""
+        return f"<Lab: a panel with {len(self.runs.entries)} runs, displayed in a notebook>"
 
     def snapshot(self) -> Html:
-        """Write what the panel shows as static HTML."""
-        pieces = (self.transport, self.runs, self.population, self.robot, self.world)
-        return tag("div", *(piece.snapshot() for piece in pieces), details("Settings", self.form.snapshot()))
+        """Return the content of the panel as static HTML."""
+        components = (self.transport, self.runs, self.population, self.robot, self.world)
+        snapshots = (component.snapshot() for component in components)
+        return tag("div", *snapshots, details("Settings", self.form.snapshot()))
 
     @property
     def settings(self) -> Settings | None:
-        """What the form says; None while that cannot be."""
+        """Settings of the form; None while they are invalid."""
         return cast(Settings | None, self.form.settings)
 
     @settings.setter
@@ -119,63 +114,63 @@ class Lab(HasSnapshot, ipywidgets.Box):
 
     @property
     def run(self) -> Run | None:
-        """The run that is chosen in the list, as far as it has come; None before there is one."""
-        return self.runs.chosen
+        """Completed generations of the run that is selected in the list; None without runs."""
+        return self.runs.selected
 
     def close(self) -> None:
-        """Stop what runs, send the workers home, and take the panel off the page; the runs stay in their files."""
-        if hasattr(self, "robot"):  # unless an argument was refused
-            self._desk.close()
-            lives = [kept.live for kept in self.runs.kept.values() if kept.live]
-            for end in (LiveRun.stop, LiveRun.close):  # all are stopped before any is waited for
-                for live in lives:
+        """Stop all runs, release their workers and remove the panel; run files remain."""
+        if hasattr(self, "robot"):  # not if an argument was invalid
+            self._drawing.close()
+            live_runs = [entry.live for entry in self.runs.entries.values() if entry.live]
+            for end in (LiveRun.stop, LiveRun.close):  # all are stopped before the first wait
+                for live in live_runs:
                     end(live)
-        for piece in pieces_of(self):
-            piece.close()
+        for component in pieces_of(self):
+            component.close()
         super().close()
 
-    # ---------------------------------------------------------------------------------------------- before a run
+    # ----------------------------------------------------------------------------------------- settings and forecast
 
     def _form_changed(self, _change: object = None) -> None:
-        """Draw the new world, and say what a run in it would cost, or why there can be none."""
+        """Draw the new world, and show the forecast of a run or why none can start."""
         settings = self.settings
-        faults = "\n".join(map(in_labels, self.form.fault.splitlines()))
+        faults = "\n".join(map(use_labels, self.form.fault.splitlines()))
         self.transport.fault = f"Cannot start. {faults}" if faults else ""
         if settings:
-            self._desk.order("world", partial(self.world.draw, settings))
-            self._desk.order("forecast", self._forecast)
-            if not self.run:  # or edited genes walk in the world of the run that is looked at
+            self._drawing.request("world", partial(self.world.draw, settings))
+            self._drawing.request("forecast", self._forecast)
+            if not self.run:  # edited genes walk in the world of the selected run, if there is one
                 self.robot.use(settings)
 
     def _forecast(self) -> None:
-        """Say how long a run of what the form says would take; while one is going on, its walks are in the way."""
-        if (settings := self.settings) and not self._is_busy():
+        """Show how long a run with the form's settings takes; not during a run, which would distort the timing."""
+        if (settings := self.settings) and not self._is_running():
             algorithm = settings.algorithm
             run = f"{algorithm.generations} generations of {algorithm.population_size} robots"
             self.transport.forecast = f"A new run: {run}, {in_words(self._seconds_of(settings))} on this computer."
 
     def _seconds_of(self, settings: Settings) -> float:
-        """Estimate how long a run will take: at the pace of the last one if that was in the same world."""
+        """Estimate the duration of a run, s: at the pace of the last run if that was in the same world."""
         last = self._active
         if last and last.pace and _world_of(last.settings) == _world_of(settings):
             return last.pace * n_walks(settings)
         return seconds_of(settings)
 
-    # ------------------------------------------------------------------------------------------------------ a run
+    # ------------------------------------------------------------------------------------------------------ live runs
 
     def _press(self, button: str) -> None:
-        """Do what a button of the transport says, one press after the other."""
-        with self._pressing:
-            self._do(button)
+        """Carry out the action of a button; presses from several threads are processed one after the other."""
+        with self._button_lock:
+            self._carry_out(button)
 
-    def _do(self, button: str) -> None:
+    def _carry_out(self, button: str) -> None:
         live = self._active if self._active and not self._active.is_over else None
         match button:
             case "start" | "step" if not live and self.settings:
-                self._begin(self.settings, 1 if button == "step" else None)
+                self._start(self.settings, 1 if button == "step" else None)
             case "step" if live:
                 live.go_on(1)
-            case "go_on" if live:
+            case "continue" if live:
                 live.go_on()
             case "pause" if live:
                 live.pause()
@@ -184,118 +179,122 @@ class Lab(HasSnapshot, ipywidgets.Box):
             case _:
                 pass
 
-    def _begin(self, settings: Settings, generations: int | None) -> None:
-        """Start a run of these settings, to its end or for so many generations."""
+    def _start(self, settings: Settings, generations: int | None) -> None:
+        """Start a run, which pauses after a number of generations unless this is None."""
         try:
-            live = self._live(settings)
-        except ValueError as error:  # an operator of the user's own that does not do what its slot needs
+            live = self._create_live_run(settings)
+        except ValueError as error:  # a user function that cannot be used as this operator
             self.transport.words = str(error)
             return
-        self._active, self._told[live] = live, (None, 0.0)
-        name = f"run {len(self._told)}"
-        self.runs.keep(Kept(name, settings, live), name)
+        self._active = live
+        self._reported[live] = None, 0.0
+        name = f"run {len(self._reported)}"
+        self.runs.add(ListedRun(name, settings, live), name)
         live.go_on(generations)
 
-    def _live(self, settings: Settings) -> LiveRun:
+    def _create_live_run(self, settings: Settings) -> LiveRun:
+        """Create a run with a run file, or without one if the folder is not writable."""
         try:
-            return LiveRun(settings, new_file(self._folder), self._executor, on_news=self._news)
+            return LiveRun(settings, new_run_path(self._folder), self._executor, on_news=self._run_progressed)
         except (RunFileError, OSError) as error:
-            live = LiveRun(settings, None, self._executor, on_news=self._news)
-            self.runs.drawer.words = f"This run will not be kept. {error}"
+            live = LiveRun(settings, None, self._executor, on_news=self._run_progressed)
+            self.runs.drawer.words = f"This run will not be saved. {error}"
             return live
 
-    def _news(self, live: LiveRun) -> None:
-        """Hear that a run has come farther: say so, and have drawn what shows it."""
-        stage, now, (before, spoken) = (live.state, live.n_generations), time.monotonic(), self._told[live]
-        if stage != before:
+    def _run_progressed(self, live: LiveRun) -> None:
+        """Show the progress of a run, at limited frequency unless its state has changed."""
+        state = (live.state, live.n_generations)
+        now = time.monotonic()
+        last_state, last_time = self._reported[live]
+        if state != last_state:
             self.runs.redraw()
-            self._desk.order("population", self._show_population)
-        elif now - spoken < OFTEN:
+            self._drawing.request("population", self._show_population)
+        elif now - last_time < STATUS_INTERVAL:
             return
-        self._told[live] = stage, now
+        self._reported[live] = state, now
         if live is self._active:
-            self._say(live)
+            self._show_status(live)
         if live.state != State.running:
-            self._desk.order("forecast", self._forecast)
-            self._desk.hurry()
+            self._drawing.request("forecast", self._forecast)
+            self._drawing.end_pause()
 
-    def _say(self, live: LiveRun) -> None:
-        """Say how far a run has come."""
-        done, last, left = live.n_generations, live.settings.algorithm.generations - 1, live.seconds_left
-        come = f"generation {done - 1} of 0 to {last}" if done else "the first robots had begun"
+    def _show_status(self, live: LiveRun) -> None:
+        """Show the state and the progress of a run."""
+        n_done = live.n_generations
+        last = live.settings.algorithm.generations - 1
+        seconds_left = live.seconds_left
+        where = f"after generation {n_done - 1} of 0 to {last}" if n_done else f"during generation 0 of 0 to {last}"
         match live.state:
             case State.running:
-                words = (
-                    "The first robots walk, and bodies are built …"
-                    if left is None
-                    else (f"Generation {done} of 0 to {last} walks: {in_words(left)} left.")
-                )
+                left = " …" if seconds_left is None else f": {in_words(seconds_left)} left."
+                words = f"Generation {n_done} of 0 to {last} is running{left}"
             case State.failed:
-                words = f"Failed after {come}. {in_full(live.error)}"
+                words = f"Failed {where}. {_error_text(live.error)}"
                 self.runs.drawer.words = "\n".join(getattr(live.error, "__notes__", []))
             case State.finished:
                 words = f"Finished: generations 0 to {last} in {live.seconds:.0f} s."
             case state:
-                words = f"{state.capitalize()} after {come}, and {live.seconds:.0f} s."
+                words = f"{state.capitalize()} {where} ({live.seconds:.0f} s)."
         with self.transport.hold_sync():
-            self.transport.state, self.transport.words = live.state, words
+            self.transport.state = live.state
+            self.transport.words = words
             self.transport.share = live.n_done / live.n_walks
-        self.robot.editor.can_insert = not live.is_over and done > 0
+        self.robot.editor.can_insert = not live.is_over and n_done > 0
         if live.note:
             self.runs.drawer.words = live.note
 
-    # ------------------------------------------------------------------------------------------- what comes of it
+    # ------------------------------------------------------------------------------------------- the selected run
 
-    def _run_chosen(self) -> None:
+    def _run_selected(self) -> None:
         self.population.selected = -1
-        self._desk.order("population", self._show_population)
+        self._drawing.request("population", self._show_population)
 
-    def _take_settings(self) -> None:
-        """Move the form to the settings of the run that is chosen."""
+    def _copy_settings(self) -> None:
+        """Change the form to the settings of the selected run."""
         if run := self.run:
             self.settings = run.settings
 
-    def _robot_chosen(self, _change: object) -> None:
-        self._desk.order("robot", self._show_robot)
+    def _robot_selected(self, _change: object) -> None:
+        self._drawing.request("robot", self._show_robot)
 
     def _show_population(self) -> None:
-        """Show the last generation of the run that is chosen."""
+        """Show the last generation of the selected run."""
         run = self.run
         self.population.show(run.records if run else join([]), run.settings if run else None)
         self._show_robot()
 
     def _show_robot(self) -> None:
-        """Show the robot that is selected, or the champion so far."""
+        """Show the selected robot, or the champion so far."""
         if (run := self.run) and run.n_generations:
             self.robot.show(run, self.population.selected)
 
     def _insert(self, genome: Genome) -> str:
-        """Put a genome into the next generation of the run that is going on; say what became of that."""
+        """Insert a genome into the next generation of the active run; return a message on the result."""
         if not self._active:
-            return "No run is going on."
+            return "No run is in progress."
         try:
-            number = self._active.insert(genome)
+            generation = self._active.insert(genome)
         except ValueError as error:
             return str(error)
-        return f"It will be in generation {number}, in the place of a child: look for ✎."
+        return f"The gene will be in generation {generation}, in place of a child. It is marked with ✎."
 
-    def _is_busy(self) -> bool:
+    def _is_running(self) -> bool:
         return self._active is not None and self._active.state == State.running
 
-    def _tell_fault(self, error: Exception) -> None:
-        self.runs.drawer.words = f"A picture could not be drawn. {in_full(error)}"
+    def _report_drawing_error(self, error: Exception) -> None:
+        self.runs.drawer.words = f"A picture could not be drawn. {_error_text(error)}"
 
 
-def in_full(error: BaseException | None) -> str:
-    """Say what went wrong; of what is not in words for people, also what kind of error it is."""
+def _error_text(error: BaseException | None) -> str:
+    """Return the message of an error, with its type unless the message is written for users."""
     return str(error) if isinstance(error, Fault) else f"{type(error).__name__}: {error}"
 
 
 def _world_of(settings: Settings) -> tuple[object, ...]:
-    """Return all of settings that a walk depends on."""
+    """Return the domains of settings that a walk depends on."""
     return settings.terrain, settings.robot, settings.simulation
 
 
-def _room(name: str, *pieces: ipywidgets.Widget) -> ipywidgets.Box:
-    """Put pieces below each other."""
-    return ipywidgets.Box(pieces).add_class("wl-room").add_class(f"wl-{name}")
+def _area(name: str, *components: ipywidgets.Widget) -> ipywidgets.Box:
+    """Stack components in an area of the panel."""
+    return ipywidgets.Box(components).add_class("wl-area").add_class(f"wl-{name}")

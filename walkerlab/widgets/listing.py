@@ -1,4 +1,4 @@
-"""A generation as a list for people: each robot in words and figures, sorted, and what is to be said of them all."""
+"""Descriptions of a generation for the population widget: sorted rows of formatted figures, and a summary."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,34 +12,36 @@ from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.numbers import fixed_column, significant_column, with_unit
 from walkerlab.view.plots.tables import unit_of
 
-LISTED = 300  # robots at most that have a row in the table
-DRAWN = 60  # robots at most that have a picture
+MAX_LISTED = 300  # robots that have a row in the table
+MAX_DRAWN = 60  # robots that have a picture
 MINUS = "\N{MINUS SIGN}"
 
-ELITE, VOID, OWN = "elite", "void", "own"
-SIGNS = {ELITE: "★", VOID: "⚠\N{VARIATION SELECTOR-15}", OWN: "✎", "": ""}
-"""What tells the kinds of robots apart without colour: elites, those whose walks do not count, those made by hand."""
+ELITE = "elite"
+INVALID = "invalid"
+INSERTED = "inserted"
+SIGNS = {ELITE: "★", INVALID: "⚠\N{VARIATION SELECTOR-15}", INSERTED: "✎", "": ""}
+"""Signs of the kinds of robots: elites, robots whose walks do not count, robots made by hand, and all others."""
 
 
 @dataclass(frozen=True)
 class Column:
-    """A column of the list.
+    """A column of the table.
 
     Attributes:
-        title: what stands over it.
-        first: who comes first when it is sorted by this column, in words.
-        digits: behind the point, or more where the largest number is small; those of a fitness follow its size.
-        rising: whether the least comes first.
+        title: Heading.
+        order: Description of the order when robots are sorted by this column.
+        digits: Decimals, or more if the largest number is small; unused for fitness, which has significant digits.
+        is_ascending: Whether the smallest value comes first.
     """
 
     title: str
-    first: str
+    order: str
     digits: int = 0
-    rising: bool = False
+    is_ascending: bool = False
 
 
 COLUMNS = {
-    "individual": Column("robot", "by number", rising=True),
+    "individual": Column("robot", "by number", is_ascending=True),
     "fitness": Column("fitness", "fittest first"),
     "distance": Column("distance", "farthest first", 2),
     "velocity": Column("velocity", "fastest first", 2),
@@ -49,98 +51,108 @@ COLUMNS = {
     "body_length": Column("length", "longest first", 2),
     "verdict": Column("verdict", "not counted first"),
 }
-"""What is told of each robot, in this order; the list can be sorted by each of them."""
+"""Columns of the table by name, in display order; robots can be sorted by each of them."""
 
 
-def order(records: pd.DataFrame, column: str) -> pd.DataFrame:
-    """Sort a generation by a column; among equals, and among those that do not count, by fitness and number."""
-    counted = records.verdict == "ok"
-    key = counted if column == "verdict" else records[column]
-    keys = pd.DataFrame({"key": key, "fitness": records.fitness, "individual": records.individual})
-    rising = [column == "verdict" or COLUMNS[column].rising, False, True]
-    return records.loc[keys.sort_values(list(keys), ascending=rising, kind="stable").index]
-
-
-def roster(records: pd.DataFrame) -> dict[str, Any]:
-    """Tell of a generation.
+def sort_robots(records: pd.DataFrame, column: str) -> pd.DataFrame:
+    """Sort a generation by a column, and equal or missing values by fitness and number.
 
     Args:
-        records: its rows of the tidy table, in the order in which they are to be listed.
+        records: Rows of one generation.
+        column: Name of a column of ``COLUMNS``.
+    """
+    key = records.verdict == "ok" if column == "verdict" else records[column]
+    keys = pd.DataFrame({"key": key, "fitness": records.fitness, "individual": records.individual})
+    ascending = [column == "verdict" or COLUMNS[column].is_ascending, False, True]
+    return records.loc[keys.sort_values(list(keys), ascending=ascending, kind="stable").index]
+
+
+def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
+    """Describe a generation as plain data for the browser.
+
+    Args:
+        records: Rows of one generation, in display order.
 
     Returns:
-        ``title`` and ``warning``; how many are ``drawn``, and words where these, or those in the table, are not all;
-        ``columns`` with key, title, unit, and how they are sorted; ``rows`` with ``individual``, ``kind``, ``sign``,
-        ``worth``, ``says`` and ``cells``.
+        ``title`` and ``warning`` of the generation; ``n_drawn``, the largest number of pictures; ``drawn_note`` and
+        ``listed_note``, which say that not all robots have a picture or a row; ``columns`` with key, title, unit and
+        sort direction; ``rows`` with ``individual``, ``kind``, ``sign``, ``label``, ``description`` and ``cells``.
     """
-    named = str(records.attrs.get("fitness", ""))
+    fitness_name = str(records.attrs.get("fitness", ""))
     unit = unit_of(records, "fitness")
-    void, n_elites = records[records.verdict != "ok"], int((records.born < records.generation).sum())
+    invalid = records[records.verdict != "ok"]
+    n_elites = int((records.born < records.generation).sum())
     elites = f", {SIGNS[ELITE]} {count(n_elites, 'elite')}" if n_elites else ""
-    n_own = int((records.operators == BY_HAND).sum())
-    made = f", {SIGNS[OWN]} {n_own} made by hand" if n_own else ""
-    kinds = ", ".join(f"{n} {verdict}" for verdict, n in void.verdict.value_counts().items())
-    n, listed = len(records), records.head(LISTED)
-    columns = [_cells(name, listed[name].tolist()) for name in COLUMNS]
+    n_inserted = int((records.operators == BY_HAND).sum())
+    inserted = f", {SIGNS[INSERTED]} {n_inserted} made by hand" if n_inserted else ""
+    verdicts = ", ".join(f"{n} {verdict}" for verdict, n in invalid.verdict.value_counts().items())
+    n = len(records)
+    listed = records.head(MAX_LISTED)
+    columns = [_format_cells(name, listed[name].tolist()) for name in COLUMNS]
     rows = zip(listed.to_dict("records"), zip(*columns, strict=True), strict=True)
     return {
-        "title": f"Generation {records.generation.iloc[0]}: {count(n, 'robot')}{elites}{made}",
-        "warning": f"{SIGNS[VOID]} {len(void):,} not counted: {kinds}" if len(void) else "",
-        "drawn": DRAWN,
-        "some_drawn": f"the first {DRAWN} of {n:,} are drawn" if n > DRAWN else "",
-        "some_listed": f"the first {LISTED} of {n:,} are listed" if n > LISTED else "",
+        "title": f"Generation {records.generation.iloc[0]}: {count(n, 'robot')}{elites}{inserted}",
+        "warning": f"{SIGNS[INVALID]} {len(invalid):,} not counted: {verdicts}" if len(invalid) else "",
+        "n_drawn": MAX_DRAWN,
+        "drawn_note": f"the first {MAX_DRAWN} of {n:,} are drawn" if n > MAX_DRAWN else "",
+        "listed_note": f"the first {MAX_LISTED} of {n:,} are listed" if n > MAX_LISTED else "",
         "columns": [
             {
                 "key": name,
-                "title": f"fitness: {named}" if named and name == "fitness" else column.title,
+                "title": f"fitness: {fitness_name}" if fitness_name and name == "fitness" else column.title,
                 "unit": unit_of(records, name),
-                "sorts": "ascending" if column.rising else "descending",
+                "direction": "ascending" if column.is_ascending else "descending",
             }
             for name, column in COLUMNS.items()
         ],
-        "rows": [_row(row, cells, named or "fitness", unit) for row, cells in rows],
+        "rows": [_describe_row(row, cells, fitness_name or "fitness", unit) for row, cells in rows],
     }
 
 
-def _cells(name: str, column: list[Any]) -> list[str]:
-    """Write the cells of a column."""
+def _format_cells(name: str, values: list[Any]) -> list[str]:
+    """Format the values of a column."""
     if name == "verdict":
-        return column
+        return values
     digits = COLUMNS[name].digits
     if name == "fitness":
-        texts = significant_column(column)
+        texts = significant_column(values)
     elif digits:
-        texts = fixed_column(column, digits)
+        texts = fixed_column(values, digits)
     else:
-        texts = map(str, column)
+        texts = map(str, values)
     return [text.replace("-", MINUS) for text in texts]
 
 
-def _row(row: Mapping[Any, Any], cells: Sequence[str], named: str, unit: str) -> dict[str, Any]:
-    """Tell of one robot."""
+def _describe_row(row: Mapping[Any, Any], cells: Sequence[str], fitness_name: str, unit: str) -> dict[str, Any]:
+    """Describe one robot."""
     counts = row["verdict"] == "ok"
-    own = OWN if row["operators"] == BY_HAND else ""
-    kind = VOID if not counts else ELITE if row["born"] < row["generation"] else own
-    worth = with_unit(row["fitness"], unit).replace("-", MINUS) if counts else row["verdict"]
+    if not counts:
+        kind = INVALID
+    elif row["born"] < row["generation"]:
+        kind = ELITE
+    else:
+        kind = INSERTED if row["operators"] == BY_HAND else ""
+    label = with_unit(row["fitness"], unit).replace("-", MINUS) if counts else row["verdict"]
     return {
         "individual": row["individual"],
         "kind": kind,
         "sign": SIGNS[kind],
-        "worth": worth,
-        "says": _said(row, kind, f"{named} is {worth}"),
+        "label": label,
+        "description": _description(row, kind, f"{fitness_name} is {label}"),
         "cells": list(cells),
     }
 
 
-def _said(row: Mapping[Any, Any], kind: str, worth: str) -> str:
-    """Tell of one robot in a sentence or two, which is also what those hear who do not see its picture."""
+def _description(row: Mapping[Any, Any], kind: str, fitness: str) -> str:
+    """Describe one robot in a few sentences, which are also the alternative text of its picture."""
     body = (
         f"{count(row['n_segments'], 'segment')}, {count(row['n_legs'], 'leg')}, {with_unit(row['weight'], 'kg')}, "
         f"{with_unit(row['body_length'], 'm')} long"
     )
-    who = f"Robot {row['individual']}: {body}."
-    if kind == VOID:
-        reason = f" That is, {row['reason']}." if isinstance(row["reason"], str) and row["reason"] else ""
-        return f"{who} Not counted: {row['verdict']}. {VERDICTS.get(row['verdict'], '')}{reason}"
-    lives = f" An elite, which lives on unchanged since generation {row['born']}." if kind == ELITE else ""
-    own = " Made by hand." if row["operators"] == BY_HAND else ""
-    return f"{who} Its {worth}.{lives}{own}"
+    robot = f"Robot {row['individual']}: {body}."
+    if kind == INVALID:
+        reason = f" Details: {row['reason']}." if isinstance(row["reason"], str) and row["reason"] else ""
+        return f"{robot} Not counted: {row['verdict']}. {VERDICTS.get(row['verdict'], '')}{reason}"
+    elite = f" An elite, unchanged since generation {row['born']}." if kind == ELITE else ""
+    inserted = " Made by hand." if row["operators"] == BY_HAND else ""
+    return f"{robot} Its {fitness}.{elite}{inserted}"

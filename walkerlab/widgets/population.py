@@ -13,61 +13,60 @@ from walkerlab.text.html import Html, table, tag
 from walkerlab.view import sketch
 from walkerlab.view.plots.tables import require_table
 from walkerlab.view.snapshots import image
-from walkerlab.widgets.component import Part, script, style
-from walkerlab.widgets.listing import COLUMNS, DRAWN, order, roster
+from walkerlab.widgets.component import Component, load_script, load_style
+from walkerlab.widgets.listing import COLUMNS, MAX_DRAWN, describe_generation, sort_robots
 
 SIZE = (100, 56)  # pixels of a picture
-IN_SNAPSHOT = 12  # robots at most in the static picture
-ROOM = 0.15  # m beside the longest robot, for its feet
-STEP = (
-    0.2  # m, to which the longest robot's length is rounded up, so that the scale stays when a child is a little longer
-)
+MAX_IN_SNAPSHOT = 12  # robots in the static picture
+MARGIN = 0.15  # m that a picture shows beyond the longest robot, for its feet
+LENGTH_STEP = 0.2  # m, to which the longest body is rounded up, so that the scale stays if a child is slightly longer
 
 
-class Population(Part):
-    """The robots of one generation: a strip of pictures to one scale, or a table; sorted, and one of them selected.
+class Population(Component):
+    """The robots of one generation: pictures on one scale, or a table; sorted, with one robot selected.
 
-    Only those pictures are drawn that are in sight: a page on which nobody looks at it costs nothing.
+    Only visible pictures are drawn.
 
     Attributes:
-        selected: the number of the selected robot, -1 if none is; a click or a key sets it, and so can you.
-        sort: the column by which they are sorted: fitness, individual, distance, velocity, n_legs, n_segments,
+        selected: Number of the selected robot; -1 if no robot is selected.
+        sort: Column by which the robots are sorted: fitness, individual, distance, velocity, n_legs, n_segments,
             weight, body_length or verdict.
-        as_table: whether they are shown as a table.
+        as_table: Whether the robots are shown as a table.
     """
 
     title = "population"
-    _esm = script("population")
-    _css = style("population")
+    _esm = load_script("population")
+    _css = load_style("population")
     selected = traitlets.Int(-1).tag(sync=True)
     sort = traitlets.Enum(list(COLUMNS), "fitness").tag(sync=True)
     as_table = traitlets.Bool(False).tag(sync=True)
-    sorts = traitlets.List().tag(sync=True)
-    roster = traitlets.Dict().tag(sync=True)
+    sort_options = traitlets.List().tag(sync=True)
+    generation = traitlets.Dict().tag(sync=True)
     pictures = traitlets.Dict().tag(sync=True)
-    sight = traitlets.List(traitlets.Int(), [0, 0]).tag(sync=True)
+    visible = traitlets.List(traitlets.Int(), [0, 0]).tag(sync=True)  # start and exclusive end of the visible pictures
 
     def __init__(self, records: pd.DataFrame | Run | None = None, settings: Settings | None = None) -> None:
-        """Show a generation.
+        """Create the widget.
 
         Args:
-            records: a tidy table or a run, of which the last generation is shown; nothing yet if None.
-            settings: of its run, for the loads that the robots carry and drag.
+            records: Table of a run, or a run; its last generation is shown. Empty if None.
+            settings: Settings of the run, for the loads that the robots carry and drag.
         """
-        super().__init__(sorts=[{"key": key, "words": column.first} for key, column in COLUMNS.items()])
+        super().__init__(sort_options=[{"key": key, "order": column.order} for key, column in COLUMNS.items()])
         self._lock = threading.RLock()
-        self._settings, self._shown = settings, join([])
+        self._settings = settings
+        self._shown = join([])
         self.observe(self._list, "sort")
-        self.observe(self._draw, "sight")
+        self.observe(self._draw, "visible")
         if records is not None:
             self.show(records, settings)
 
     def show(self, records: pd.DataFrame | Run, settings: Settings | None = None) -> None:
-        """Show a generation; who was selected stays so if it lives on.
+        """Show another generation; the selected robot stays selected if it is still present.
 
         Args:
-            records: a tidy table or a run, of which the last generation is shown.
-            settings: as for a new one; those known already if None.
+            records: Table of a run, or a run; its last generation is shown.
+            settings: Settings of the run; those of ``records``, or else the previous ones, if None.
         """
         table = require_table(records)
         with self._lock, self.hold_sync():
@@ -78,46 +77,50 @@ class Population(Part):
             self._list()
 
     def _list(self, _: object = None) -> None:
-        """Tell the browser who is there, together with the pictures that it sees first."""
+        """Sort the robots, and send their descriptions together with the visible pictures."""
         with self._lock, self.hold_sync():
-            self._shown = order(self._shown, self.sort)
+            self._shown = sort_robots(self._shown, self.sort)
             self._draw()
-            self.roster = roster(self._shown) if len(self._shown) else {}
+            self.generation = describe_generation(self._shown) if len(self._shown) else {}
 
     def _draw(self, _: object = None) -> None:
-        """Draw those in sight; what was drawn lately is remembered where it is drawn."""
+        """Draw the visible robots; ``sketch`` caches recent pictures."""
         with self._lock:
-            first, last = self.sight if len(self.sight) == 2 else (0, 0)
-            self.pictures = self._drawn(max(first, 0), min(last, DRAWN))
+            first, end = self.visible if len(self.visible) == 2 else (0, 0)
+            self.pictures = self._draw_range(max(first, 0), min(end, MAX_DRAWN))
 
-    def _drawn(self, first: int, last: int) -> dict[str, str]:
-        """Draw some of the robots, counted in the order in which they are listed."""
-        seen = self._shown.iloc[first:last]
-        span = STEP * math.ceil(self._shown.body_length.max() / STEP) + ROOM if len(seen) else 0.0
+    def _draw_range(self, first: int, end: int) -> dict[str, str]:
+        """Draw a range of the sorted robots; return their pictures as SVG by number."""
+        drawn = self._shown.iloc[first:end]
+        span = 0.0
+        if len(drawn):
+            span = LENGTH_STEP * math.ceil(self._shown.body_length.max() / LENGTH_STEP) + MARGIN
         robot = self._settings.robot if self._settings else None
         return {
-            str(number): sketch.draw_robot(gene, robot, size=SIZE, span=span)
-            for number, gene in zip(seen.individual, seen.genome, strict=True)
+            str(number): sketch.draw_robot(genome, robot, size=SIZE, span=span)
+            for number, genome in zip(drawn.individual, drawn.genome, strict=True)
         }
 
     def snapshot(self) -> Html:
-        """Write the first robots as static HTML: their pictures, or a table of them."""
+        """Return the first robots as static HTML: their pictures, or a table of them."""
         with self._lock:
-            listed, pictures = self.roster, {} if self.as_table else self._drawn(0, IN_SNAPSHOT)
-        if not listed:
+            generation = self.generation
+            pictures = {} if self.as_table else self._draw_range(0, MAX_IN_SNAPSHOT)
+        if not generation:
             return tag("p", "No generation was done yet.")
-        rows, n = listed["rows"][:IN_SNAPSHOT], len(self._shown)
-        some = f" The first {len(rows)} of {n:,} are shown, {COLUMNS[self.sort].first}." if n > len(rows) else ""
-        caption = f"{listed['title']}.{some}"
+        rows = generation["rows"][:MAX_IN_SNAPSHOT]
+        n = len(self._shown)
+        note = f" The first {len(rows)} of {n:,} are shown, {COLUMNS[self.sort].order}." if n > len(rows) else ""
+        caption = f"{generation['title']}.{note}"
         if self.as_table:
-            columns = [f"{column['title']} {column['unit']}".strip() for column in listed["columns"]]
+            columns = [f"{column['title']} {column['unit']}".strip() for column in generation["columns"]]
             cells = ([f"{row['sign']} {row['individual']}".strip(), *row["cells"][1:]] for row in rows)
             return table(caption, columns, cells, numbers=range(1, len(columns) - 1))
         figures = (
             tag(
                 "figure",
-                image(pictures[str(row["individual"])], alt=row["says"]),
-                tag("figcaption", f"{row['sign']} {row['worth']}".strip()),
+                image(pictures[str(row["individual"])], alt=row["description"]),
+                tag("figcaption", f"{row['sign']} {row['label']}".strip()),
                 style="display: inline-block; margin: 4px; text-align: center",
             )
             for row in rows

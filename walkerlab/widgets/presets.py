@@ -1,4 +1,4 @@
-"""Worlds with a name: each is the default ground and limits, with some settings changed."""
+"""Named worlds: the default settings of terrain and robot with some changes."""
 
 from collections.abc import Collection
 from dataclasses import dataclass, field
@@ -7,16 +7,16 @@ from typing import Any
 from walkerlab.settings.fields import Domain
 from walkerlab.settings.settings import Settings
 
-WORLD = ("terrain", "robot")  # what a preset is about: the algorithm and the simulation stay as they are
+WORLD_DOMAINS = ("terrain", "robot")  # domains that a preset sets; algorithm and simulation are unchanged
 
 
 @dataclass(frozen=True)
 class Preset:
-    """A world to start from.
+    """A named world.
 
     Attributes:
-        about: what is there, in a few words.
-        changes: settings of the terrain and the robot that are not the defaults, as ``Settings.with_`` takes them.
+        about: Short description.
+        changes: Settings of terrain and robot that differ from the defaults, as arguments of ``Settings.with_``.
     """
 
     about: str
@@ -27,48 +27,50 @@ PRESETS: dict[str, Preset] = {
     "Earth": Preset("a level sports floor: the default"),
     "Moon": Preset("a sixth of the weight on Earth, on dust", {"gravity": "moon", "texture": "sand"}),
     "Mars": Preset(
-        "less than half the weight on Earth, among rocks",
+        "less than half the weight on Earth, with rocks",
         {
             "gravity": "mars", "structure": "rough", "texture": "sand", "hill_height": 0.08,
             "obstacle": "rock", "obstacle_size": 0.12, "obstacle_density": 0.4,
         },
     ),
-    "Ice": Preset("feet slide at the slightest push", {"texture": "ice"}),
+    "Ice": Preset("very slippery ground", {"texture": "ice"}),
     "Sandy stairs": Preset(
-        "low steps of sand, without end",
+        "low steps of sand",
         {"structure": "stairs", "texture": "sand", "step_height": 0.04, "step_depth": 0.6},
     ),
     "Gravel with rocks": Preset(
-        "coarse stones underfoot, and larger ones lying about",
+        "coarse gravel with larger loose rocks",
         {
             "texture": "gravel", "texture_density": 0.3, "texture_size": 0.1,
             "obstacle": "rock", "obstacle_size": 0.15, "obstacle_density": 0.4,
         },
     ),
     "Grassy hills": Preset(
-        "up and down, on a meadow",
+        "hills covered with grass",
         {"structure": "rough", "texture": "grass", "hill_height": 0.25, "hill_length": 2.2},
     ),
-    "Muddy slope": Preset("gently uphill, in mud", {"structure": "incline", "incline": 3.0, "texture": "mud"}),
+    "Muddy slope": Preset("a gentle slope of mud", {"structure": "incline", "incline": 3.0, "texture": "mud"}),
     "Trenches": Preset(
-        "a pavement with gaps to step over",
+        "a concrete floor with gaps to step over",
         {"structure": "gaps", "texture": "concrete", "gap_width": 0.12, "gap_distance": 0.8},
     ),
-    "Storm": Preset("a wind from ahead, over wet grass", {"texture": "grass", "wind": (-10.0, 0.0, 0.0)}),
-    "Caravan": Preset("a pack on the back and a sledge behind", {"carry_weight": 2.0, "drag_weight": 4.0}),
+    "Storm": Preset("headwind, on grass", {"texture": "grass", "wind": (-10.0, 0.0, 0.0)}),
+    "Caravan": Preset("a load on the back and a sledge behind", {"carry_weight": 2.0, "drag_weight": 4.0}),
 }  # fmt: skip
-"""By name; in each a robot within the limits can walk."""
+"""Presets by name; robots within the limits can walk in each of them."""
 
 
-def worlds(shown: Collection[str]) -> dict[str, dict[str, Domain]]:
-    """Return the worlds that change only what is shown: by name, what each makes of the ground and of the limits.
+def available_presets(shown: Collection[str]) -> dict[str, dict[str, Domain]]:
+    """Return the presets that change only shown domains: by name, the settings of each shown domain.
 
     Args:
-        shown: the domains of which all is to be seen.
+        shown: Names of the domains of which all settings are shown.
     """
     places = Settings.places()
     return {
-        name: {domain: getattr(Settings().with_(**preset.changes), domain) for domain in WORLD if domain in shown}
+        name: {
+            domain: getattr(Settings().with_(**preset.changes), domain) for domain in WORLD_DOMAINS if domain in shown
+        }
         for name, preset in PRESETS.items()
         if {places[change][0] for change in preset.changes} <= {*shown} and "terrain" in shown
     }

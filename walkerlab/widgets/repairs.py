@@ -1,4 +1,4 @@
-"""What was done to a genome that somebody wrote by hand, to bring it within the limits: in words, gene by gene."""
+"""Descriptions of the changes that bring a genome within the limits, and of the place of an error in its text."""
 
 import re
 from collections.abc import Iterator
@@ -11,11 +11,11 @@ from walkerlab.genome.repair import GRID, PART, WHOLE, genes_of
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.settings import Robot
 
-ROUNDED = 0.51 * 10.0**-GRID  # a change that is no more than the rounding to the grid, and is not spoken of
+ROUNDING = 0.51 * 10.0**-GRID  # smaller changes come from rounding and are not reported
 
 
-def laid_out(genome: Genome) -> str:
-    """Write a genome as its text form, with a line to each segment and step."""
+def format_genome(genome: Genome) -> str:
+    """Return the text form of a genome, with a line for each segment and each step."""
     return str(genome).replace(" | ", "\n| ")
 
 
@@ -28,86 +28,99 @@ UNITS = {feature: unit for feature, unit, _ in _KINDS if feature != Feature.legs
 CYCLIC = {feature for feature, _, kind in _KINDS if kind == "cyclic"}
 
 
-class Place(NamedTuple):
-    """From which to which character of a text something is, the last left out; counted as browsers count."""
+class Span(NamedTuple):
+    """A range of a text in UTF-16 code units, which JavaScript counts; the end is exclusive."""
 
     start: int
     end: int
 
 
-def place_of(fault: str, text: str) -> Place | None:
-    """Find the place at which a ``GenomeError`` points, in the text that it is about.
+def find_fault(fault: str, text: str) -> Span | None:
+    """Find the place in a text to which the message of a ``GenomeError`` refers.
+
+    Args:
+        fault: Message of the error.
+        text: Text that was parsed.
 
     Returns:
-        The word at which it points, or where one is missing; None if it points nowhere.
+        Span of the wrong word, an empty span where a word is missing, or None if the message names no place.
     """
-    named = re.search(r"at character (\d+) ", fault)
-    if not named:
+    found = re.search(r"at character (\d+) ", fault)
+    if not found:
         return None
-    start = int(named[1]) - 1
+    start = int(found[1]) - 1
     word = re.compile(r"\||[^\s|]+").match(text, start)
-    return Place(_in_browser(text[:start]), _in_browser(text[: word.end() if word else start]))
+    return Span(_utf16_length(text[:start]), _utf16_length(text[: word.end() if word else start]))
 
 
-def _in_browser(text: str) -> int:
-    """Count the characters of a text as JavaScript does, to which those of rare scripts are two."""
+def _utf16_length(text: str) -> int:
     return len(text.encode("utf-16-le", "surrogatepass")) // 2
 
 
-def mended(genome: Genome, robot: Robot) -> list[str]:
-    """Say which genes had to change for a genome to be within the limits: a sentence each.
+def describe_repairs(genome: Genome, robot: Robot) -> list[str]:
+    """Describe how a genome changes when it is brought within the limits, in one sentence for each change.
 
-    Genes of segments that it does not grow, and of legs that it does not have, are passed over.
+    Genes that have no effect are ignored: those of segments that are not grown and of legs that do not exist.
+
+    Args:
+        genome: Genome before the repair.
+        robot: Limits of the robot.
     """
-    genes, values = genes_of(robot), genome.within(robot).values
-    used, given = genes.parts(values[np.newaxis])[0], genome.values[len(WHOLE) :].reshape(genome.n_parts, -1)
-    lows, highs = (genes.parts(ends[np.newaxis])[0] for ends in (genes.low, genes.high))
-    said = list(_about_parts(genome, robot))
-    for i, kind in enumerate(WHOLE):
-        said += _about_gene(kind, genome.values[i], values[i], (genes.low[i], genes.high[i]), robot)
-    for part in range(min(genome.n_parts, int(values[genes.count or 0]))):
-        features = PART if used[part, PART.index(Feature.legs)] else (Feature.length, Feature.mass, Feature.legs)
-        for kind in features:
-            at = part, PART.index(kind)
-            about = _about_gene(kind, given[at], used[at], (lows[at], highs[at]), robot)
-            said += [f"Segment {part + 1}: {sentence}" for sentence in about]
-    return said
+    genes = genes_of(robot)
+    values = genome.within(robot).values
+    used = genes.parts(values[np.newaxis])[0]
+    given = genome.values[len(WHOLE) :].reshape(genome.n_parts, -1)
+    lows, highs = (genes.parts(limits[np.newaxis])[0] for limits in (genes.low, genes.high))
+    sentences = list(_describe_segments(genome, robot))
+    for i, feature in enumerate(WHOLE):
+        sentences += _describe_gene(feature, genome.values[i], values[i], (genes.low[i], genes.high[i]), robot)
+    for segment in range(min(genome.n_parts, int(values[genes.count or 0]))):
+        has_legs = used[segment, PART.index(Feature.legs)]
+        for feature in PART if has_legs else (Feature.length, Feature.mass, Feature.legs):
+            at = segment, PART.index(feature)
+            changes = _describe_gene(feature, given[at], used[at], (lows[at], highs[at]), robot)
+            sentences += [f"Segment {segment + 1}: {sentence}" for sentence in changes]
+    return sentences
 
 
-def _about_parts(genome: Genome, robot: Robot) -> Iterator[str]:
-    most, wanted = robot.segments[1], min(genome.values[0], robot.segments[1])
+def _describe_segments(genome: Genome, robot: Robot) -> Iterator[str]:
+    """Yield a sentence if the number of described segments differs from the number that is grown."""
+    most = robot.segments[1]
+    wanted = min(genome.values[0], most)
     if genome.n_parts > most:
-        yield f"{genome.n_parts} segments are described, and the limits allow {most}: the others are left out."
+        yield f"The gene describes {genome.n_parts} segments, and the limits allow {most}: the others are ignored."
     if genome.n_parts < wanted:
-        yield f"{wanted:g} segments are to be grown, and {genome.n_parts} described: the last is grown again."
+        yield f"The robot has {wanted:g} segments, and the gene describes {genome.n_parts}: the last one is repeated."
 
 
-def _about_gene(kind: Feature, given: float, used: float, ends: tuple[float, float], robot: Robot) -> Iterator[str]:
-    """Say of one gene what it was, why that cannot stay, and what is used in its place; nothing, if it stays."""
-    if abs(given - used) <= ROUNDED:
+def _describe_gene(
+    feature: Feature, given: float, used: float, limits: tuple[float, float], robot: Robot
+) -> Iterator[str]:
+    """Yield a sentence with the given value of a gene, why it is not allowed, and the used value, if they differ."""
+    if abs(given - used) <= ROUNDING:
         return
-    low, high = ends
-    was, least, most, now = (_written(value, kind) for value in (given, low, high, used))
-    if kind in CYCLIC:
+    low, high = limits
+    given_text, low_text, high_text, used_text = (_with_unit(value, feature) for value in (given, low, high, used))
+    if feature in CYCLIC:
         why = "is not within one turn"
     elif given > high:
-        why = f"is over the limit {most}"
+        why = f"is over the limit {high_text}"
     elif given < low:
-        why = f"is under the limit {least}"
-    elif kind == Feature.length:
-        why = f"does not fit, for the whole body is to be {_span(robot.body_length)} m long"
-    elif kind == Feature.mass:
-        why = f"does not fit, for the whole robot is to weigh {_span(robot.weight)} kg"
-    elif kind == Feature.legs and given in (0, 1):
-        why = f"does not fit, for the whole robot is to have {_span(robot.legs)} legs"
+        why = f"is under the limit {low_text}"
+    elif feature == Feature.length:
+        why = f"does not fit, because the body must be {_range(robot.body_length)} m long"
+    elif feature == Feature.mass:
+        why = f"does not fit, because the robot must weigh {_range(robot.weight)} kg"
+    elif feature == Feature.legs and given in (0, 1):
+        why = f"does not fit, because the robot must have {_range(robot.legs)} legs"
     else:
         why = "is not a whole number"
-    yield f"{kind.name.replace('_', ' ')} {was} {why}: {now} is used."
+    yield f"{feature.name.replace('_', ' ')} {given_text} {why}: {used_text} is used."
 
 
-def _written(value: float, kind: Feature) -> str:
-    return f"{value:.4g} {UNITS.get(kind, '')}".rstrip()
+def _with_unit(value: float, feature: Feature) -> str:
+    return f"{value:.4g} {UNITS.get(feature, '')}".rstrip()
 
 
-def _span(ends: tuple[float, float]) -> str:
-    return f"{ends[0]:g} to {ends[1]:g}"
+def _range(limits: tuple[float, float]) -> str:
+    return f"{limits[0]:g} to {limits[1]:g}"

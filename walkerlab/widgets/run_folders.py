@@ -1,4 +1,4 @@
-"""The runs that a panel keeps, each in a folder of its own, and what tells them apart."""
+"""The runs in a panel's list, their files and folders, and a description of how they differ."""
 
 import time
 from collections.abc import Sequence
@@ -13,17 +13,17 @@ from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import label
 from walkerlab.text.numbers import with_unit
 
-MOST = 4  # settings named that tell a run apart
+MAX_DIFFERENCES = 4  # settings that are named in the description of a run
 
 
 @dataclass(frozen=True, eq=False)
-class Kept:
-    """A run that is kept: one that lives here, or one that was loaded.
+class ListedRun:
+    """A run in the list of a panel: a live one, or one loaded from a file.
 
     Attributes:
-        key: by which a panel knows it.
-        settings: of the run.
-        source: what it comes from.
+        key: Identifier of the run in the list.
+        settings: Settings of the run.
+        source: Live run, or loaded run.
     """
 
     key: str
@@ -32,56 +32,64 @@ class Kept:
 
     @property
     def live(self) -> LiveRun | None:
-        """The run as it lives, if it does."""
+        """The live run; None for a loaded one."""
         return self.source if isinstance(self.source, LiveRun) else None
 
     @property
     def run(self) -> Run:
-        """All that is done so far."""
+        """The completed generations of the run."""
         return self.source.run if isinstance(self.source, LiveRun) else self.source
 
     @property
     def state(self) -> str:
-        """What it is doing, in a word."""
+        """The state of the run, in one word."""
         return self.live.state if self.live else "loaded"
 
 
-def new_file(folder: Path) -> Path:
-    """Name a run file in a folder of its own, after the time; what is there stays as it is."""
+def new_run_path(folder: Path) -> Path:
+    """Return the path of a new run file in a new subfolder, which is named after the current time."""
     stamp = time.strftime("%Y-%m-%d-%H%M%S")
     names = (stamp if n == 1 else f"{stamp}-{n}" for n in range(1, 1000))
     return next(folder / name / RUN_FILE for name in names if not (folder / name).exists())
 
 
-def run_files(folder: Path) -> list[str]:
-    """Return the run files in a folder, or in folders of it, the newest first."""
+def find_run_files(folder: Path) -> list[str]:
+    """Return the paths of the run files in a folder and in its subfolders, newest first."""
     found = [path for name in ("*.walk", f"*/{RUN_FILE}") for path in folder.glob(name) if path.is_file()]
     return [str(path) for path in sorted(found, key=lambda path: path.stat().st_mtime, reverse=True)]
 
 
-def name_of(path: Path) -> str:
-    """Name a run after its file, or after its folder if the file is named as in all of them."""
+def run_name(path: Path) -> str:
+    """Return the name of a run: that of its file, or that of its folder if the file has the standard name."""
     return path.resolve().parent.name if path.name == RUN_FILE else path.stem
 
 
-def best_of(run: Run) -> str:
-    """Say what the champion of a run has reached."""
+def best_result(run: Run) -> str:
+    """Return the fitness of the champion of a run as text; empty if no generation is complete."""
     if not run.n_generations:
         return ""
-    best, unit = run.champion, label(run.settings.algorithm.fitness)[1]
-    return with_unit(best.fitness, unit) if best.verdict == "ok" else "no walk counted"
+    champion = run.champion
+    unit = label(run.settings.algorithm.fitness)[1]
+    return with_unit(champion.fitness, unit) if champion.verdict == "ok" else "no walk counted"
 
 
-def told_apart(all_settings: Sequence[Settings]) -> list[str]:
-    """Say for each of several settings what differs among them; of a single one, what differs from the default."""
-    words = [{(name, row.name): row for name, part in one for row in rows_of(part)} for one in all_settings]
-    if len(words) == 1:
-        differing = [place for place, row in words[0].items() if row.changed]
+def describe_differences(all_settings: Sequence[Settings]) -> list[str]:
+    """Describe each of several settings by the values in which they differ.
+
+    Args:
+        all_settings: Settings of each run; a single one is compared with the defaults.
+    """
+    tables = [{(name, row.name): row for name, domain in one for row in rows_of(domain)} for one in all_settings]
+    if not tables:
+        return []
+    if len(tables) == 1:
+        differing = [place for place, row in tables[0].items() if row.changed]
     else:
-        differing = [place for place in words[0] if len({rows[place].value for rows in words}) > 1] if words else []
-    return [_listed([f"{place[1]} {rows[place].value}" for place in differing]) for rows in words]
+        differing = [place for place in tables[0] if len({rows[place].value for rows in tables}) > 1]
+    return [_shorten([f"{place[1]} {rows[place].value}" for place in differing]) for rows in tables]
 
 
-def _listed(words: list[str]) -> str:
-    more = f" and {len(words) - MOST} more" if len(words) > MOST else ""
-    return ", ".join(words[:MOST]).replace("_", " ") + more
+def _shorten(differences: list[str]) -> str:
+    n_more = len(differences) - MAX_DIFFERENCES
+    more = f" and {n_more} more" if n_more > 0 else ""
+    return ", ".join(differences[:MAX_DIFFERENCES]).replace("_", " ") + more

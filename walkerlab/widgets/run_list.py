@@ -1,4 +1,4 @@
-"""The list of the runs that are kept: shown on the curve or not, named, looked at, dropped."""
+"""The list of a panel's runs, in which runs are named, selected, removed, and shown on the curve or hidden."""
 
 import threading
 from collections import Counter
@@ -9,107 +9,108 @@ import traitlets
 
 from walkerlab.text.html import Html, table, tag
 from walkerlab.view.plots.style import RUN_COLOURS, RUN_MARKERS
-from walkerlab.widgets.component import Part, script, style
+from walkerlab.widgets.component import Component, load_script, load_style
 
-LONGEST = 60  # characters of a name, which stands in legends
+MAX_NAME_LENGTH = 60  # characters of a name, which is also shown in legends
 
 
-class Shelf(Part):
-    """The list of kept runs; it knows them by a key only, so observe ``runs`` and ``selected`` to act on what is done.
+class RunList(Component):
+    """A list of runs, identified by keys; observe ``runs`` and ``selected`` to react to the user's actions.
 
     Attributes:
-        runs: an entry each, in the order in which they came: ``key``, ``name``, ``colour`` and ``mark`` of its line,
-            ``differs``, ``best`` and ``state`` in words, and whether it is ``shown`` on the curve.
-        selected: the key of the run that is looked at, "" if there is none.
+        runs: A dict for each run, oldest first: ``key``, ``name``, ``colour`` and ``mark`` of its line, the texts
+            ``differs``, ``best`` and ``state``, and whether it is ``shown`` on the curve.
+        selected: Key of the selected run; empty if there is none.
     """
 
     title = "list of runs"
-    _esm = script("run_list")
-    _css = style("run_list")
+    _esm = load_script("run_list")
+    _css = load_style("run_list")
     runs = traitlets.List().tag(sync=True)
     selected = traitlets.Unicode().tag(sync=True)
 
     def __init__(self) -> None:
-        """Make an empty one."""
+        """Create an empty list."""
         super().__init__()
         self._lock = threading.RLock()
-        self.on_msg(self._heard)
+        self.on_msg(self._handle_message)
 
     def set_state(self, sync_data: dict[str, Any]) -> None:
-        """Hear nothing from a browser but messages."""
+        """Ignore traits that the browser sets; it sends messages instead."""
 
-    def put(self, key: str, **told: Any) -> None:
-        """Add a run, in a colour and with a mark that no other has, as long as there are such.
+    def add(self, key: str, **changes: Any) -> None:
+        """Add a run with an unused colour and marker, or with the least used ones; update it if it is in the list.
 
         Args:
-            key: by which it is known; one that is there already is only told of.
-            **told: as for ``tell``.
+            key: Key of the run.
+            **changes: As for ``update``.
         """
         with self._lock:
-            if self._knows(key):
-                self.tell(key, **told)
+            if self._has(key):
+                self.update(key, **changes)
                 return
             new = {"key": key, **self._next_look(), "differs": "", "best": "", "state": "", "shown": True}
-            self.runs = [*self.runs, new | self._checked(key, {"name": key} | told)]
+            self.runs = [*self.runs, new | self._clean(key, {"name": key} | changes)]
 
-    def tell(self, key: str, **told: Any) -> None:
-        """Tell what is new of a run; nothing comes of it if the run was dropped meanwhile.
+    def update(self, key: str, **changes: Any) -> None:
+        """Change the entry of a run; do nothing if the run is not in the list.
 
         Args:
-            key: by which it is known.
-            **told: any of ``name``, ``differs``, ``best``, ``state``, ``shown``.
+            key: Key of the run.
+            **changes: Any of ``name``, ``differs``, ``best``, ``state``, ``shown``.
         """
         with self._lock:
-            told = self._checked(key, told)
-            self.runs = [run | told if run["key"] == key else run for run in self.runs]
+            changes = self._clean(key, changes)
+            self.runs = [run | changes if run["key"] == key else run for run in self.runs]
 
-    def drop(self, key: str) -> None:
-        """Forget a run; if it was looked at, its neighbour is."""
+    def remove(self, key: str) -> None:
+        """Remove a run; if it was selected, select its neighbour."""
         with self._lock:
             keys = [run["key"] for run in self.runs]
             if key not in keys:
                 return
-            place = keys.index(key)
+            index = keys.index(key)
             self.runs = [run for run in self.runs if run["key"] != key]
             if self.selected == key:
-                self.selected = self.runs[min(place, len(self.runs) - 1)]["key"] if self.runs else ""
+                self.selected = self.runs[min(index, len(self.runs) - 1)]["key"] if self.runs else ""
 
     def snapshot(self) -> Html:
-        """Write the list as static HTML."""
+        """Return the list as static HTML."""
         if not self.runs:
             return tag("p", "No run was started or loaded.")
         rows = [[run[key] for key in ("name", "differs", "best", "state")] for run in self.runs]
-        strong = ["strong" if run["key"] == self.selected else "" for run in self.runs]
-        return table("Runs", ("run", "differs", "best", "state"), rows, classes=strong)
+        classes = ["strong" if run["key"] == self.selected else "" for run in self.runs]
+        return table("Runs", ("run", "differences", "best", "state"), rows, classes=classes)
 
     def _next_look(self) -> dict[str, str]:
-        """Return the colour and mark that fewest runs have, the earlier ones first."""
+        """Return the first of the least used colours, with its marker."""
         used = Counter(run["colour"] for run in self.runs)
-        place = min(range(len(RUN_COLOURS)), key=lambda i: used[RUN_COLOURS[i]])
-        return {"colour": RUN_COLOURS[place], "mark": RUN_MARKERS[place]}
+        index = min(range(len(RUN_COLOURS)), key=lambda i: used[RUN_COLOURS[i]])
+        return {"colour": RUN_COLOURS[index], "mark": RUN_MARKERS[index]}
 
-    def _checked(self, key: str, told: Mapping[str, Any]) -> dict[str, Any]:
-        """Make a name one of its own, on one line and not too long; none is no news."""
-        name = " ".join(str(told.get("name", "")).split())[:LONGEST]
-        others = {run["name"] for run in self.runs if run["key"] != key}
-        again = (f"{name} ({n})" for n in range(2, len(others) + 2))
-        own = {"name": next(one for one in (name, *again) if one not in others)} if name else {}
-        return {what: news for what, news in told.items() if what != "name"} | own
+    def _clean(self, key: str, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """Return changes with a name that is unique, on one line and not too long; without it if it is blank."""
+        cleaned = {field: value for field, value in changes.items() if field != "name"}
+        if name := " ".join(str(changes.get("name", "")).split())[:MAX_NAME_LENGTH]:
+            others = {run["name"] for run in self.runs if run["key"] != key}
+            candidates = (name, *(f"{name} ({n})" for n in range(2, len(others) + 2)))
+            cleaned["name"] = next(candidate for candidate in candidates if candidate not in others)
+        return cleaned
 
-    def _heard(self, _: object, message: object, __: object) -> None:
-        """Do what the browser asks for, if there is such a run."""
+    def _handle_message(self, _: object, message: object, __: object) -> None:
+        """Carry out an action that the browser requests; ignore invalid messages and unknown runs."""
         with self._lock:
             match message:
-                case {"drop": str(key)}:
-                    self.drop(key)
+                case {"remove": str(key)}:
+                    self.remove(key)
                 case {"name": str(name), "of": str(key)}:
-                    self.tell(key, name=name)
+                    self.update(key, name=name)
                 case {"shown": bool(shown), "of": str(key)}:
-                    self.tell(key, shown=shown)
-                case {"select": str(key)} if self._knows(key):
+                    self.update(key, shown=shown)
+                case {"select": str(key)} if self._has(key):
                     self.selected = key
                 case _:
                     pass
 
-    def _knows(self, key: str) -> bool:
+    def _has(self, key: str) -> bool:
         return any(run["key"] == key for run in self.runs)

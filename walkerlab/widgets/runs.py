@@ -1,4 +1,4 @@
-"""The runs that a panel keeps: their list, their curves on one picture, and what goes out of them and comes in."""
+"""The runs area of a panel: fitness curves, the list of runs, and controls to load and export them."""
 
 import threading
 from collections.abc import Callable
@@ -17,125 +17,140 @@ from walkerlab.view.report.code import as_python, own_functions
 from walkerlab.view.snapshots import HasSnapshot
 from walkerlab.widgets.curve import Curve
 from walkerlab.widgets.drawer import Drawer
-from walkerlab.widgets.drawing_thread import Desk
-from walkerlab.widgets.run_folders import Kept, best_of, name_of, new_file, run_files, told_apart
-from walkerlab.widgets.run_list import Shelf
+from walkerlab.widgets.drawing_thread import DrawingThread
+from walkerlab.widgets.run_folders import (
+    ListedRun,
+    best_result,
+    describe_differences,
+    find_run_files,
+    new_run_path,
+    run_name,
+)
+from walkerlab.widgets.run_list import RunList
 
 
-class RunsRoom(HasSnapshot, ipywidgets.Box):
-    """The runs of a panel, of which one is chosen to be looked at.
+class RunsArea(HasSnapshot, ipywidgets.Box):
+    """The runs of a panel, one of which is selected.
 
     Attributes:
-        kept: the runs, by their keys; every change is a new dict.
-        curve: their fitness.
-        shelf: their list.
-        drawer: where the chosen one is exported and its code copied, and others are loaded.
+        entries: Runs by key; replaced by a new dict with every change.
+        curve: Fitness curves.
+        run_list: List of the runs.
+        drawer: Controls that export the selected run, show its code, and load other runs.
     """
 
     title = "runs"
 
     def __init__(
-        self, folder: Path, desk: Desk, on_chosen: Callable[[], None], on_settings: Callable[[], None]
+        self, folder: Path, drawing: DrawingThread, on_selected: Callable[[], None], on_settings: Callable[[], None]
     ) -> None:
-        """Make it, with no runs.
+        """Create the area without runs.
 
         Args:
-            folder: where the runs are kept, in a folder each.
-            desk: at which the curve is drawn.
-            on_chosen: told that another run is chosen.
-            on_settings: told that the settings of the chosen run are wanted for the next one.
+            folder: Folder of the runs, each in a subfolder.
+            drawing: Thread that draws the curve.
+            on_selected: Called when another run is selected.
+            on_settings: Called to copy the settings of the selected run to the form.
         """
-        self._folder, self._desk, self._on_chosen = folder, desk, on_chosen
-        self._on_curve = list[tuple[str, str, bool]]()
-        self.kept = dict[str, Kept]()
-        self.curve, self.shelf, self.drawer = Curve(), Shelf(), Drawer(self._load, self._export, on_settings)
+        self._folder = folder
+        self._drawing = drawing
+        self._on_selected = on_selected
+        self._on_curve: list[tuple[str, str, bool]] = []
+        self.entries: dict[str, ListedRun] = {}
+        self.curve = Curve()
+        self.run_list = RunList()
+        self.drawer = Drawer(self._load, self._export, on_settings)
         self._list_files()
-        super().__init__([self.curve, self.shelf, self.drawer])
+        super().__init__([self.curve, self.run_list, self.drawer])
         self.add_class("wl-runs")
-        self.shelf.observe(self._run_chosen, "selected")
-        self.shelf.observe(self._runs_changed, "runs")
+        self.run_list.observe(self._selection_changed, "selected")
+        self.run_list.observe(self._list_changed, "runs")
 
     def snapshot(self) -> Html:
-        """Write the curves, the list and the code of the chosen run as static HTML."""
-        return join(*(piece.snapshot() for piece in (self.curve, self.shelf, self.drawer)))
+        """Return the curves, the list and the code of the selected run as static HTML."""
+        return join(*(component.snapshot() for component in (self.curve, self.run_list, self.drawer)))
 
     @property
-    def chosen(self) -> Run | None:
-        """The run that is chosen, as far as it has come; None before there is one."""
-        kept = self.kept.get(str(self.shelf.selected))
-        return kept.run if kept else None
+    def selected(self) -> Run | None:
+        """The completed generations of the selected run; None without runs."""
+        entry = self.entries.get(str(self.run_list.selected))
+        return entry.run if entry else None
 
-    def keep(self, kept: Kept, name: str) -> None:
-        """Put a run into the list, and choose it."""
-        self.kept = {**self.kept, kept.key: kept}
-        self.shelf.put(kept.key, name=name)
-        self.shelf.selected = kept.key
+    def add(self, entry: ListedRun, name: str) -> None:
+        """Add a run to the list and select it."""
+        self.entries = {**self.entries, entry.key: entry}
+        self.run_list.add(entry.key, name=name)
+        self.run_list.selected = entry.key
         self.redraw()
-        self._on_chosen()  # also if it was chosen before, and has grown since
+        self._on_selected()  # also if it was selected already: its file may have grown
 
     def redraw(self) -> None:
-        """Have the curve drawn anew, and the list told what the runs have reached."""
-        self._desk.order("curve", self._draw_curve)
-        self._desk.order("shelf", self._tell_runs)
+        """Request an update of the curve and of the list."""
+        self._drawing.request("curve", self._draw_curve)
+        self._drawing.request("run list", self._update_list)
 
     def _draw_curve(self) -> None:
-        """Draw the curves of the runs that are to be shown, each in the look that the list gives it."""
-        entries: list[dict[str, Any]] = self.shelf.runs
-        shown = {entry["key"]: entry for entry in entries if entry["shown"] and entry["key"] in self.kept}
-        kept = [self.kept[key] for key in shown]
-        tables = {shown[one.key]["name"]: one.run.records for one in kept}
-        going = [one.settings.algorithm.generations for one in kept if one.live and not one.live.is_over]
-        self.curve.draw(tables, max(going, default=1), [RUN_COLOURS.index(shown[one.key]["colour"]) for one in kept])
+        """Draw the curves of the runs that are shown, with the colours and markers of the list."""
+        rows: list[dict[str, Any]] = self.run_list.runs
+        shown = {row["key"]: row for row in rows if row["shown"] and row["key"] in self.entries}
+        entries = [self.entries[key] for key in shown]
+        tables = {shown[entry.key]["name"]: entry.run.records for entry in entries}
+        running = [entry.settings.algorithm.generations for entry in entries if entry.live and not entry.live.is_over]
+        looks = [RUN_COLOURS.index(shown[entry.key]["colour"]) for entry in entries]
+        self.curve.draw(tables, max(running, default=1), looks)
 
-    def _tell_runs(self) -> None:
-        """Say in the list what tells the runs apart and what each has reached, and offer the code of the chosen one."""
-        kept = list(self.kept.values())
-        for one, differs in zip(kept, told_apart([one.settings for one in kept]), strict=True):
-            self.shelf.tell(one.key, differs=differs, best=best_of(one.run), state=one.state)
-        run = self.chosen
-        has_walked = run is not None and bool(run.n_generations)
-        self.drawer.can_export = has_walked
-        self.drawer.code = _code(run) if run and has_walked else ""
+    def _update_list(self) -> None:
+        """Update the texts of the list, and the code of the selected run."""
+        entries = list(self.entries.values())
+        differences = describe_differences([entry.settings for entry in entries])
+        for entry, differs in zip(entries, differences, strict=True):
+            self.run_list.update(entry.key, differs=differs, best=best_result(entry.run), state=entry.state)
+        run = self.selected
+        has_generations = run is not None and bool(run.n_generations)
+        self.drawer.can_export = has_generations
+        self.drawer.code = _code(run) if run and has_generations else ""
 
-    def _run_chosen(self, _change: object) -> None:
-        self._desk.order("shelf", self._tell_runs)
-        self._on_chosen()
+    def _selection_changed(self, _change: object) -> None:
+        self._drawing.request("run list", self._update_list)
+        self._on_selected()
 
-    def _runs_changed(self, _change: object) -> None:
-        """Forget runs that were dropped from the list, and draw those that are to be shown."""
-        on_curve = [(entry["key"], entry["name"], entry["shown"]) for entry in self.shelf.runs]
+    def _list_changed(self, _change: object) -> None:
+        """Stop runs that were removed from the list, and redraw the curve if it shows other runs or names."""
+        rows: list[dict[str, Any]] = self.run_list.runs
+        on_curve = [(str(row["key"]), str(row["name"]), bool(row["shown"])) for row in rows]
         if on_curve == self._on_curve:
             return
-        self._on_curve, keys = on_curve, {entry["key"] for entry in self.shelf.runs}
-        for key in self.kept.keys() - keys:
-            if live := self.kept[key].live:
+        self._on_curve = on_curve
+        keys = {key for key, _, _ in on_curve}
+        for key in self.entries.keys() - keys:
+            if live := self.entries[key].live:
                 live.stop()
-        self.kept = {key: kept for key, kept in self.kept.items() if key in keys}
-        self._desk.order("curve", self._draw_curve)
+        self.entries = {key: entry for key, entry in self.entries.items() if key in keys}
+        self._drawing.request("curve", self._draw_curve)
 
-    # ---------------------------------------------------------------------------------------------- out and in
+    # ---------------------------------------------------------------------------------------- load and export
 
     def _list_files(self) -> None:
-        """List the run files that can be loaded."""
-        self._files = {shown(Path(path)): path for path in run_files(self._folder)}
+        """Update the list of run files that can be loaded."""
+        self._files = {shown(Path(path)): path for path in find_run_files(self._folder)}
         self.drawer.files = list(self._files)
 
     def _load(self, name: str) -> None:
         try:
             run = load(path := self._files.get(name, name))
-            best_of(run)  # whose genome may be no genome
+            best_result(run)  # raises if the champion's genome is damaged
         except (ValueError, OSError) as error:
             self.drawer.words = str(error)
             return
         file = run.path or absolute_path(path)
-        self.keep(Kept(str(file.resolve()), run.settings, run), name_of(file))
-        none = "" if run.n_generations else f" No generation is done yet; resume it with wl.resume({shown(file)!r})."
-        self.drawer.words = f"Loaded {shown(file)}.{none}"
+        self.add(ListedRun(str(file.resolve()), run.settings, run), run_name(file))
+        hint = "" if run.n_generations else f" No generation is done yet; resume it with wl.resume({shown(file)!r})."
+        self.drawer.words = f"Loaded {shown(file)}.{hint}"
 
     def _export(self) -> None:
-        """Write all that there is to see of the chosen run into its folder, on a thread, for it takes seconds."""
-        if (run := self.chosen) and run.n_generations:
-            folder = run.path.parent if run.path else new_file(self._folder).parent
+        """Write all outputs of the selected run into its folder, on a thread because it takes seconds."""
+        if (run := self.selected) and run.n_generations:
+            folder = run.path.parent if run.path else new_run_path(self._folder).parent
             self.drawer.words = f"Writing into {shown(folder)} …"
             threading.Thread(target=self._write, args=(run, folder), name="walkerlab export", daemon=True).start()
 
@@ -144,15 +159,15 @@ class RunsRoom(HasSnapshot, ipywidgets.Box):
             outputs.write(run, folder)
         except Fault as error:
             self.drawer.words = str(error)
-        except Exception as error:  # it is on a thread of its own: nobody else would say so
-            self.drawer.words = f"Nothing could be written into {shown(folder)}. {type(error).__name__}: {error}"
+        except Exception as error:  # on this thread, nothing else reports it
+            self.drawer.words = f"The run could not be exported into {shown(folder)}. {type(error).__name__}: {error}"
         else:
             self._list_files()
             self.drawer.words = f"Exported into the folder {shown(folder)}: {', '.join(outputs.FILES)}."
 
 
 def _code(run: Run) -> str:
-    """Write the code that makes a run again, and say which functions it takes for granted."""
-    own = own_functions(run.settings)
-    needed = f"# Define these of your own first: {', '.join(own)}\n" if own else ""
-    return needed + as_python(run.settings, run.records)
+    """Return the code that repeats a run, with a comment on the user functions that it requires."""
+    functions = own_functions(run.settings)
+    comment = f"# Define these functions of yours first: {', '.join(functions)}\n" if functions else ""
+    return comment + as_python(run.settings, run.records)

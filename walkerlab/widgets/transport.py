@@ -1,4 +1,4 @@
-"""The buttons that start, pause, step and stop a run, how far it has come, and how long it will still take."""
+"""The buttons that start, pause, step and stop a run, its progress, and the time that it still takes."""
 
 from collections.abc import Callable
 from typing import Any
@@ -6,23 +6,23 @@ from typing import Any
 import traitlets
 
 from walkerlab.text.html import Html, join, tag
-from walkerlab.widgets.component import Part, script, style
+from walkerlab.widgets.component import Component, load_script, load_style
 
 
-class Transport(Part):
-    """The buttons of a run. What they do is up to whoever listens.
+class Transport(Component):
+    """The buttons and the progress bar of a run; the action is a callback.
 
     Attributes:
-        state: what the run does: ready, running, paused, stopped, finished or failed.
-        share: how much of it is done, 0 to 1.
-        words: what is said of it.
-        forecast: what is said of the next run, where one can be started.
-        fault: why no run can be started, or "".
+        state: State of the run: ready, running, paused, stopped, finished or failed.
+        share: Completed share of the run, 0 to 1.
+        words: Message on the run.
+        forecast: Message on the next run, if one can be started.
+        fault: Why no run can be started; empty if one can.
     """
 
     title = "run controls"
-    _esm = script("transport")
-    _css = style("transport", "lab")  # the panel itself has no front end to bring its style
+    _esm = load_script("transport")
+    _css = load_style("transport", "lab")  # the panel itself is a plain Box without a style sheet
     state = traitlets.Unicode("ready").tag(sync=True)
     share = traitlets.Float(0.0).tag(sync=True)
     words = traitlets.Unicode("").tag(sync=True)
@@ -30,21 +30,21 @@ class Transport(Part):
     fault = traitlets.Unicode("").tag(sync=True)
 
     def __init__(self, on_press: Callable[[str], None]) -> None:
-        """Make it.
+        """Create the buttons.
 
         Args:
-            on_press: told which button was pressed: start, pause, go_on, stop or step.
+            on_press: Called with the name of the button: start, pause, continue, stop or step.
         """
         super().__init__()
         self._on_press = on_press
-        self.on_msg(self._hear)
+        self.on_msg(self._handle_message)
 
     def snapshot(self) -> Html:
-        """Write what is said of the run as static HTML."""
-        said = [self.words, self.fault or self.forecast]
-        return join(*(tag("p", words) for words in said if words)) or tag("p", f"The run is {self.state}.")
+        """Return the messages as static HTML."""
+        messages = [self.words, self.fault or self.forecast]
+        return join(*(tag("p", words) for words in messages if words)) or tag("p", f"The run is {self.state}.")
 
-    def _hear(self, _widget: object, message: Any, _buffers: object) -> None:
+    def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
         match message:
             case {"press": str(button)}:
                 self._on_press(button)

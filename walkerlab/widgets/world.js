@@ -1,17 +1,17 @@
-// The drawing of a world, and a button that puts another robot into it.
+// The drawing of a world, and a button for another random robot.
 function render({ model, el }) {
   const picture = make("div", { className: "picture" });
   const another = make("button", { type: "button", textContent: "Another robot", onclick: () => model.send("another"),
-    title: "put another robot, drawn by chance, at the start" });
-  el.classList.add("wl-part", "wl-world");
+    title: "show another random robot at the start" });
+  el.classList.add("wl-component", "wl-world");
   el.append(picture, another);
 
   const update = () => {
-    picture.replaceChildren(drawn(model.get("picture")));
+    picture.replaceChildren(parseSvg(model.get("picture")));
     another.hidden = !model.get("by_chance");
   };
   for (const name of ["picture", "by_chance"]) model.on(`change:${name}`, update);
   update();
-  return own_keys(el);
+  return captureKeys(el);
 }
 export default { render };

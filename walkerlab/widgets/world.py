@@ -1,4 +1,4 @@
-"""The world as it will be: drawn anew at once when a setting changes, with a robot at its start."""
+"""A drawing of the world that settings describe, updated when a setting changes."""
 
 import threading
 from typing import Any
@@ -11,23 +11,24 @@ from walkerlab.settings.settings import Settings
 from walkerlab.text.html import Html
 from walkerlab.view import sketch
 from walkerlab.view.snapshots import image
-from walkerlab.widgets.component import Part, script, style
+from walkerlab.widgets.component import Component, load_script, load_style
 
 
-class World(Part):
-    """A drawing of the ground, what lies on it, what pulls and pushes over it, and a robot to scale.
+class World(Component):
+    """A drawing of the ground, the obstacles, gravity and wind, and a robot to scale.
 
     Attributes:
-        settings: of terrain and robot; while they are None, as a form says when they cannot be, the drawing stays.
-        genome: whose robot stands at the start; one drawn by chance within the limits if None.
-        number: which of those that chance could draw; they are the robots with which a run of these settings begins.
-        picture: the drawing, as SVG.
-        by_chance: whether its robot is one of chance, of which there are others.
+        settings: Settings of terrain and robot; while they are None, as those of a form with an invalid value, the
+            drawing stays as it is.
+        genome: Genome of the robot at the start; None for a random one within the limits.
+        number: Index of the random robot; index i is the robot i of generation 0 of a run with these settings.
+        picture: Drawing, as SVG.
+        by_chance: Whether the robot is random, so that another one can be drawn.
     """
 
     title = "world"
-    _esm = script("world")
-    _css = style("world")
+    _esm = load_script("world")
+    _css = load_style("world")
     settings: Any = traitlets.Instance(Settings, allow_none=True)
     genome: Any = traitlets.Instance(Genome, allow_none=True)
     number = traitlets.Int(0)
@@ -35,39 +36,46 @@ class World(Part):
     by_chance = traitlets.Bool(True).tag(sync=True)
 
     def __init__(self, settings: Settings | None = None, genome: Genome | str | None = None) -> None:
-        """Draw it.
+        """Create the drawing.
 
         Args:
-            settings: of terrain and robot; the defaults if None.
-            genome: as the attribute; its text will do.
+            settings: Settings of terrain and robot; the defaults if None.
+            genome: Genome of the robot, or its text; a random one if None.
         """
-        self._lock, self._drawn = threading.RLock(), None
-        own = None if genome is None else Genome.of(genome)
-        super().__init__(settings=settings or Settings(), genome=own)
+        self._lock = threading.RLock()
+        self._drawn: tuple[Settings, Genome | None, int] | None = None
+        given = None if genome is None else Genome.of(genome)
+        super().__init__(settings=settings or Settings(), genome=given)
         self.observe(self._redraw, ["settings", "genome", "number"])
-        self.on_msg(self._hear)
+        self.on_msg(self._handle_message)
         self._redraw()
 
     def draw(self, settings: Settings, genome: Genome | None = None) -> None:
-        """Draw other settings and another robot in one go; from any thread."""
+        """Change settings and robot together and draw once; can be called from any thread.
+
+        Args:
+            settings: Settings of terrain and robot.
+            genome: Genome of the robot; a random one if None.
+        """
         with self._lock, self.hold_trait_notifications():
-            self.settings, self.genome = settings, genome
+            self.settings = settings
+            self.genome = genome
 
     def snapshot(self) -> Html:
-        """Write the drawing as static HTML."""
+        """Return the drawing as static HTML."""
         return image(self.picture)
 
     def _redraw(self, _: object = None) -> None:
         with self._lock:
             wanted = (self.settings, self.genome, self.number)
-            if self.settings and wanted != self._drawn:  # when two of them change in one go, this is called twice
+            if self.settings and wanted != self._drawn:  # called once for each trait that changes
                 settings, genome, number = self._drawn = wanted
                 self.by_chance = genome is None
-                chance = stream(settings.algorithm.seed, "population", 0, number)
-                self.picture = sketch.draw_world(settings, genome or Genome.random(settings.robot, rng=chance))
+                rng = stream(settings.algorithm.seed, "population", 0, number)
+                self.picture = sketch.draw_world(settings, genome or Genome.random(settings.robot, rng=rng))
 
-    def _hear(self, _widget: object, message: Any, _buffers: object) -> None:
-        """Put another robot of chance there, if the browser asks for one."""
+    def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
+        """Show the next random robot if the browser requests it."""
         if message == "another" and self.genome is None:
             with self._lock:
                 self.number += 1

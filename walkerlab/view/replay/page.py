@@ -24,7 +24,7 @@ import numpy as np
 import traitlets
 from matplotlib.colors import to_hex
 
-from walkerlab.runfile.store import RunFileError
+from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.choices import Camera
 from walkerlab.settings.fields import count

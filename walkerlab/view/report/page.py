@@ -10,8 +10,8 @@ import pandas as pd
 
 from walkerlab.genome import genome
 from walkerlab.runfile import provenance, store
+from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.records import COLUMNS, births, champion
-from walkerlab.runfile.store import RunFileError
 from walkerlab.settings.choices import Structure
 from walkerlab.settings.glossary import glossary, rows_of
 from walkerlab.settings.settings import Settings

@@ -18,13 +18,13 @@ from walkerlab import widgets
 from walkerlab.view import snapshots
 from walkerlab.view.replay.page import Frame
 from walkerlab.view.snapshots import HasSnapshot, page
-from walkerlab.widgets.component import Part
+from walkerlab.widgets.component import Component
 from walkerlab.widgets.drawer import Drawer
-from walkerlab.widgets.drawing_thread import Desk
-from walkerlab.widgets.robot import RobotRoom
-from walkerlab.widgets.run_folders import Kept
-from walkerlab.widgets.run_list import Shelf
-from walkerlab.widgets.runs import RunsRoom
+from walkerlab.widgets.drawing_thread import DrawingThread
+from walkerlab.widgets.robot import RobotArea
+from walkerlab.widgets.run_folders import ListedRun
+from walkerlab.widgets.run_list import RunList
+from walkerlab.widgets.runs import RunsArea
 from walkerlab.widgets.transport import Transport
 
 MAX_SIZE = 200_000  # characters
@@ -37,21 +37,21 @@ def ignore(*_):
 
 def panel(run):
     lab = wl.Lab(run.settings, executor=ThreadPoolExecutor(1))
-    lab.runs.keep(Kept("a", run.settings, run), EVIL)
+    lab.runs.add(ListedRun("a", run.settings, run), EVIL)
     return lab
 
 
-def runs_room(run):
-    room = RunsRoom(Path("lab"), Desk(lambda: False, ignore), ignore, ignore)
-    room.shelf.put("a", name=EVIL)
-    room.curve.draw({EVIL: run.records})
-    return room
+def runs_area(run):
+    area = RunsArea(Path("lab"), DrawingThread(lambda: False, ignore), ignore, ignore)
+    area.run_list.add("a", name=EVIL)
+    area.curve.draw({EVIL: run.records})
+    return area
 
 
-def robot_room(run):
-    room = RobotRoom(run.settings, ignore)
-    room.show(run, -1)
-    return room
+def robot_area(run):
+    area = RobotArea(run.settings, ignore)
+    area.show(run, -1)
+    return area
 
 
 def drawer(_run):
@@ -60,9 +60,9 @@ def drawer(_run):
     return made
 
 
-def shelf(_run):
-    made = Shelf()
-    made.put("a", name=EVIL, best="1 m")
+def run_list(_run):
+    made = RunList()
+    made.add("a", name=EVIL, best="1 m")
     return made
 
 
@@ -81,9 +81,9 @@ MAKE = {
     widgets.World: lambda run: widgets.World(run.settings.with_(structure="rough")),
     Drawer: drawer,
     Frame: lambda run: wl.replay({EVIL: run.champion}, run.settings).widget,
-    RobotRoom: robot_room,
-    RunsRoom: runs_room,
-    Shelf: shelf,
+    RobotArea: robot_area,
+    RunsArea: runs_area,
+    RunList: run_list,
     Transport: transport,
 }
 """What makes each widget, with a run to show."""
@@ -91,14 +91,14 @@ MAKE = {
 
 def widget_classes():
     """Return every class of walkerlab's that a notebook shows as a widget."""
-    names = ["viewer.replay", *(f"widgets.{one.name}" for one in pkgutil.iter_modules(widgets.__path__))]
+    names = ["view.replay.page", *(f"widgets.{one.name}" for one in pkgutil.iter_modules(widgets.__path__))]
     found = {
         thing
         for module in (importlib.import_module(f"walkerlab.{name}") for name in names)
         for thing in vars(module).values()
         if inspect.isclass(thing) and issubclass(thing, ipywidgets.DOMWidget) and thing.__module__ == module.__name__
     }
-    return found - {Part}
+    return found - {Component}
 
 
 def test_every_widget_has_a_snapshot_and_is_tested():
@@ -117,7 +117,7 @@ def test_a_snapshot_stands_alone_says_what_it_shows_and_is_small(kind, done, mon
     assert "could not be drawn" not in seen.text
     assert widget.snapshot()
     assert len(html) < MAX_SIZE
-    if kind in (widgets.Curve, widgets.Lab, widgets.Population, widgets.World, Frame, RobotRoom, RunsRoom):
+    if kind in (widgets.Curve, widgets.Lab, widgets.Population, widgets.World, Frame, RobotArea, RunsArea):
         assert seen.all("img")
     widget.close()
 
