@@ -15,7 +15,8 @@ import walkerlab as wl
 from walkerlab.breeding import generate_robot_population
 from walkerlab.genome.phenotype import express
 from walkerlab.simulation import evaluation
-from walkerlab.simulation.rollout import draw_nudge, walk, walk_from_every_start
+from walkerlab.simulation.rollout import walk, walk_from_every_start
+from walkerlab.simulation.starts import draw_nudge
 from walkerlab.world.scene import compile_scene, reusable_scene_of
 
 SETTINGS = wl.Settings().with_(duration=1.0)

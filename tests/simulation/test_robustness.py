@@ -9,9 +9,10 @@ import pytest
 
 import walkerlab as wl
 from tests.simulation.test_validity import WALKER
-from walkerlab.simulation import robustness, rollout
+from walkerlab.simulation import robustness, starts
 from walkerlab.simulation.robustness import UNSEEN, Confirmation, confirm
-from walkerlab.simulation.rollout import NUDGE_BEND, NUDGE_SHIFT, NUDGE_TURN, draw_nudge, walk
+from walkerlab.simulation.rollout import walk
+from walkerlab.simulation.starts import NUDGE_BEND, NUDGE_SHIFT, NUDGE_TURN, draw_nudge
 from walkerlab.world.geometry import skins
 from walkerlab.world.scene import compile_scene
 
@@ -24,7 +25,7 @@ def kept(fitness, finer=1.0, nudged=(1.0, 2.0, 3.0)):
 
 def test_a_walk_that_is_repeated_as_it_was_keeps_all(monkeypatch):
     for name in ("NUDGE_SHIFT", "NUDGE_TURN", "NUDGE_BEND"):
-        monkeypatch.setattr(rollout, name, 0.0)
+        monkeypatch.setattr(starts, name, 0.0)
     monkeypatch.setattr(robustness, "FINER", 1)
     same = confirm(WALKER, SHORT, 2)
     assert (same.kept_finer, same.kept_nudged) == (1.0, 1.0)

@@ -14,7 +14,7 @@ import mujoco
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.settings import Settings
-from walkerlab.simulation.rollout import count_settling_steps
+from walkerlab.simulation.starts import count_settling_steps
 from walkerlab.system.files import folder_path, write_text
 from walkerlab.world.scene import CONTROL_RATE, RAMP_TIME, Scene, describe_scene
 

@@ -18,7 +18,8 @@ from walkerlab.settings.arguments import require_count, require_settings
 from walkerlab.settings.choices import Fitness
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import UNITS, label, poorest, rate
-from walkerlab.simulation.rollout import draw_nudge, walk, walk_from_every_start
+from walkerlab.simulation.rollout import walk, walk_from_every_start
+from walkerlab.simulation.starts import draw_nudge
 from walkerlab.text.html import Html, shown, table
 from walkerlab.text.numbers import significant, with_unit
 from walkerlab.world.scene import compile_scene
