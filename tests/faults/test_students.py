@@ -102,7 +102,7 @@ def spoilt(slot, misdeed=None, is_due=lambda walk: True):
 
 def walks(genomes, settings, asked=""):
     """Stand in for the walks of a task: as repeatable, and no two alike."""
-    even = fitness._made_up_walk()
+    even = fitness._create_made_up_walk()
     return [
         [replace(even, com=even.com * (1 + values.sum() % 7), phenotype=express(genome))]
         for genome, values in ((genome, genome.values) for genome in genomes)
@@ -117,7 +117,7 @@ def elsewhere(tmp_path, monkeypatch):
 
 @pytest.fixture
 def pool(monkeypatch):
-    monkeypatch.setattr(evaluation, "_walk_all", walks)
+    monkeypatch.setattr(evaluation, "_simulate_task", walks)
     with ThreadPoolExecutor(1) as pool:
         yield pool
 

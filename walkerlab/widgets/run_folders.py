@@ -10,7 +10,7 @@ from walkerlab.evolution.run import Run
 from walkerlab.runfile.store import RUN_FILE
 from walkerlab.settings.glossary import rows_of
 from walkerlab.settings.settings import Settings
-from walkerlab.simulation.fitness import label
+from walkerlab.simulation.fitness import name_and_unit
 from walkerlab.text.numbers import with_unit
 
 MOST = 4  # settings named that tell a run apart
@@ -68,7 +68,7 @@ def best_of(run: Run) -> str:
     """Say what the champion of a run has reached."""
     if not run.n_generations:
         return ""
-    best, unit = run.champion, label(run.settings.algorithm.fitness)[1]
+    best, unit = run.champion, name_and_unit(run.settings.algorithm.fitness)[1]
     return with_unit(best.fitness, unit) if best.verdict == "ok" else "no walk counted"
 
 
