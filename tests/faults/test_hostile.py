@@ -142,7 +142,7 @@ def test_a_genome_that_is_none_is_told_where_it_is_needed(forge, capsys):
 
 GREEDY = """
 import resource, sys, walkerlab as wl
-from walkerlab import store
+from walkerlab.runfile import store
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 path = store.locate(sys.argv[1])
 for use in (wl.load, store.read_facts, lambda path: wl.rescue(path, f"{path}.rescued")):

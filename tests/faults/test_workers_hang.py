@@ -234,9 +234,9 @@ def test_the_command_line_reports_replaced_workers(evolving, capsys):
 
 def test_the_command_line_reports_lost_workers_and_how_to_resume(evolving, tmp_path, capsys):
     def lose():
-        raise WorkersLostError("nobody answers")
+        raise WorkersLostError("no answer")
 
     assert evolving(lose) == 1
     said = capsys.readouterr().err
-    assert "nobody answers\nStopped after 2 of 4 generations; all of these are kept." in said
+    assert "no answer\nStopped after 2 of 4 generations, which are saved." in said
     assert f"walkerlab resume {tmp_path}" in said
