@@ -61,9 +61,7 @@ def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.Argu
         "lab", lab.run, "open JupyterLab on copies of the notebooks", "[--no-browser] [--port N] [--allow-root]"
     )
     lab_command.add_argument("--no-browser", action="store_true", help="print the address without opening a browser")
-    lab_command.add_argument(
-        "--port", type=int, metavar="N", help="port of the server on this computer"
-    )
+    lab_command.add_argument("--port", type=int, metavar="N", help="port of the server on this computer")
     lab_command.add_argument("--allow-root", action="store_true", help="allow the user root, as in a container")
     return parser, commands.choices
 
