@@ -43,7 +43,14 @@ ONLY_IN = {
     "dm_control": {"world.entities"},
     "mujoco": {
         *("world.assembly", "world.compilation", "world.scene", "world.geometry", "simulation.export"),
-        *("simulation.rollout", "simulation.footfalls", "view.film", "commands"),
+        *(
+            "simulation.rollout",
+            "simulation.starts",
+            "simulation.stepping",
+            "simulation.footfalls",
+            "view.film",
+            "commands",
+        ),
     },
     "matplotlib": {"view.plots", "view.replay", "view.film", "view.report", "commands", "widgets"},
     "k3d": {"view.replay"},

@@ -1,6 +1,6 @@
-"""The command line: ``walkerlab evolve``, ``resume``, ``show``, ``rescue``, ``doctor`` and ``lab``; and how it ends."""
+"""Entry point of the command line: ``walkerlab evolve``, ``resume``, ``show``, ``rescue``, ``doctor`` and ``lab``."""
 
-from __future__ import annotations  # for the doctor, whom a Python that is too old must be able to read
+from __future__ import annotations  # the doctor must run on old versions of Python
 
 import _thread
 import os
@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Sequence
 from io import TextIOWrapper
 
-from walkerlab.commands.terminal import INTERRUPTED, REFUSED, say, tell
+from walkerlab.commands.terminal import INTERRUPTED, INVALID_REQUEST, print_error, print_safely
 from walkerlab.errors import Fault
 from walkerlab.system.interrupts import interrupts_held
 
@@ -19,81 +19,81 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command.
 
     Args:
-        argv: its words, without the program's name; those of the command line if None.
+        argv: Arguments without the name of the program; those of this process if None.
 
     Returns:
-        The exit code: 0; 1 if the doctor found a fault; 2 for a request that cannot be met; 130 after Ctrl-C.
+        Exit code: 0; 1 if the computer has a fault or a run failed; 2 for an invalid request; 130 after Ctrl-C.
     """
     words = sys.argv[1:] if argv is None else list(argv)
     if isinstance(sys.stdout, TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")  # a folder's name may have letters that a terminal has not
-    listener = signal.getsignal(signal.SIGINT)
+        sys.stdout.reconfigure(errors="backslashreplace")  # for characters that the terminal cannot print
+    handler = signal.getsignal(signal.SIGINT)
     if argv is None:
-        sys.unraisablehook = _pass_on
+        sys.unraisablehook = _repeat_interrupt
     try:
-        if words == ["doctor"]:  # who speaks where no grammar can be loaded
+        if words == ["doctor"]:  # must run even if the parser cannot be imported
             from walkerlab.commands import doctor
 
-            return doctor.tell()
-        return _obey(words)
+            return doctor.run()
+        return _run_command(words)
     except KeyboardInterrupt:
-        return say("\nStopped.", to=INTERRUPTED)
-    except BrokenPipeError:  # whoever was reading has read enough, as in: walkerlab show walk | head
+        return print_error("\nStopped.", INTERRUPTED)
+    except BrokenPipeError:  # the reader has ended, as in: walkerlab show walk | head
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except ImportError as error:
-        return say(f"{error}\nFor the mend, ask: walkerlab doctor", to=1)
+        return print_error(f"{error}\nTo find the cause, run: walkerlab doctor", 1)
     except (Fault, OSError) as error:
-        return say(str(error), to=REFUSED)
+        return print_error(str(error), INVALID_REQUEST)
     finally:
         if argv is None:
             _end_workers()
         else:
-            signal.signal(signal.SIGINT, listener)
+            signal.signal(signal.SIGINT, handler)
 
 
-def _pass_on(lost: sys.UnraisableHookArgs) -> None:
-    """Press Ctrl-C again where it came while Python was tidying up, and would be lost."""
-    if lost.exc_type is KeyboardInterrupt:
-        _thread.start_new_thread(_thread.interrupt_main, ())  # which comes when this is done
+def _repeat_interrupt(unraisable: sys.UnraisableHookArgs) -> None:
+    """Interrupt the main thread again if Ctrl-C came during a cleanup of Python, which ignores exceptions."""
+    if unraisable.exc_type is KeyboardInterrupt:
+        _thread.start_new_thread(_thread.interrupt_main, ())  # takes effect after this call
     else:
-        sys.__unraisablehook__(lost)
+        sys.__unraisablehook__(unraisable)
 
 
 def _end_workers() -> None:
-    """Let Python end at once and undisturbed: it would wait for whoever walks, and Ctrl-C would break that off."""
+    """End the worker processes so that Python can exit at once; Ctrl-C is ignored from now on."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if workers := sys.modules.get("walkerlab.simulation.workers"):
         workers.default_executor().end()
 
 
-def _obey(words: Sequence[str]) -> int:
-    """Run the command that the words name."""
+def _run_command(words: Sequence[str]) -> int:
+    """Parse the arguments, run the command and return its exit code."""
     with interrupts_held():
         from walkerlab.commands import runs
-        from walkerlab.commands.parser import grammar, no_such_command
+        from walkerlab.commands.parser import create_parser, describe_unknown_command
 
-        parser, commands = grammar()
+        parser, commands = create_parser()
     if not words:
         parser.print_help()
         return 0
     if words[0] not in commands and not words[0].startswith("-"):
-        return say(no_such_command(words[0], commands), to=REFUSED)
-    given, strangers = parser.parse_known_args(words)
-    if strangers and given.run is not runs.evolve:
-        parser.error(f"{given.command} does not know: {' '.join(strangers)}")
-    given.strangers = strangers
+        return print_error(describe_unknown_command(words[0], commands), INVALID_REQUEST)
+    arguments, unknown_words = parser.parse_known_args(words)
+    if unknown_words and arguments.run is not runs.evolve:
+        parser.error(f"unknown arguments of {arguments.command}: {' '.join(unknown_words)}")
+    arguments.unknown_words = unknown_words
     with warnings.catch_warnings():
-        warnings.showwarning = lambda message, *_, **__: tell(f"\nNote: {message}", to=sys.stderr)
+        warnings.showwarning = lambda message, *_, **__: print_safely(f"\nNote: {message}", sys.stderr)
         try:
-            return given.run(given)
+            return arguments.run(arguments)
         except KeyboardInterrupt:
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # it has been heard
-            return say(f"\n{runs.stopped(given)}", to=INTERRUPTED)
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # from now on, further ones are ignored
+            return print_error(f"\n{runs.describe_stop(arguments)}", INTERRUPTED)
         except Fault as error:
             if not hasattr(error, "kept"):
                 raise
-            return say(f"\n{error}\n{runs.stopped(given)}", to=1)
+            return print_error(f"\n{error}\n{runs.describe_stop(arguments)}", 1)
 
 
 if __name__ == "__main__":

@@ -1,3 +1,5 @@
+"""The doctor reports each fault with a way to fix it, and runs even where packages are missing."""
+
 import json
 import os
 import subprocess
@@ -15,52 +17,61 @@ from walkerlab.view import opengl
 
 @pytest.fixture
 def versions(monkeypatch):
-    """What is installed, and what walkerlab needs; to be filled."""
+    """Installed versions by name, and requirements of walkerlab; tests fill them."""
     installed, needed = {"walkerlab": "1.0"}, []
     monkeypatch.setattr(software, "requires", lambda _: needed)
     monkeypatch.setattr(software, "_version", installed.get)
-    monkeypatch.setattr(fixes, "takes_packages", lambda: True)
+    monkeypatch.setattr(fixes, "allows_packages", lambda: True)
     return installed, needed
 
 
 def only(findings):
+    """Return the only finding of a check."""
     (finding,) = findings
     return finding
 
 
-def tried(monkeypatch, done, answer):
-    monkeypatch.setattr(opengl, "run_python", lambda code, environment=None: (done, answer))
+def set_result(monkeypatch, succeeded, output):
+    """Set the result of all code that a check runs in another process."""
+    monkeypatch.setattr(opengl, "run_python", lambda code, environment=None: (succeeded, output))
 
 
-def test_a_machine_on_which_these_tests_run_can_evolve(tmp_path, monkeypatch, capsys):
+def test_the_computer_that_runs_these_tests_has_no_fault(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["doctor"]) == 0
-    said = capsys.readouterr().out
-    for word in ("Python 3.", "mujoco 3.", "dm-control", "cores", "times faster than in real time", "This machine can"):
-        assert word in said
+    output = capsys.readouterr().out
+    for word in (
+        "Python 3.",
+        "mujoco 3.",
+        "dm-control",
+        "cores",
+        "times faster than in real time",
+        "This computer can",
+    ):
+        assert word in output
     assert not list(tmp_path.iterdir())
 
 
-def test_only_a_fault_makes_it_fail_and_every_fault_comes_with_a_mend(monkeypatch, capsys):
+def test_only_a_fault_gives_exit_code_1_and_it_is_printed_with_its_fix(monkeypatch, capsys):
     monkeypatch.setattr(doctor, "examine", lambda: iter([Finding("note", "no GL", "get GL")]))
     assert main(["doctor"]) == 0
     monkeypatch.setattr(doctor, "examine", lambda: iter([Finding("fault", "no mujoco", "get mujoco")]))
     assert main(["doctor"]) == 1
-    assert "mend: get mujoco" in capsys.readouterr().out
+    assert "fix: get mujoco" in capsys.readouterr().out
 
 
-def test_what_is_found_is_laid_out_in_lines_and_what_is_to_be_typed_stays_whole(monkeypatch):
+def test_messages_are_wrapped_and_commands_are_not(monkeypatch):
     monkeypatch.setenv("COLUMNS", "70")
     command = "python -m pip install " + "x" * 100
     lines = str(Finding("fault", "much is wrong " * 20, f"{command}\nthen ask again")).splitlines()
     assert max(map(len, lines[:-2])) <= 70
     assert all(line.startswith("      ") for line in lines[1:])
-    assert lines[-2:] == [f"      mend: {command}", "            then ask again"]
+    assert lines[-2:] == [f"      fix: {command}", "           then ask again"]
 
 
-# --------------------------------------------------------------------------------------------- it survives all
+# ------------------------------------------------------------------------------------- missing packages and errors
 
-ALONE = """
+WITHOUT_PACKAGE = """
 import sys
 sys.modules[sys.argv[1]] = None
 from walkerlab.view import opengl
@@ -71,17 +82,17 @@ sys.exit(main(["doctor"]))
 
 
 @pytest.mark.parametrize("missing", ["pydantic", "numpy", "packaging", "mujoco", "loky"])
-def test_it_speaks_where_no_package_can_be_loaded(missing, tmp_path):
+def test_the_doctor_runs_without_packages(missing, tmp_path):
     done = subprocess.run(
-        [sys.executable, "-c", ALONE, missing], cwd=tmp_path, capture_output=True, text=True, check=False
+        [sys.executable, "-c", WITHOUT_PACKAGE, missing], cwd=tmp_path, capture_output=True, text=True, check=False
     )
     assert not done.stderr
     assert done.returncode == 1
     assert "Python 3." in done.stdout
-    assert "mend: " in done.stdout
+    assert "fix: " in done.stdout
 
 
-def test_where_a_package_is_missing_every_command_names_the_doctor(monkeypatch, capsys):
+def test_a_command_that_lacks_a_package_names_the_doctor(monkeypatch, capsys):
     monkeypatch.delitem(sys.modules, "walkerlab.commands.flags", raising=False)
     monkeypatch.setitem(sys.modules, "pydantic", None)
     monkeypatch.delitem(sys.modules, "walkerlab.settings.fields", raising=False)
@@ -90,7 +101,7 @@ def test_where_a_package_is_missing_every_command_names_the_doctor(monkeypatch, 
     assert "walkerlab doctor" in capsys.readouterr().err
 
 
-def test_a_look_that_fails_is_a_fault_and_the_others_go_on(monkeypatch):
+def test_a_check_that_raises_is_a_fault_and_the_others_run(monkeypatch):
     def broken():
         raise ZeroDivisionError("by chance")
         yield
@@ -98,24 +109,24 @@ def test_a_look_that_fails_is_a_fault_and_the_others_go_on(monkeypatch):
     def sound():
         yield Finding("ok", "sound")
 
-    def in_vain():
+    def skipped():
         raise AssertionError
 
-    monkeypatch.setattr(doctor, "LOOKS", {broken: (), in_vain: ("broken",), sound: ()})
+    monkeypatch.setattr(doctor, "CHECKS", {broken: (), skipped: (broken,), sound: ()})
     fault, good = doctor.examine()
     assert fault.level == "fault"
-    assert "ZeroDivisionError: by chance" in fault.says
-    assert good.says == "sound"
+    assert "ZeroDivisionError: by chance" in fault.message
+    assert good.message == "sound"
 
 
-def test_a_look_needs_only_what_was_looked_at_before():
-    seen = set()
-    for look, needs in doctor.LOOKS.items():
-        assert seen.issuperset(needs)
-        seen.add(look.__name__)
+def test_a_check_requires_only_earlier_checks():
+    earlier = set()
+    for check, required in doctor.CHECKS.items():
+        assert earlier.issuperset(required)
+        earlier.add(check)
 
 
-def test_letters_that_a_terminal_has_not_end_nothing(tmp_path):
+def test_characters_that_the_terminal_cannot_print_are_escaped(tmp_path):
     there = tmp_path / "Ωmega"
     there.mkdir()
     code = (
@@ -135,214 +146,214 @@ def test_letters_that_a_terminal_has_not_end_nothing(tmp_path):
 
 def test_an_old_python_is_a_fault(monkeypatch):
     monkeypatch.setattr(software, "sys", SimpleNamespace(version_info=(3, 10, 4)))
-    assert only(software.python()).level == "fault"
+    assert only(software.check_python()).level == "fault"
     monkeypatch.setattr(software, "sys", SimpleNamespace(version_info=(3, 11, 0)))
-    assert only(software.python()).level == "ok"
+    assert only(software.check_python()).level == "ok"
 
 
-def test_mujoco_4_is_a_fault_with_its_reason_and_its_mend(versions):
+def test_mujoco_4_is_a_fault_with_a_reason_and_a_fix(versions):
     installed, needed = versions
     installed |= {"mujoco": "4.0.0", "numpy": "2.4"}
     needed += ["mujoco<4,>=3.17", "numpy>=2.1", 'pytest>=8; extra == "test"']
-    good, fault = software.packages()
+    good, fault = software.check_packages()
     assert fault.level == "fault"
-    assert "mujoco 4.0.0; walkerlab needs 3.17 or newer, under 4" in fault.says
-    assert "dm_control" in fault.says
-    assert fault.mend.endswith('-m pip install "mujoco<4,>=3.17"')
-    assert "numpy 2.4" in good.says
-    assert "mujoco" not in good.says
-    assert "pytest" not in good.says
+    assert "mujoco 4.0.0; walkerlab needs 3.17 or newer, below 4" in fault.message
+    assert "dm_control" in fault.message
+    assert fault.fix.endswith('-m pip install "mujoco<4,>=3.17"')
+    assert "numpy 2.4" in good.message
+    assert "mujoco" not in good.message
+    assert "pytest" not in good.message
 
 
-def test_what_a_robot_can_walk_without_is_a_note_and_all_of_it_has_one_mend(versions):
+def test_optional_packages_are_a_note_with_one_fix(versions):
     _, needed = versions
     needed += ["jupyterlab>=4", "k3d>=3.2", "scipy>=1"]
-    _, fault, note = software.packages()
+    _, fault, note = software.check_packages()
     assert (fault.level, note.level) == ("fault", "note")
-    assert fault.mend.endswith('pip install "scipy>=1"')
-    assert note.mend.endswith('pip install "jupyterlab>=4" "k3d>=3.2"')
+    assert fault.fix.endswith('pip install "scipy>=1"')
+    assert note.fix.endswith('pip install "jupyterlab>=4" "k3d>=3.2"')
 
 
 @pytest.mark.parametrize(("found", "levels"), [(None, ["ok"]), ("2026.1", ["ok"]), ("2020.1", ["ok", "note"])])
-def test_of_a_cluster_nothing_is_said_unless_it_is_there_and_too_old(versions, found, levels):
+def test_packages_of_the_cluster_are_reported_only_if_they_are_installed_and_too_old(versions, found, levels):
     installed, needed = versions
     installed |= {"distributed": found} if found else {}
     needed += ["numpy>=2", "distributed>=2025.1; extra == 'cluster'"]
     installed["numpy"] = "2.4"
-    assert [finding.level for finding in software.packages()] == levels
+    assert [finding.level for finding in software.check_packages()] == levels
 
 
 @pytest.mark.parametrize(
-    ("broken", "mend"),
+    ("error", "fix"),
     [
         ("numpy is broken (ModuleNotFoundError: No module named 'numpy')", "--no-deps numpy=="),
         ("dm-control is broken (ImportError: no arena)", "--no-deps dm-control=="),
-        ("dm-control is broken (ModuleNotFoundError: No module named 'lxml')", fixes.source()),
+        ("dm-control is broken (ModuleNotFoundError: No module named 'lxml')", fixes.find_source()),
     ],
 )
-def test_the_package_that_is_broken_is_named_and_mended(monkeypatch, broken, mend):
-    monkeypatch.setattr(fixes, "takes_packages", lambda: True)
+def test_a_broken_package_is_named_with_its_fix(monkeypatch, error, fix):
+    monkeypatch.setattr(fixes, "allows_packages", lambda: True)
     monkeypatch.delenv("MUJOCO_GL", raising=False)
-    tried(monkeypatch, False, broken)
-    finding = only(software.walk())
+    set_result(monkeypatch, False, error)
+    finding = only(software.check_walk())
     assert finding.level == "fault"
-    assert broken in finding.says
-    assert mend in finding.mend
+    assert error in finding.message
+    assert fix in finding.fix
 
 
-def test_a_variable_that_keeps_robots_from_walking_is_to_be_taken_away(monkeypatch):
+def test_an_environment_variable_that_prevents_walks_is_to_be_unset(monkeypatch):
     monkeypatch.setenv("MUJOCO_GL", "bogus")
     monkeypatch.setattr(opengl, "run_python", lambda code, environment=None: (bool(environment), "no such GL"))
-    finding = only(software.walk())
+    finding = only(software.check_walk())
     assert finding.level == "fault"
-    assert finding.mend == fixes.unset("MUJOCO_GL")
+    assert finding.fix == fixes.unset_variable("MUJOCO_GL")
 
 
-def test_a_probe_that_hangs_is_given_up(monkeypatch):
+def test_a_check_that_hangs_is_a_fault(monkeypatch):
     def hang(command, **_):
         raise subprocess.TimeoutExpired(command, 1)
 
     monkeypatch.setattr(subprocess, "run", hang)
-    assert only(software.walk()).level == "fault"
+    assert only(software.check_walk()).level == "fault"
 
 
-@pytest.mark.parametrize("is_own", [True, False])
-def test_a_python_that_takes_no_packages_is_mended_by_another(monkeypatch, tmp_path, is_own):
-    prefix = sys.prefix if is_own else sys.base_prefix
+@pytest.mark.parametrize("is_virtual", [True, False])
+def test_a_python_without_permission_to_install_needs_a_new_environment(monkeypatch, tmp_path, is_virtual):
+    prefix = sys.prefix if is_virtual else sys.base_prefix
     monkeypatch.setattr(fixes.sys, "prefix", prefix)
-    monkeypatch.setattr(fixes.sys, "base_prefix", sys.base_prefix if is_own else prefix)
+    monkeypatch.setattr(fixes.sys, "base_prefix", sys.base_prefix if is_virtual else prefix)
     monkeypatch.setattr(fixes.os, "access", lambda *_: False)
     monkeypatch.setattr(fixes.sysconfig, "get_path", lambda _: str(tmp_path))
     (tmp_path / "EXTERNALLY-MANAGED").touch()
-    *_, made, filled = fixes.install("numpy>=2").splitlines()
-    assert made.endswith(f"-m venv {fixes.HOME}")
-    assert filled.endswith(f"-m pip install {fixes.source()}")
+    *_, create, install = fixes.install("numpy>=2").splitlines()
+    assert create.endswith(f"-m venv {fixes.ENVIRONMENT}")
+    assert install.endswith(f"-m pip install {fixes.find_source()}")
     (tmp_path / "EXTERNALLY-MANAGED").unlink()
     monkeypatch.setattr(fixes.os, "access", lambda *_: True)
     assert fixes.install("numpy>=2").endswith('-m pip install "numpy>=2"')
 
 
-def test_debian_s_python_gets_its_venv_first(monkeypatch):
+def test_debian_needs_a_package_for_venv(monkeypatch):
     monkeypatch.setattr(fixes.platform, "system", lambda: "Linux")
     monkeypatch.setattr(fixes, "find_spec", lambda name: None)
-    assert "python3-venv" in fixes.new_environment("python3").splitlines()[0]
-    assert len(fixes.new_environment("python3").splitlines()) == 3
+    assert "python3-venv" in fixes.create_environment("python3").splitlines()[0]
+    assert len(fixes.create_environment("python3").splitlines()) == 3
 
 
-def test_what_is_installed_again_is_what_was_installed(monkeypatch):
+def test_the_source_is_the_folder_from_which_walkerlab_was_installed(monkeypatch):
     monkeypatch.setattr(fixes, "__file__", "/nowhere/walkerlab/commands/doctor/fixes.py")
     url = {"url": Path("/srv/our course").as_uri()}
     monkeypatch.setattr(fixes, "distribution", lambda _: SimpleNamespace(read_text=lambda _: json.dumps(url)))
-    assert fixes.source() == f'"{Path("/srv/our course")}"'
+    assert fixes.find_source() == f'"{Path("/srv/our course")}"'
 
 
-# ------------------------------------------------------------------------------------------------ this computer
+# ----------------------------------------------------------------------------------------------------- hardware
 
 
 def test_a_folder_that_cannot_be_written_to_is_a_fault(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert only(hardware.folder()).level == "ok"
+    assert only(hardware.check_writing()).level == "ok"
     assert not list(tmp_path.iterdir())
     monkeypatch.setattr(hardware.Path, "cwd", lambda: tmp_path / "missing")
-    assert only(hardware.folder()).level == "fault"
+    assert only(hardware.check_writing()).level == "fault"
 
 
 @pytest.mark.parametrize(("free", "level"), [(1e6, "fault"), (50e6, "note"), (1e9, "ok")])
-def test_a_disk_that_is_nearly_full_is_told_with_what_a_run_takes(tmp_path, monkeypatch, free, level):
+def test_little_free_space_is_reported_with_the_size_of_a_run(tmp_path, monkeypatch, free, level):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(hardware.shutil, "disk_usage", lambda _: SimpleNamespace(free=free))
-    finding = only(hardware.folder())
+    finding = only(hardware.check_writing())
     assert finding.level == level
-    assert level == "ok" or "0.9 kB for each robot" in finding.says
+    assert level == "ok" or "0.9 kB for each robot" in finding.message
 
 
 def test_files_that_hide_packages_are_a_fault(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "walk.py").touch()
-    assert not list(hardware.place())
+    assert not list(hardware.check_current_folder())
     (tmp_path / "mujoco.py").touch()
-    assert "mujoco.py" in only(hardware.place()).says
+    assert "mujoco.py" in only(hardware.check_current_folder()).message
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="Windows keeps a folder that somebody is in")
-def test_a_folder_that_is_gone_is_a_fault(tmp_path, monkeypatch):
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows does not remove a folder that is in use")
+def test_a_removed_folder_is_a_fault(tmp_path, monkeypatch):
     (tmp_path / "gone").mkdir()
     monkeypatch.chdir(tmp_path / "gone")
     (tmp_path / "gone").rmdir()
-    assert only(hardware.place()).level == "fault"
+    assert only(hardware.check_current_folder()).level == "fault"
 
 
 @pytest.mark.parametrize(
-    ("usable", "there", "granted", "bound", "word"),
+    ("usable", "total", "setting", "n_affinity", "word"),
     [
-        (1, 1, None, 1, "nothing is broken"),
-        (1, 8, "1", 8, fixes.unset("LOKY_MAX_CPU_COUNT")),
+        (1, 1, None, 1, "this is not a fault"),
+        (1, 8, "1", 8, fixes.unset_variable("LOKY_MAX_CPU_COUNT")),
         (1, 8, None, 1, "taskset"),
         (1, 8, "4", 8, "Docker"),
         (2, 8, None, 2, ""),
         (8, 8, "8", 8, ""),
     ],
 )
-def test_each_reason_for_a_single_core_has_its_own_mend(monkeypatch, usable, there, granted, bound, word):
+def test_each_reason_for_a_single_core_has_its_fix(monkeypatch, usable, total, setting, n_affinity, word):
     monkeypatch.delenv("LOKY_MAX_CPU_COUNT", raising=False)
-    if granted:
-        monkeypatch.setenv("LOKY_MAX_CPU_COUNT", granted)
+    if setting:
+        monkeypatch.setenv("LOKY_MAX_CPU_COUNT", setting)
     monkeypatch.setattr("walkerlab.simulation.workers.n_cores", lambda: usable)
-    monkeypatch.setattr(hardware.os, "cpu_count", lambda: there)
-    monkeypatch.setattr(hardware.os, "sched_getaffinity", lambda _: range(bound), raising=False)
+    monkeypatch.setattr(hardware.os, "cpu_count", lambda: total)
+    monkeypatch.setattr(hardware.os, "sched_getaffinity", lambda _: range(n_affinity), raising=False)
     monkeypatch.setattr(hardware.sys, "platform", "linux")
-    finding = only(hardware.cores())
+    finding = only(hardware.check_cores())
     assert finding.level == ("note" if usable == 1 else "ok")
-    assert word in finding.mend
-    assert bool(word) == bool(finding.mend)
+    assert word in finding.fix
+    assert bool(word) == bool(finding.fix)
 
 
-def test_a_number_of_cores_that_is_none_is_a_fault(monkeypatch):
+def test_an_invalid_number_of_cores_is_a_fault(monkeypatch):
     monkeypatch.setenv("LOKY_MAX_CPU_COUNT", "many")
-    finding = only(hardware.cores())
+    finding = only(hardware.check_cores())
     assert finding.level == "fault"
-    assert finding.mend == fixes.unset("LOKY_MAX_CPU_COUNT")
+    assert finding.fix == fixes.unset_variable("LOKY_MAX_CPU_COUNT")
 
 
-def test_a_folder_in_which_no_run_can_be_kept_is_a_fault_and_nothing_is_left_there(tmp_path, monkeypatch):
+def test_a_run_file_that_cannot_be_written_is_a_fault_and_leaves_no_files(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    tried(monkeypatch, False, "RunFileError: run.walk cannot be used as a run file: disk I/O error")
-    finding = only(hardware.keep())
+    set_result(monkeypatch, False, "RunFileError: run.walk cannot be used as a run file: disk I/O error")
+    finding = only(hardware.check_run_file())
     assert finding.level == "fault"
-    assert finding.says.endswith("disk I/O error")
+    assert finding.message.endswith("disk I/O error")
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
-    ("died_of", "word"),
+    ("error", "word"),
     [("[Errno 13] Permission denied", "chmod 1777 /dev/shm"), ("Resource temporarily unavailable", "ulimit -u")],
 )
-def test_workers_that_cannot_start_are_a_fault_with_the_mend(monkeypatch, died_of, word):
-    tried(monkeypatch, False, f"OSError: {died_of}")
-    finding = only(hardware.workers())
+def test_workers_that_do_not_start_are_a_fault_with_a_fix(monkeypatch, error, word):
+    set_result(monkeypatch, False, f"OSError: {error}")
+    finding = only(hardware.check_workers())
     assert finding.level == "fault"
-    assert word in finding.mend
-    assert "ThreadPoolExecutor" in finding.mend
+    assert word in finding.fix
+    assert "ThreadPoolExecutor" in finding.fix
 
 
-def test_missing_gl_is_a_note_that_films_need_it(monkeypatch):
+def test_missing_opengl_is_a_note(monkeypatch):
     monkeypatch.setattr(opengl, "find_backend", lambda: None)
-    finding = only(hardware.drawing())
+    finding = only(hardware.check_graphics())
     assert finding.level == "note"
-    assert "only films and 3D pictures need it" in finding.says
-    assert finding.mend
+    assert "only films and 3D pictures need it" in finding.message
+    assert finding.fix
 
 
-def test_a_gl_is_named_with_what_to_set(monkeypatch):
+def test_opengl_is_reported_with_the_variable_to_set(monkeypatch):
     monkeypatch.setattr(opengl, "find_backend", lambda: ("egl", "some GL"))
-    finding = only(hardware.drawing())
+    finding = only(hardware.check_graphics())
     assert finding.level == "ok"
-    assert "some GL" in finding.says
-    assert "MUJOCO_GL=egl" in finding.says
+    assert "some GL" in finding.message
+    assert "MUJOCO_GL=egl" in finding.message
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no root")
-def test_root_needs_no_sudo_and_who_has_none_must_ask(monkeypatch):
+def test_commands_are_adapted_for_root_and_for_users_without_sudo(monkeypatch):
     command = "sudo apt-get update && sudo apt-get install x"
     monkeypatch.setattr(opengl.os, "geteuid", lambda: 0)
     assert opengl.adapt_sudo(command) == "apt-get update && apt-get install x"
@@ -354,7 +365,7 @@ def test_root_needs_no_sudo_and_who_has_none_must_ask(monkeypatch):
     assert opengl.adapt_sudo("update the driver") == "update the driver"
 
 
-def test_the_advice_of_environment_md_is_the_doctors():
+def test_environment_md_contains_the_commands_of_the_doctor():
     text = (Path(__file__).parents[2] / "environment.md").read_text(encoding="utf-8")
     for family in ("debian", "fedora"):
         assert opengl.INSTALL_COMMANDS[family].rpartition("sudo ")[2] in text

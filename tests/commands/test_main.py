@@ -1,3 +1,5 @@
+"""The command line parses its flags, runs its commands and reports errors without a traceback."""
+
 import argparse
 import os
 import re
@@ -29,8 +31,8 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw nothing, which takes its time: for tests of what else a command does."""
+def empty_outputs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Write the table and otherwise empty output files, because drawing is slow."""
 
     def write(run: wl.Run, folder: Path) -> None:
         for name in outputs.FILES.keys() - {"run.walk"}:
@@ -48,14 +50,15 @@ def done(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def contents(folder: Path) -> dict[str, bytes]:
+    """Return the bytes of each file in a folder."""
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if not path.is_dir()}
 
 
-def at_the_top(folder: Path) -> set[str]:
+def names_in(folder: Path) -> set[str]:
     return {path.name for path in folder.iterdir()}
 
 
-# ------------------------------------------------------------------------------------------------- the flags
+# ----------------------------------------------------------------------------------------------------- flags
 
 
 def help_of(command: str, capsys: pytest.CaptureFixture[str]) -> str:
@@ -68,17 +71,17 @@ def help_of(command: str, capsys: pytest.CaptureFixture[str]) -> str:
 def test_every_setting_has_a_flag_and_every_flag_a_setting(capsys):
     declared = {(name, field) for name, domain in wl.Settings() for field in type(domain).declared()}
     assert set(flags.flag_names()) == declared
-    own = {"--help", "--out", "--quiet"}
+    general = {"--help", "--out", "--quiet"}
     shown = set(re.findall(r" (--[a-z][a-z-]*)", help_of("evolve", capsys).partition("options:")[2]))
-    assert shown - own == set(flags.flag_names().values())
+    assert shown - general == set(flags.flag_names().values())
 
 
-def test_the_help_gives_each_setting_its_meaning_range_and_default(capsys):
-    said = help_of("evolve", capsys)
+def test_the_help_describes_each_setting_with_its_range_and_default(capsys):
+    output = help_of("evolve", capsys)
     for _, domain in wl.Settings():
         for declared in type(domain).declared().values():
-            assert f"{declared.about}: {declared.range}" in said
-    assert "the rise of each stair: 0.01 to 0.4 m [0.08]" in said
+            assert f"{declared.about}: {declared.range}" in output
+    assert "the rise of each stair: 0.01 to 0.4 m [0.08]" in output
 
 
 def test_a_field_that_two_domains_share_gets_a_flag_for_each():
@@ -86,18 +89,18 @@ def test_a_field_that_two_domains_share_gets_a_flag_for_each():
     assert (both.algorithm.seed, both.terrain.seed) == (3, 4)
 
 
-def test_a_preset_is_called_by_its_name():
+def test_a_preset_is_given_by_its_name():
     assert parsed("--gravity", "moon") == parsed("--gravity", "0", "0", "-1.62")
 
 
 def parsed(*words: str) -> wl.Settings:
     parser = argparse.ArgumentParser()
     flags.add_flags(parser)
-    given, strangers = parser.parse_known_args(words)
-    return flags.settings_of(vars(given), strangers)
+    arguments, unknown_words = parser.parse_known_args(words)
+    return flags.build_settings(vars(arguments), unknown_words)
 
 
-def test_flags_say_what_python_says():
+def test_flags_give_the_same_settings_as_python():
     words = "--structure 2 --step-height 0.1 --segments 2 3 --gravity 0 0 -3.7 --selection top_half 0 --camera front"
     assert parsed(*words.split()) == wl.Settings().with_(
         structure="stairs",
@@ -111,7 +114,7 @@ def test_flags_say_what_python_says():
 
 
 @pytest.mark.parametrize("number", ["-1", "-1.", "-.5", "-1e0", "-1E+0", "-.5e-3", "-1_0.0", "-1_0e-1", "5", "+5.e-1"])
-def test_a_number_is_a_number_however_python_spells_it(number):
+def test_every_notation_of_a_number_is_accepted(number):
     assert parsed("--incline", number).terrain.incline == float(number)
     assert parsed("--gravity", "0", number, "-1").terrain.gravity == (0, float(number), -1)
     assert parsed("--gravity", number, number, number, "--incline", "2") == wl.Settings().with_(
@@ -120,16 +123,16 @@ def test_a_number_is_a_number_however_python_spells_it(number):
 
 
 @pytest.mark.parametrize("number", ["-inf", "-Infinity", "-nan", "-1e999", "-1x"])
-def test_what_is_out_of_range_is_told_so_and_not_taken_for_a_flag(number):
+def test_a_negative_value_out_of_range_is_not_taken_for_a_flag(number):
     with pytest.raises(wl.SettingsError, match=r"Terrain.incline is .*; it must be ") as caught:
         parsed("--incline", number)
     assert "flag" not in str(caught.value)
 
 
-def test_all_faults_of_a_call_are_told_at_once_and_nothing_is_made(here, capsys):
+def test_all_errors_are_reported_together_and_nothing_is_written(here, capsys):
     words = "evolve --step-height 0.9 --segments 2 --gravity 0 0 down --selection best --step-hight 1 --duration nan"
     assert main(words.split()) == 2
-    said = capsys.readouterr().err
+    output = capsys.readouterr().err
     for fault in (
         "Terrain.step_height is 0.9 m; it must be 0.01 to 0.4 m.",
         "Robot.segments is [2]; it must be 2 numbers: min, max.",
@@ -138,16 +141,16 @@ def test_all_faults_of_a_call_are_told_at_once_and_nothing_is_made(here, capsys)
         "Simulation.duration is nan s;",
         "There is no flag '--step-hight'. Did you mean --step-height?",
     ):
-        assert fault in said
-    assert "Traceback" not in said
+        assert fault in output
+    assert "Traceback" not in output
     assert not list(here.iterdir())
 
 
 # ---------------------------------------------------------------------------------------------------- evolve
 
 
-def test_a_run_leaves_its_files_and_no_others(done):
-    assert at_the_top(done) == set(outputs.FILES)
+def test_a_run_writes_its_files_and_no_others(done):
+    assert names_in(done) == set(outputs.FILES)
     run = wl.load(done / "run.walk")
     assert run.n_generations == 2
     pd.testing.assert_frame_equal(pd.read_csv(done / "records.csv", keep_default_na=False), run.records)
@@ -162,55 +165,55 @@ def test_a_run_leaves_its_files_and_no_others(done):
     assert "<html" in (done / "replay.html").read_text(encoding="utf-8")
 
 
-def test_quiet_says_nothing_and_loud_tells_what_came_and_what_next(here, undrawn, capfd):
+def test_quiet_prints_nothing_and_otherwise_a_summary_and_the_next_commands_are_printed(here, empty_outputs, capfd):
     assert main(["evolve", *TINY]) == 0
     assert capfd.readouterr() == ("", "")
     assert main(["evolve", *TINY[:-1], "--out", "loud"]) == 0
-    said = capfd.readouterr().out
+    output = capfd.readouterr().out
     champion = wl.load("loud/run.walk").champion
-    assert f"robot {champion.individual}, born in generation {champion.generation}" in said
-    assert f"{champion.fitness:.3f} m" in said
+    assert f"robot {champion.individual}, born in generation {champion.generation}" in output
+    assert f"{champion.fitness:.3f} m" in output
     for word in [*outputs.FILES, "walkerlab show loud", "walkerlab resume loud --generations", "walkerlab lab"]:
-        assert word in said
+        assert word in output
 
 
-def test_what_to_do_next_stands_in_two_columns_whatever_the_length_of_the_folders_name(here, undrawn, capsys):
+def test_the_next_commands_are_aligned_for_a_long_folder_name(here, empty_outputs, capsys):
     folder = "a folder with a name that is longer than a column ever was"
     assert main(["evolve", *TINY[:-1], "--out", folder]) == 0
     lines = [line for line in capsys.readouterr().out.splitlines() if line.startswith("  walkerlab ")]
-    assert f'  walkerlab resume "{folder}" --generations 4   evolve on' in lines
+    assert f'  walkerlab resume "{folder}" --generations 4   evolve more generations' in lines
     assert len({line.rindex("   ") for line in lines}) == 1
 
 
-def test_a_run_is_never_written_over(done, capsys):
+def test_a_run_is_never_overwritten(done, capsys):
     before = contents(done)
     assert main(["evolve", "--out", str(done), *TINY]) == 2
-    said = capsys.readouterr().err
-    assert f"walkerlab resume {done} --generations 4\n" in said
-    assert "--out" in said
+    output = capsys.readouterr().err
+    assert f"walkerlab resume {done} --generations 4\n" in output
+    assert "--out" in output
     assert contents(done) == before
 
 
-def test_a_folder_that_cannot_be_is_told_without_a_traceback(here, capsys):
+def test_an_invalid_folder_is_reported_without_a_traceback(here, capsys):
     Path("walk").write_text("a file, not a folder")
     assert main(["evolve", *TINY]) == 2
     assert "walk" in capsys.readouterr().err
 
 
-def test_a_run_in_which_no_walk_counts_still_ends_well(here, capsys):
+def test_a_run_in_which_no_walk_counts_writes_all_files(here, capsys):
     assert main(["evolve", *TINY[:-1], "--forgive", "restless", "too_high", "--gravity", "0", "0", "1"]) == 0
-    said = capsys.readouterr().out
-    assert "No walk counted" in said
-    assert "airborne" in said
-    assert at_the_top(here / "walk") == set(outputs.FILES)
+    output = capsys.readouterr().out
+    assert "No walk counted" in output
+    assert "airborne" in output
+    assert names_in(here / "walk") == set(outputs.FILES)
     assert main(["show", "walk"]) == 0
 
 
 # ---------------------------------------------------------------------------------------------------- Ctrl-C
 
 
-def started(folder: Path) -> subprocess.Popen[str]:
-    """Start an endless run in a process group of its own, as a terminal does."""
+def start_long_run(folder: Path) -> subprocess.Popen[str]:
+    """Start a very long run in a new process group, as a terminal does."""
     command = [sys.executable, "-m", "walkerlab", "evolve", "--out", str(folder)]
     command += ["--population-size", "4", "--n-elites", "0", "--generations", "10000", "--duration", "1"]
     pipe = subprocess.PIPE
@@ -222,9 +225,9 @@ def n_generations(folder: Path) -> int:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no process groups to send Ctrl-C to")
-def test_ctrl_c_keeps_what_is_done_and_a_resume_adds_to_it(tmp_path, capsys):
+def test_ctrl_c_saves_complete_generations_and_the_run_can_be_resumed(tmp_path, capsys):
     folder = tmp_path / "walk"
-    process = started(folder)
+    process = start_long_run(folder)
     assert process.stderr
     assert any("generation 2" in line for line in process.stderr)  # the bar ends its lines with a carriage return
     os.killpg(process.pid, signal.SIGINT)
@@ -232,18 +235,16 @@ def test_ctrl_c_keeps_what_is_done_and_a_resume_adds_to_it(tmp_path, capsys):
     assert process.returncode == 130
     assert "Traceback" not in err
     assert f"walkerlab resume {folder}" in out
-    assert at_the_top(folder) == set(outputs.FILES)
+    assert names_in(folder) == set(outputs.FILES)
     kept = n_generations(folder)
     assert kept > 2
-    assert f"Stopped after {kept} of 10000 generations" in out
+    assert f"Stopped after {kept} of 10000 generations, which are saved" in out
     assert main(["resume", str(folder), "--generations", str(kept + 1), "--quiet"]) == 0
     assert n_generations(folder) == kept + 1
     assert pd.read_csv(folder / "records.csv").generation.nunique() == kept + 1
 
 
-def test_ctrl_c_before_the_first_generation_keeps_the_settings_and_every_command_says_so(
-    here, undrawn, monkeypatch, capsys
-):
+def test_ctrl_c_before_the_first_generation_saves_the_settings(here, empty_outputs, monkeypatch, capsys):
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
@@ -251,21 +252,22 @@ def test_ctrl_c_before_the_first_generation_keeps_the_settings_and_every_command
         patched.setattr("walkerlab.evolution.evolution.evaluate", interrupted)
         assert main(["evolve", *TINY]) == 130
         kept = (
-            "Stopped before the first generation was done; the settings are kept.\nResume with: walkerlab resume walk\n"
+            "Stopped before the first generation was complete; the settings are saved.\n"
+            "Resume with: walkerlab resume walk\n"
         )
         assert capsys.readouterr().err.endswith(kept)
         assert main(["resume", "walk", "--quiet"]) == 130
         assert capsys.readouterr().err.endswith(kept)
-    assert at_the_top(here / "walk") == {"run.walk"}
+    assert names_in(here / "walk") == {"run.walk"}
     assert main(["show", "walk"]) == 0
     shown = capsys.readouterr().out
     assert "0 of 2 generations" in shown
     assert "population_size = 6" in shown
-    assert "No generation is done yet. Start with the first one: walkerlab resume walk" in shown
+    assert "No generation is complete yet. Start the first one: walkerlab resume walk" in shown
     assert main(["evolve", *TINY]) == 2
-    assert "Go on with it:    walkerlab resume walk\n" in capsys.readouterr().err
+    assert "Resume it:        walkerlab resume walk\n" in capsys.readouterr().err
     assert main(["rescue", "walk", "--out", "saved"]) == 0
-    assert "No generation is whole; the settings are saved in saved" in capsys.readouterr().out
+    assert "No generation is intact; the settings are saved in saved" in capsys.readouterr().out
     for folder in ("walk", "saved"):
         assert main(["resume", folder, "--quiet"]) == 0
     assert main(["evolve", *TINY, "--out", "uninterrupted"]) == 0
@@ -273,7 +275,7 @@ def test_ctrl_c_before_the_first_generation_keeps_the_settings_and_every_command
     assert tables[0] == tables[1] == tables[2]
 
 
-def test_ctrl_c_before_the_run_begins_leaves_no_run_behind(here, monkeypatch, capsys):
+def test_ctrl_c_before_the_start_writes_no_run_file(here, monkeypatch, capsys):
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
@@ -286,7 +288,7 @@ def test_ctrl_c_before_the_run_begins_leaves_no_run_behind(here, monkeypatch, ca
 # --------------------------------------------------------------------------------------------- resume and show
 
 
-def test_resume_takes_the_folder_or_the_file_and_gives_the_table_of_an_uninterrupted_run(here, undrawn):
+def test_resume_accepts_a_folder_or_file_and_equals_an_uninterrupted_run(here, empty_outputs):
     assert main(["evolve", "--out", "whole", *TINY[:2], "--generations", "4", *TINY[4:]]) == 0
     assert main(["evolve", "--out", "parts", *TINY]) == 0
     assert main(["resume", "parts", "--generations", "3", "--quiet"]) == 0
@@ -296,43 +298,43 @@ def test_resume_takes_the_folder_or_the_file_and_gives_the_table_of_an_uninterru
     assert contents(Path("whole"))["records.csv"] == contents(Path("parts"))["records.csv"]
 
 
-def test_resuming_a_finished_run_says_how_to_go_on_and_leaves_it_as_it_was(done, capfd):
+def test_resuming_a_complete_run_prints_how_to_continue_and_changes_nothing(done, capfd):
     before = contents(done)
     assert main(["resume", str(done)]) == 0
-    told = f"All 2 generations are done; to go on: walkerlab resume {done} --generations 4\n"
-    assert capfd.readouterr() == (told, "")
+    message = f"All 2 generations are done; to continue: walkerlab resume {done} --generations 4\n"
+    assert capfd.readouterr() == (message, "")
     assert main(["resume", str(done), "--quiet"]) == 0
     assert capfd.readouterr() == ("", "")
     assert contents(done) == before
 
 
-def test_resuming_a_finished_run_makes_up_for_files_that_a_stop_has_left_out(here, undrawn):
+def test_resuming_a_complete_run_writes_missing_files(here, empty_outputs):
     assert main(["evolve", *TINY]) == 0
     Path("walk/fitness.svg").unlink()
     assert main(["resume", "walk", "--quiet"]) == 0
-    assert at_the_top(here / "walk") == set(outputs.FILES)
+    assert names_in(here / "walk") == set(outputs.FILES)
 
 
-def test_a_report_from_before_the_last_generation_is_made_anew(here: Path, undrawn: None) -> None:
+def test_an_outdated_report_is_written_again(here: Path, empty_outputs: None) -> None:
     main(["evolve", *TINY])
-    wl.resume("walk", 3, progress=False)  # and killed before anything was drawn
+    wl.resume("walk", 3, progress=False)  # without its output files
     assert len(pd.read_csv("walk/records.csv")) == 12
     assert main(["resume", "walk", "--quiet"]) == 0
     assert len(pd.read_csv("walk/records.csv")) == 18
 
 
-def test_resume_opens_as_evolve_does_and_names_a_file_that_has_another_name(here, undrawn, capsys):
+def test_resume_prints_the_settings_and_the_path_of_a_renamed_file(here, empty_outputs, capsys):
     assert main(["evolve", *TINY]) == 0
     Path("walk/run.walk").rename("mine.walk")
     assert main(["resume", "mine.walk", "--generations", "3"]) == 0
-    said = capsys.readouterr().out
-    assert said.startswith("6 robots, 3 generations (2 of them done), ")
-    assert "walkerlab show mine.walk " in said
-    assert "walkerlab resume mine.walk --generations 6 " in said
+    output = capsys.readouterr().out
+    assert output.startswith("6 robots, 3 generations (2 of them done), ")
+    assert "walkerlab show mine.walk " in output
+    assert "walkerlab resume mine.walk --generations 6 " in output
 
 
 @pytest.mark.parametrize("command", ["resume", "show"])
-def test_no_run_there_is_told_without_a_traceback(here, command, capsys):
+def test_a_missing_run_is_reported_without_a_traceback(here, command, capsys):
     assert main([command, "nowhere"]) == 2
     assert "there is no run file at nowhere" in capsys.readouterr().err
     Path("text.walk").write_text("hello, I am no run")
@@ -340,15 +342,15 @@ def test_no_run_there_is_told_without_a_traceback(here, command, capsys):
     assert "text.walk" in capsys.readouterr().err
 
 
-def test_resume_refuses_to_undo_generations(done, capsys):
+def test_resume_does_not_accept_fewer_generations(done, capsys):
     assert main(["resume", str(done), "--generations", "1"]) == 2
     assert "2 generations already" in capsys.readouterr().err
     assert n_generations(done) == 2
 
 
-def test_show_tells_settings_versions_generations_verdicts_champion_and_descent(done, capsys):
+def test_show_prints_settings_versions_generations_verdicts_champion_and_descent(done, capsys):
     assert main(["show", str(done)]) == 0
-    said = capsys.readouterr().out
+    output = capsys.readouterr().out
     champion = wl.load(done / "run.walk").champion
     for word in (
         "2 of 2 generations",
@@ -358,14 +360,14 @@ def test_show_tells_settings_versions_generations_verdicts_champion_and_descent(
         str(champion.genome),
         "line of descent",
     ):
-        assert word in said
-    assert "step_height" not in said  # it is as by default
+        assert word in output
+    assert "step_height" not in output  # has its default value
     n_grown, n_carried = len(wl.express(champion.genome).segments), champion.genome.n_parts
-    assert (f"beyond the first {n_grown} are not grown" in said) == (n_grown < n_carried)
+    assert (f"beyond the first {n_grown} are not grown" in output) == (n_grown < n_carried)
 
 
-def test_what_is_whole_of_a_damaged_run_is_saved_and_gone_on_with(
-    done: Path, here: Path, undrawn: None, capsys: pytest.CaptureFixture[str]
+def test_rescue_saves_the_intact_generations_and_the_run_can_be_resumed(
+    done: Path, here: Path, empty_outputs: None, capsys: pytest.CaptureFixture[str]
 ) -> None:
     damaged = here / "damaged"
     shutil.copytree(done, damaged)
@@ -373,10 +375,10 @@ def test_what_is_whole_of_a_damaged_run_is_saved_and_gone_on_with(
         db.execute("UPDATE records SET fitness = 99 WHERE generation = 1 AND individual = 8")
     before = (damaged / "run.walk").read_bytes()
     assert main(["show", "damaged"]) == 2
-    told = capsys.readouterr().err
-    assert "generation 1 is not as it was written" in told
-    assert main(re.search(r"walkerlab (rescue \S+),", told).group(1).replace('"', "").split()) == 0
-    assert "1 of 2 generations are whole, and saved in rescued" in capsys.readouterr().out
+    message = capsys.readouterr().err
+    assert "generation 1 is not as it was written" in message
+    assert main(re.search(r"walkerlab (rescue \S+),", message).group(1).replace('"', "").split()) == 0
+    assert "1 of 2 intact generations are saved in rescued" in capsys.readouterr().out
     assert main(["rescue", "damaged"]) == 2
     assert "--out ANOTHER-FOLDER" in capsys.readouterr().err
     assert main(["rescue", "nowhere", "--out", "new"]) == 2
@@ -386,7 +388,7 @@ def test_what_is_whole_of_a_damaged_run_is_saved_and_gone_on_with(
     assert wl.load("rescued").records.equals(wl.load(done).records)
 
 
-def test_walks_are_told_from_rows_because_elites_do_not_walk_again(done):
+def test_verdicts_are_counted_once_for_each_robot(done):
     from walkerlab.view.summary import tabulate_verdicts
 
     assert tabulate_verdicts(wl.load(done).records).startswith(
@@ -404,7 +406,7 @@ def test_walks_are_told_from_rows_because_elites_do_not_walk_again(done):
         (1000, [*range(0, 1000, 100), 999]),
     ],
 )
-def test_generations_are_listed_in_round_steps_and_the_last_is_always_there(done, n_generations, shown):
+def test_generations_are_listed_in_round_steps_with_the_last(done, n_generations, shown):
     from walkerlab.view.summary import tabulate_generations
 
     one = wl.load(done).records.query("generation == 0")
@@ -414,7 +416,7 @@ def test_generations_are_listed_in_round_steps_and_the_last_is_always_there(done
     assert [int(row.split()[0]) for row in rows] == shown
 
 
-def test_a_line_of_descent_goes_back_to_a_random_robot_by_the_fitter_parent(done):
+def test_a_line_of_descent_follows_the_fitter_parent_to_a_random_robot(done):
     from walkerlab.view.summary import tabulate_descent
 
     run = wl.load(done / "run.walk")
@@ -431,17 +433,18 @@ def test_a_line_of_descent_goes_back_to_a_random_robot_by_the_fitter_parent(done
 # ------------------------------------------------------------------------------------------------------- lab
 
 
-def test_lab_copies_the_notebooks_but_never_over_a_students_work(here, monkeypatch, capsys):
+def test_lab_never_overwrites_a_changed_notebook(here, monkeypatch, capsys):
     calls: list[list[str]] = []
     server = SimpleNamespace(identity_provider=SimpleNamespace(token="a token"), start=lambda: None)
     monkeypatch.setattr(
         "jupyterlab.labapp.LabApp.initialize_server", lambda options: (calls.append(options), server)[1]
     )
     assert main(["lab", "--no-browser", "--port", "8899"]) == 0
-    n = len(lab.originals())
+    n = len(lab.find_notebooks())
     assert f"New in {lab.FOLDER}: {n} notebook{'' if n == 1 else 's'}. " in capsys.readouterr().out
-    first = here / lab.FOLDER / lab.FIRST
-    assert first.read_bytes() == next(path for path in lab.originals() if path.name == lab.FIRST).read_bytes()
+    first = here / lab.FOLDER / lab.FIRST_NOTEBOOK
+    original = next(path for path in lab.find_notebooks() if path.name == lab.FIRST_NOTEBOOK)
+    assert first.read_bytes() == original.read_bytes()
     first.write_text("mine")
     assert main(["lab"]) == 0
     assert f"All notebooks are in {lab.FOLDER} already. " in capsys.readouterr().out
@@ -459,28 +462,28 @@ def test_lab_prints_the_address_of_the_first_notebook(here):
         address = next(line for line in server.stderr if "http://127.0.0.1" in line)
         server.terminate()
         server.stderr.read()
-    assert f"/lab/tree/{lab.FIRST}?token=" in address
+    assert f"/lab/tree/{lab.FIRST_NOTEBOOK}?token=" in address
 
 
-# ------------------------------------------------------------------------------------------------ the grammar
+# ---------------------------------------------------------------------------------------------------- parser
 
 
-def test_alone_it_gives_its_help(capsys):
+def test_without_arguments_the_help_is_printed(capsys):
     assert main([]) == 0
-    assert "evolve walkers into a new folder" in capsys.readouterr().out
+    assert "evolve robots and write the run into a new folder" in capsys.readouterr().out
 
 
-def test_an_unknown_command_is_met_with_the_one_that_was_meant(capsys):
+def test_an_unknown_command_is_reported_with_a_similar_one(capsys):
     assert main(["evovle", "--quiet"]) == 2
     assert capsys.readouterr().err == "There is no command 'evovle'. Did you mean: walkerlab evolve?\n"
     assert main(["dance"]) == 2
-    assert "There are evolve, resume, show, rescue, doctor, lab." in capsys.readouterr().err
+    assert "The commands are evolve, resume, show, rescue, doctor, lab." in capsys.readouterr().err
 
 
-def test_help_is_quick_because_nothing_heavy_is_loaded():
+def test_the_parser_imports_no_large_package():
     code = (
-        "import sys; from walkerlab.commands.parser import grammar; grammar();"
+        "import sys; from walkerlab.commands.parser import create_parser; create_parser();"
         "print({'mujoco', 'pandas', 'matplotlib', 'dm_control'} & set(sys.modules))"
     )
-    answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert answer.stdout.strip() == "set()"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "set()"

@@ -1,8 +1,8 @@
-"""What can go wrong, brought about on purpose: a few times in every test run; in full by ``python -m tests.faults``."""
+"""Fault injection: a few cases in each test run, all of them with ``python -m tests.faults``."""
 
 import os
 
 
 def number(reduced, full):
-    """How often a fault is brought about."""
+    """Return the number of cases, or the cases: reduced, or all if the environment variable FAULTS is ``full``."""
     return full if os.environ.get("FAULTS") == "full" else reduced

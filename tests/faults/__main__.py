@@ -1,4 +1,4 @@
-"""All faults in full number, which takes about half an hour on two cores; further words are pytest's."""
+"""Run all fault injection tests in full, about half an hour on two cores; arguments are passed to pytest."""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-"""What a stranger might send: valid genes and settings, mutated; the same ``rng``, the same text."""
+"""Mutated texts of genomes and settings for fuzzing; the same ``rng`` gives the same text."""
 
 import json
 import re
@@ -51,12 +51,12 @@ HUGE, VAST = 10**6, 4 * 10**7  # characters
 
 
 def gene(rng):
-    """Write a valid gene of 1 to 8 segments."""
+    """Return the text of a valid genome of 1 to 8 segments."""
     return str(Genome.random(ROOMY[rng.integers(8)], rng=rng))
 
 
 def settings(rng):
-    """Draw valid settings as plain data, as ``model_dump`` gives or as people write them."""
+    """Draw valid settings as plain data, complete or with some fields only."""
     drawn = {
         name: _domain(type(field.default), rng) for name, field in Settings.model_fields.items() if rng.random() < 0.9
     }
@@ -86,7 +86,7 @@ def _value(declared, rng):
 
 
 def mutated(text, other, rng):
-    """Apply one to twenty mutations to a text, mostly few, some with pieces of another."""
+    """Apply 1 to 20 mutations to a text, mostly few, some with pieces of another text."""
     for _ in range(_n_faults(rng)):
         text = TEXT_MUTATIONS[rng.integers(len(TEXT_MUTATIONS))](text, other, rng)
     return text
@@ -97,14 +97,14 @@ def _n_faults(rng):
 
 
 def stretched(text, size, rng):
-    """Put a very long piece into a text."""
+    """Insert a very long piece into a text."""
     place = rng.integers(len(text) + 1)
     piece = ["A", "9", " ", "[", '"', "|", "a=1 "][rng.integers(7)]
     return "".join([text[:place], piece * (size // len(piece)), text[place:]])
 
 
 def disarranged(plain, rng):
-    """Put a wrong value, or a wrong name, in one to twenty places of plain data, mostly few."""
+    """Replace 1 to 20 values or names in plain data by wrong ones, mostly few."""
     plain = deepcopy(plain)
     for _ in range(_n_faults(rng)):
         wrong, places = deepcopy(WRONG[rng.integers(len(WRONG))]), list(_places(plain))
@@ -119,7 +119,7 @@ def disarranged(plain, rng):
 
 
 def _places(plain):
-    """Yield each dict and list within plain data with each key to it."""
+    """Yield each dict and list in plain data with each of its keys."""
     for key in plain if isinstance(plain, dict) else range(len(plain)) if isinstance(plain, list) else ():
         yield plain, key
         yield from _places(plain[key])

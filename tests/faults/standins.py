@@ -1,4 +1,4 @@
-"""Runs in which walks are stood in for, so that storing is what takes the time; and the truth about them."""
+"""Replacements for walks in tests of storage: results without simulation, as repeatable as those of walks."""
 
 import numpy as np
 
@@ -11,7 +11,7 @@ SETTINGS = wl.Settings().with_(duration=1.0, population_size=12, generations=30,
 
 
 def walk(values):
-    """Stand in for a walk: as repeatable, and with the same kinds of values."""
+    """Return an evaluation that depends only on the genome, with all kinds of values."""
     fitness = float(values[1:].sum() % 7)
     counts = fitness > 1
     return Evaluation(
@@ -21,18 +21,18 @@ def walk(values):
 
 
 def evaluate(genomes, settings, executor=None, *, on_done=lambda n: None):
-    """Stand in for ``wl.evaluate``."""
+    """Replacement for ``wl.evaluate``."""
     on_done(len(genomes))
     return [walk(values) for values in genomes]
 
 
 def stand_in():
-    """Let no robot walk in this process from now on."""
+    """Replace all walks in this process."""
     evolution.evaluate = evaluate
 
 
 def attempt(ask, *given):
-    """Ask for something of a run file: what comes, and what is said if nothing does."""
+    """Call a function that reads a run file; return its result, or None, and the error message."""
     try:
         return ask(*given), ""
     except wl.RunFileError as error:
@@ -40,5 +40,5 @@ def attempt(ask, *given):
 
 
 def text(table):
-    """Write a table as bytes, which are equal where the tables are."""
+    """Convert a table to bytes for exact comparison."""
     return table.to_csv(index=False).encode()

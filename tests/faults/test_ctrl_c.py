@@ -1,4 +1,4 @@
-"""Ctrl-C at any moment, once or several times: the command ends in good order, and its run can be gone on with."""
+"""After Ctrl-C at any moment, the command ends without a traceback and its run can be resumed."""
 
 import os
 import signal
@@ -21,12 +21,12 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no 
 FLAGS = {"population_size": 8, "generations": 6, "duration": 1}
 COMMAND = "from walkerlab.__main__ import main; print('up', flush=True); import sys; sys.exit(main())"
 ON_A_TERMINAL = "import fcntl, sys, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0); "
-PATIENCE = 15  # s for a command that was told to stop
-NONE_LEFT = 5  # s for its workers to leave after it
+STOP_TIME_LIMIT = 15  # s from the signal to the end of the command
+WORKER_TIME_LIMIT = 5  # s from then to the end of its workers
 
 
 class Command:
-    """``walkerlab evolve`` in a process group of its own, as a shell starts it, or on a terminal of its own."""
+    """``walkerlab evolve`` in a new process group, as a shell starts it, or on a new terminal."""
 
     def __init__(self, folder, *, on_terminal=False, quiet=False):
         self.folder, self.said = folder, folder.with_suffix(".txt")
@@ -51,7 +51,7 @@ class Command:
             try:
                 while heard := os.read(self.terminal, 4096):
                     file.write(heard)
-            except OSError:  # the last process has left the terminal
+            except OSError:  # the last process has closed the terminal
                 pass
 
     @property
@@ -59,7 +59,7 @@ class Command:
         return self.said.read_text(encoding="utf-8").replace("\r\n", "\n")
 
     def send(self, sent=signal.SIGINT, *, alone=False):
-        """Press Ctrl-C, which reaches all of the group, or send a signal to the command alone."""
+        """Send a signal to the process group, as Ctrl-C does, or only to the command."""
         if self.process.poll() is not None:
             return
         if self.terminal and sent == signal.SIGINT and not alone:
@@ -68,22 +68,22 @@ class Command:
             (os.kill if alone else os.killpg)(self.process.pid, sent)
 
     def end(self):
-        """Return its exit code when it and all its processes have ended."""
+        """Wait until the command and all its processes have ended, and return its exit code."""
         try:
-            code = self.process.wait(PATIENCE)
-            deadline = time.monotonic() + NONE_LEFT
-            while self._is_there():
-                assert time.monotonic() < deadline, "its workers have stayed behind"
+            code = self.process.wait(STOP_TIME_LIMIT)
+            deadline = time.monotonic() + WORKER_TIME_LIMIT
+            while self._exists():
+                assert time.monotonic() < deadline, "its workers have not ended"
                 time.sleep(0.02)
         except subprocess.TimeoutExpired:
             raise AssertionError("it hangs") from None
         finally:
-            if self._is_there():
+            if self._exists():
                 os.killpg(self.process.pid, signal.SIGKILL)
                 self.process.wait()
         return code
 
-    def _is_there(self):
+    def _exists(self):
         try:
             os.killpg(self.process.pid, 0)
         except ProcessLookupError:
@@ -96,8 +96,8 @@ def whole():
     return wl.evolve(wl.Settings().with_(**FLAGS), progress=False).records
 
 
-def goes_on(folder, whole):
-    """Make sure that a file holds whole generations, if any, and that a resume brings the run to its end."""
+def check_resume(folder, whole):
+    """Check that a run file, if there is one, holds complete generations and that the run can be resumed."""
     if not (folder / "run.walk").exists():
         return
     done = wl.load(folder).records
@@ -108,7 +108,7 @@ def goes_on(folder, whole):
 
 
 @pytest.mark.parametrize("n", range(number(2, 60)))
-def test_pressed_at_any_moment_it_ends_in_good_order_and_the_run_goes_on(n, tmp_path, whole):
+def test_ctrl_c_at_any_moment_stops_the_run_and_it_can_be_resumed(n, tmp_path, whole):
     rng = np.random.default_rng([2026, n])
     where = rng.choice(["group", "alone", "terminal"], p=[0.5, 0.2, 0.3])
     command = Command(tmp_path / "walk", on_terminal=where == "terminal", quiet=bool(rng.integers(2)))
@@ -124,16 +124,16 @@ def test_pressed_at_any_moment_it_ends_in_good_order_and_the_run_goes_on(n, tmp_
     if code and (command.folder / "run.walk").exists():
         assert f"walkerlab resume {command.folder}" in text
     elif code:
-        assert "there is no run file" in text or text.endswith("Stopped.\n"), "before anything was begun"
-    goes_on(command.folder, whole)
+        assert "there is no run file" in text or text.endswith("Stopped.\n"), "before the run started"
+    check_resume(command.folder, whole)
 
 
 @pytest.mark.parametrize("n", range(number(1, 20)))
-def test_ended_by_the_system_its_workers_go_and_the_file_is_whole(n, tmp_path, whole):
+def test_after_a_signal_the_workers_end_and_the_run_file_is_intact(n, tmp_path, whole):
     rng = np.random.default_rng([2027, n])
     sent = (signal.SIGTERM, signal.SIGHUP, signal.SIGKILL)[n % 3]
     command = Command(tmp_path / "walk")
     time.sleep(rng.uniform(1, 6))
     command.send(sent, alone=bool(rng.integers(2)))
     assert command.end() in (0, -sent)
-    goes_on(command.folder, whole)
+    check_resume(command.folder, whole)

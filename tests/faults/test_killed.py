@@ -1,4 +1,4 @@
-"""Runs that are killed at random moments, and resumed: the very tables that they would have had."""
+"""Runs that are killed at random moments and resumed have the same table as uninterrupted runs."""
 
 import subprocess
 import sys
@@ -24,7 +24,7 @@ from tests.faults.test_killed import REAL
 
 path, settings = Path(sys.argv[2]), REAL
 if sys.argv[3] == "walks":
-    wl.evaluate(wl.generate_robot_population(settings.robot, 4, seed=0), settings)  # so that workers are there
+    wl.evaluate(wl.generate_robot_population(settings.robot, 4, seed=0), settings)  # starts the workers
 else:
     settings = standins.SETTINGS
     standins.stand_in()
@@ -37,8 +37,8 @@ print("done", flush=True)
 """
 
 
-def go(kind, path, root, seconds=None):
-    """Start or resume a run in a process, kill that after so many seconds, and say whether it had come to its end."""
+def run_process(kind, path, root, seconds=None):
+    """Start or resume a run in a process, kill it after some seconds, and return whether it was complete."""
     with subprocess.Popen([sys.executable, "-c", CHILD, root, path, kind], stdout=subprocess.PIPE) as process:
         assert process.stdout.readline() == b"ready\n"
         if seconds:
@@ -48,13 +48,13 @@ def go(kind, path, root, seconds=None):
 
 
 def usable(path):
-    """Say whether there is a run file, which is whole from the moment at which it is there."""
+    """Return whether there is a run file; it must be readable as soon as it exists."""
     return path.exists() and bool(wl.load(path))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="nothing there kills like SIGKILL")
 @pytest.mark.parametrize("kind", ["walks", "stand-ins"])
-def test_killed_and_resumed_as_often_as_one_likes_it_is_the_same_table(kind, tmp_path, request, monkeypatch):
+def test_a_run_killed_several_times_has_the_same_table(kind, tmp_path, request, monkeypatch):
     if kind == "walks":
         with ThreadPoolExecutor(2) as pool:
             whole = text(wl.evolve(REAL, executor=pool, progress=False).records)
@@ -68,13 +68,13 @@ def test_killed_and_resumed_as_often_as_one_likes_it_is_the_same_table(kind, tmp
     rng, found = np.random.default_rng(7), []
     for run in range(number(1, 50)):
         path = tmp_path / f"{run}.walk"
-        while go(kind, path, root, rng.uniform(0, longest)):  # too late: it had come to its end
+        while run_process(kind, path, root, rng.uniform(0, longest)):  # it was complete before it was killed
             path.unlink()
         for seconds in [*rng.uniform(0, longest, rng.integers(3)), None]:
             done = text(wl.load(path).records) if usable(path) else b""
             found.append(done.count(b"\n"))
             assert whole.startswith(done)
-            assert go(kind, path, root, seconds) or seconds
+            assert run_process(kind, path, root, seconds) or seconds
         assert text(wl.load(path).records) == whole
         assert not path.with_name(f"{path.name}-journal").exists()
     print(f"\n{kind}: {run + 1} runs, killed {len(found)} times; rows found then {sorted(found)}")

@@ -1,4 +1,4 @@
-"""Nothing of walkerlab's listens to other computers, and nobody on this one gets in without the token."""
+"""Servers of walkerlab listen on this computer only and require a token."""
 
 import importlib.util
 import ipaddress
@@ -21,9 +21,9 @@ from tests.simulation.test_cluster import until
 psutil = pytest.importorskip("psutil")
 
 NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
-KERNEL = 5  # ports of a kernel
+N_KERNEL_PORTS = 5
 
-CARELESS = """
+INSECURE_CONFIG = """
 c = get_config()
 c.ServerApp.ip = "0.0.0.0"
 c.ServerApp.allow_remote_access = True
@@ -31,13 +31,13 @@ c.IdentityProvider.token = ""
 c.KernelManager.ip = "0.0.0.0"
 c.ServerKernelManager.ip = "0.0.0.0"
 """
-SERVERS = number([CARELESS], ["", CARELESS, 'c.ServerApp.token = ""', 'c.ServerApp.ip = "*"'])
+SERVERS = number([INSECURE_CONFIG], ["", INSECURE_CONFIG, 'c.ServerApp.token = ""', 'c.ServerApp.ip = "*"'])
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal that lets a server end in good order")
 
 
 def listening(pid):
-    """The addresses and ports at which a process and its children listen."""
+    """Return the addresses and ports on which a process and its children listen."""
     root = psutil.Process(pid)
     return {
         tuple(connection.laddr)
@@ -50,7 +50,7 @@ def listening(pid):
 def connections(process):
     try:
         return process.net_connections("inet")
-    except psutil.NoSuchProcess:  # ended just now
+    except psutil.NoSuchProcess:  # it has just ended
         return []
 
 
@@ -59,7 +59,7 @@ def is_only_here(pid):
 
 
 def ask(address, path, token="", method="GET"):
-    """Ask a Jupyter server; None if it lets nobody in."""
+    """Send a request to a Jupyter server; return its answer, or None if access is denied."""
     question = urllib.request.Request(f"{address}{path}", method=method)
     if token:
         question.add_header("Authorization", f"token {token}")
@@ -74,7 +74,7 @@ def ask(address, path, token="", method="GET"):
 
 @contextmanager
 def lab(folder, config):
-    """Start ``walkerlab lab`` for a user with settings of Jupyter; yield its process, address and token."""
+    """Start ``walkerlab lab`` with a configuration of Jupyter; yield its process id, address and token."""
     (folder / "jupyter_server_config.py").write_text(config)
     command = [sys.executable, "-m", "walkerlab", "lab", "--no-browser", "--allow-root"]
     own = {name: str(folder) for name in ("HOME", "JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR")}
@@ -94,11 +94,11 @@ def lab(folder, config):
 
 @posix
 @pytest.mark.parametrize("config", SERVERS)
-def test_walkerlab_lab_is_for_who_sits_here_whatever_his_jupyter_is_told(tmp_path, config):
+def test_lab_is_local_and_requires_the_token_for_any_configuration_of_jupyter(tmp_path, config):
     with lab(tmp_path, config) as (pid, address, token):
         at_first = len(listening(pid))
         assert ask(address, "/api/kernels", token, "POST")
-        until(lambda: len(listening(pid)) >= at_first + KERNEL)
+        until(lambda: len(listening(pid)) >= at_first + N_KERNEL_PORTS)
         assert is_only_here(pid), listening(pid)
         for path in ("/api/kernels", "/api/contents", "/api/terminals"):
             assert ask(address, path) is None
@@ -106,7 +106,7 @@ def test_walkerlab_lab_is_for_who_sits_here_whatever_his_jupyter_is_told(tmp_pat
             assert ask(address, path, token) is not None
 
 
-# ------------------------------------------------------------------------------------------------- those who walk
+# ------------------------------------------------------------------------------------------------------ workers
 
 WALK = """
 import os, sys
@@ -122,7 +122,7 @@ sys.stdin.read()
 
 @contextmanager
 def walking(folder, cells, executor):
-    """Have some Python evolve; yield its process while its workers are still there."""
+    """Run an evolution in a process; yield its process id while its workers still exist."""
     command = [sys.executable, "-c", WALK.format(cells=cells, executor=executor)]
     pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
     with subprocess.Popen(command, cwd=folder, **pipes) as process:
@@ -131,13 +131,13 @@ def walking(folder, cells, executor):
         process.stdin.close()
 
 
-def test_a_run_on_all_cores_listens_nowhere(tmp_path):
+def test_a_run_on_all_cores_does_not_listen(tmp_path):
     with walking(tmp_path, "", "None") as pid:
         assert psutil.Process(pid).children(recursive=True)
         assert not listening(pid)
 
 
-def test_the_cluster_of_the_notebook_is_for_this_computer_only(tmp_path):
+def test_the_cluster_of_the_notebook_is_local(tmp_path):
     if not importlib.util.find_spec("distributed"):
         lacking("distributed")
     book = json.loads((NOTEBOOKS / "05_cluster.ipynb").read_text(encoding="utf-8"))

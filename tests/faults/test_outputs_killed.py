@@ -1,4 +1,4 @@
-"""Whatever writes the files beside a run is killed at random moments: all of them are of one state of the run."""
+"""A process that writes output files is killed at random moments: all files show the same state of the run."""
 
 import os
 import shutil
@@ -24,7 +24,7 @@ SMALL = wl.Settings().with_(population_size=4, generations=2, duration=1)
 WRITERS = {
     "command": "from walkerlab.__main__ import main; main(['resume', folder, '--quiet'])",
     "export": (
-        "from pathlib import Path; from walkerlab import outputs; import walkerlab as wl\n"
+        "from pathlib import Path; from walkerlab.evolution import outputs; import walkerlab as wl\n"
         "outputs.write(wl.load(folder), Path(folder))"
     ),
     "report": "import walkerlab as wl; wl.load(folder).save_report(folder)",
@@ -40,7 +40,7 @@ print("done", flush=True)
 
 @pytest.fixture(scope="module")
 def states(tmp_path_factory):
-    """A folder with all files of a run of two generations, of which the run file then got a third."""
+    """Folder with all files of a run of two generations, whose run file then received a third."""
     folder = tmp_path_factory.mktemp("states") / "walk"
     with ThreadPoolExecutor(2) as pool:
         run = wl.evolve(SMALL, folder / RUN_FILE, pool, progress=False)
@@ -58,7 +58,7 @@ def names_of(writer):
 
 
 def go(writer, folder, root, seconds=None):
-    """Write in a process, which is killed after so many seconds; return how many it took."""
+    """Write the files in a process that is killed after some seconds; return its duration [s]."""
     command = [sys.executable, "-c", CHILD.format(WRITERS[writer]), str(root), str(folder)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, start_new_session=True) as process:
         assert process.stdout.readline() == b"ready\n"
@@ -75,7 +75,7 @@ def times(folder, names):
 
 
 @pytest.mark.parametrize("writer", WRITERS)
-def test_killed_at_any_moment_all_files_are_of_one_state(writer, states, tmp_path, request):
+def test_all_files_show_one_state_after_a_kill(writer, states, tmp_path, request):
     names, root, found = names_of(writer), request.config.rootpath, []
     shutil.copytree(states, tmp_path / "timed", copy_function=shutil.copy2)
     longest = go(writer, tmp_path / "timed", root)
@@ -95,4 +95,4 @@ def test_killed_at_any_moment_all_files_are_of_one_state(writer, states, tmp_pat
         assert {path.name for path in folder.iterdir()} == others
         assert pd.read_csv(folder / "records.csv").generation.max() == (2 if n_new else 1)
     print(f"\n{writer}: {len(found)} kills within {longest:.1f} s; sets found {[one for one, _ in found]}")
-    print(f"of these, seen as they are before anybody looked: {sum(same for _, same in found)}")
+    print(f"of these, consistent before the run was loaded: {sum(same for _, same in found)}")

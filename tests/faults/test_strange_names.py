@@ -1,4 +1,4 @@
-"""A text from a file or a user stays a text: in a terminal, a spreadsheet, a picture, a page and the name of a file."""
+"""Texts from files or users are escaped in terminals, spreadsheets, pictures, pages and file names."""
 
 import re
 from concurrent.futures import ThreadPoolExecutor
@@ -23,8 +23,8 @@ STRANGE = "=x\x1b]0;pwned\x07\x1b[2J\x00\u202e\ud800</script><img src=x onerror=
 FORMULAS = ["=1+1", "+1", "-1", "@sum(A1)"]
 
 
-def own(name):
-    """A fitness of this name."""
+def fitness_named(name):
+    """Return a fitness function with this name."""
 
     def fitness(rollout):
         return wl.fitness.distance(rollout)
@@ -40,21 +40,21 @@ def evolved(path=None):
 
 @pytest.fixture(scope="module")
 def run():
-    """A run that is full of somebody's bad jokes."""
+    """Run whose table contains malicious texts."""
     records = evolved().records
-    jokes = {"operators": [STRANGE, *FORMULAS], "reason": [f"+{STRANGE}", *FORMULAS]}
-    told = {name: [texts[i % len(texts)] for i in range(len(records))] for name, texts in jokes.items()}
+    malicious = {"operators": [STRANGE, *FORMULAS], "reason": [f"+{STRANGE}", *FORMULAS]}
+    told = {name: [texts[i % len(texts)] for i in range(len(records))] for name, texts in malicious.items()}
     return Run(SMALL, records.assign(**told))
 
 
 @pytest.fixture(scope="module")
 def report(run, tmp_path_factory):
-    """The folder of its report."""
+    """Folder of the report of that run."""
     return run.save_report(tmp_path_factory.mktemp("report")).parent
 
 
 @given(st.text())
-def test_what_is_written_out_moves_no_cursor_and_what_can_be_read_stays(text):
+def test_printable_text_is_unchanged_and_control_characters_are_escaped(text):
     said = printable(text, keep="\n")
     assert all(one.isprintable() or one == "\n" for one in said)
     said.encode("utf-8")
@@ -63,24 +63,24 @@ def test_what_is_written_out_moves_no_cursor_and_what_can_be_read_stays(text):
 
 
 @given(st.text())
-def test_no_cell_is_a_formula_and_what_can_be_read_stays(text):
+def test_no_cell_is_a_formula(text):
     assert not cell(text).startswith(("=", "+", "-", "@", "\t", "\r"))
     assert cell(text) in (printable(text, keep="\n"), f"'{printable(text, keep=chr(10))}")
 
 
-def test_a_spreadsheet_runs_nothing(report):
+def test_the_table_contains_no_formulas(report):
     table = pd.read_csv(report / "records.csv", keep_default_na=False)
     for name in ("operators", "reason"):
         assert {f"'{formula}" for formula in FORMULAS} < set(table[name])
         assert not table[name].str.startswith(tuple("=+-@\t\r")).any()
 
 
-def test_a_table_without_formulas_is_written_as_it_is():
+def test_a_table_without_formulas_is_unchanged():
     records = evolved().records
     pd.testing.assert_frame_equal(_for_spreadsheets(records), records)
 
 
-def test_a_report_can_be_read_and_runs_nothing(report):
+def test_a_report_contains_no_scripts_and_valid_pictures(report):
     page = (report / "report.html").read_text(encoding="utf-8")
     assert "<img src=x" not in page
     assert "<script" not in page
@@ -88,13 +88,13 @@ def test_a_report_can_be_read_and_runs_nothing(report):
         ElementTree.parse(picture)
 
 
-def test_strange_runs_stay_labels_on_a_curve(tmp_path, run):
+def test_strange_labels_give_valid_pictures(tmp_path, run):
     axes = fitness_curve(run.records, Figure().add_subplot(), label=STRANGE)
     save(axes, tmp_path / "curve.svg")
     ElementTree.parse(tmp_path / "curve.svg")
 
 
-def test_strange_walkers_stay_names_in_a_replay(tmp_path):
+def test_strange_names_are_escaped_in_a_replay(tmp_path):
     robots = wl.generate_robot_population(SMALL.robot, 2, seed=0)
     for walkers in ({STRANGE: robots[0]}, {STRANGE: robots[0], "Bob": robots[1]}):
         page = wl.replay(walkers, SMALL).to_html(tmp_path / "replay.html").read_text(encoding="utf-8")
@@ -102,12 +102,12 @@ def test_strange_walkers_stay_names_in_a_replay(tmp_path):
         assert len(re.findall("</script>", page)) == len(re.findall("<script", page))
 
 
-def test_no_name_of_a_function_gets_out_of_a_comment():
-    (name,) = own_functions(SMALL.with_(fitness=own(STRANGE)))
+def test_the_name_of_a_function_cannot_end_a_comment():
+    (name,) = own_functions(SMALL.with_(fitness=fitness_named(STRANGE)))
     assert name.isprintable()
 
 
-def test_show_moves_no_cursor(tmp_path, capsys, monkeypatch, run):
+def test_show_prints_no_control_characters(tmp_path, capsys, monkeypatch, run):
     evolved(tmp_path / "run.walk")
     strange = Run(SMALL, run.records.assign(operators=STRANGE))
     monkeypatch.setattr("walkerlab.evolution.run.load", lambda path: strange)
@@ -117,19 +117,19 @@ def test_show_moves_no_cursor(tmp_path, capsys, monkeypatch, run):
     assert all(one.isprintable() or one == "\n" for one in shown)
 
 
-def test_neither_does_what_is_wrong(tmp_path, capsys):
+def test_errors_contain_no_control_characters(tmp_path, capsys):
     assert main(["show", str(tmp_path / "\x1b[2J")]) == 2
     assert "\x1b" not in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["", ".", "..", "../x", "a/b", "a\\b", "a\x00b", "a\nb", "\x1b[2J", "c:x", "\ud800"])
-def test_a_strange_name_of_a_file_is_refused(tmp_path, name):
+def test_an_invalid_file_name_is_rejected(tmp_path, name):
     robot = wl.generate_robot_population(SMALL.robot, 1, seed=0)[0]
-    with pytest.raises(ValueError, match="is no plain file name"):
+    with pytest.raises(ValueError, match="must be a file name without folder"):
         wl.export_mjcf(wl.Genome(robot), SMALL, tmp_path / "new", name=name)
     assert not list(tmp_path.iterdir())
 
 
-def test_a_name_of_any_alphabet_will_do(tmp_path):
+def test_a_file_name_may_use_any_alphabet(tmp_path):
     robot = wl.generate_robot_population(SMALL.robot, 1, seed=0)[0]
     assert wl.export_mjcf(wl.Genome(robot), SMALL, tmp_path, name="Ωmega der 2. (=schnell)").is_file()

@@ -1,4 +1,4 @@
-"""Whatever a student's own function does wrong, at once or late in a run: it is said in words, and the run goes on."""
+"""Faults of user functions, before or during a run, are reported, and the run can be resumed."""
 
 import signal
 import threading
@@ -33,13 +33,13 @@ def cross(parents, fitness, n_children, *, rng):
 
 
 def mutate(genomes, genes, *, rng):
-    """Change half of them, so that some have walked before."""
+    """Change about half of the genomes, so that the others need not be simulated again."""
     changed = genomes.copy()
     changed[:, 1] += np.where(rng.random(len(genomes)) < 0.5, 0.0, 0.001)
     return changed
 
 
-SOUND = dict(zip(SLOTS, (select, cross, mutate, lambda rollout: rollout.distance), strict=True))
+CORRECT_FUNCTIONS = dict(zip(SLOTS, (select, cross, mutate, lambda rollout: rollout.distance), strict=True))
 
 
 def raises(answer, given):
@@ -81,7 +81,7 @@ def hangs(answer, given):
         pass
 
 
-TOLD = {
+MESSAGES = {
     raises: r" raised IndexError: none left \(line \d+\)",
     misshapes: r" must .*; it returned an array",
     knows_nothing: r" must .*; it returned (nan|an array of shape \(\d+,\), float64)",
@@ -91,19 +91,19 @@ TOLD = {
 }
 
 
-def spoilt(slot, misdeed=None, is_due=lambda walk: True):
-    """Return a function for a slot, sound but for what it does when that is due."""
+def create_function(slot, fault=None, is_due=lambda walk: True):
+    """Return a function for a slot that is correct, apart from a fault when it is due."""
 
     def mine(*given, **named):
-        answer = SOUND[slot](*given, **named)
-        return misdeed(answer, given) if misdeed and is_due(given[0]) else answer
+        answer = CORRECT_FUNCTIONS[slot](*given, **named)
+        return fault(answer, given) if fault and is_due(given[0]) else answer
 
     return mine
 
 
 def walks(genomes, settings, asked=""):
-    """Stand in for the walks of a task: as repeatable, and no two alike."""
-    even = fitness._made_up_walk()
+    """Replacement for the walks of a task: different for each genome, and repeatable."""
+    even = fitness._create_made_up_walk()
     return [
         [replace(even, com=even.com * (1 + values.sum() % 7), phenotype=express(genome))]
         for genome, values in ((genome, genome.values) for genome in genomes)
@@ -112,29 +112,29 @@ def walks(genomes, settings, asked=""):
 
 @pytest.fixture(autouse=True)
 def elsewhere(tmp_path, monkeypatch):
-    """Be where a run that has no file may be kept."""
+    """Change to a temporary folder, where a run without a path may be saved."""
     monkeypatch.chdir(tmp_path)
 
 
 @pytest.fixture
 def pool(monkeypatch):
-    monkeypatch.setattr(evaluation, "_walk_all", walks)
+    monkeypatch.setattr(evaluation, "_simulate_task", walks)
     with ThreadPoolExecutor(1) as pool:
         yield pool
 
 
 @cache
 def whole(slot):
-    """Return the table of a run in which nothing goes wrong."""
+    """Return the table of a run without faults."""
     with ThreadPoolExecutor(1) as pool:
-        return wl.evolve(SETTINGS.with_(**{slot: spoilt(slot)}), executor=pool, progress=False).records
+        return wl.evolve(SETTINGS.with_(**{slot: create_function(slot)}), executor=pool, progress=False).records
 
 
 def same(left, right):
     pd.testing.assert_frame_equal(left.reset_index(drop=True), right.reset_index(drop=True), check_exact=True)
 
 
-def none_goes_on():
+def no_function_runs():
     threads = [thread for thread in threading.enumerate() if thread.name == "walkerlab user function"]
     for thread in threads:
         thread.join(0.5)
@@ -142,44 +142,44 @@ def none_goes_on():
 
 
 @pytest.mark.parametrize("slot", SLOTS)
-@pytest.mark.parametrize("misdeed", TOLD, ids=lambda misdeed: misdeed.__name__)
-def test_at_once_it_is_told_before_anything_walks(misdeed, slot, tmp_path, monkeypatch):
+@pytest.mark.parametrize("fault", MESSAGES, ids=lambda fault: fault.__name__)
+def test_a_fault_is_reported_before_any_simulation(fault, slot, tmp_path, monkeypatch):
     class NoPhysics(ThreadPoolExecutor):
         def submit(self, *args, **kwargs):
             raise AssertionError("physics ran")
 
     monkeypatch.setenv("WALKERLAB_PATIENCE", "0.2")
-    settings = SETTINGS.with_(**{slot: spoilt(slot, misdeed)})
-    with pytest.raises(wl.OperatorError, match=rf"^{NAMES[slot]}{TOLD[misdeed]}.*, when tried on a .*\. \w"):
+    settings = SETTINGS.with_(**{slot: create_function(slot, fault)})
+    with pytest.raises(wl.OperatorError, match=rf"^{NAMES[slot]}{MESSAGES[fault]}.*, when tried on a .*\. \w"):
         wl.evolve(settings, tmp_path / "run.walk", executor=NoPhysics(), progress=False)
     assert not list(tmp_path.iterdir())
-    assert none_goes_on()
+    assert no_function_runs()
 
 
 @pytest.mark.parametrize("slot", SLOTS)
-@pytest.mark.parametrize("misdeed", TOLD, ids=lambda misdeed: misdeed.__name__)
+@pytest.mark.parametrize("fault", MESSAGES, ids=lambda fault: fault.__name__)
 @pytest.mark.parametrize("late", number([3], [1, 2, 3, 4]))
-def test_late_it_is_told_with_the_generation_and_who_mends_it_loses_nothing(
-    late, misdeed, slot, pool, tmp_path, monkeypatch
+def test_a_late_fault_is_reported_with_its_generation_and_the_run_can_be_resumed(
+    late, fault, slot, pool, tmp_path, monkeypatch
 ):
     path, done, walked = tmp_path / "run.walk", [], []
 
     def is_due(walk):
-        """Say so in one generation; of the walks in it, for the third one only."""
+        """Return whether the fault is due: in one generation, and for a fitness only in its third walk."""
         if len(done) != late:
             return False
         if slot == "fitness" and walk.distance not in walked:
             walked.append(walk.distance)
         return slot != "fitness" or walk.distance in walked[2:]
 
-    evolution = wl.Evolution(SETTINGS.with_(**{slot: spoilt(slot, misdeed, is_due)}), path, pool)
+    evolution = wl.Evolution(SETTINGS.with_(**{slot: create_function(slot, fault, is_due)}), path, pool)
     done.extend(generation.number for generation in islice(evolution, late))
-    if misdeed is hangs:
+    if fault is hangs:
         monkeypatch.setenv("WALKERLAB_PATIENCE", "0.5")
-    with pytest.raises(wl.OperatorError, match=rf"^{NAMES[slot]}{TOLD[misdeed]}") as caught:
+    with pytest.raises(wl.OperatorError, match=rf"^{NAMES[slot]}{MESSAGES[fault]}") as caught:
         next(iter(evolution))
     monkeypatch.delenv("WALKERLAB_PATIENCE", raising=False)
-    assert none_goes_on()
+    assert no_function_runs()
 
     truth = whole(slot)
     same(wl.load(path).records, truth[truth.generation < late])
@@ -187,7 +187,7 @@ def test_late_it_is_told_with_the_generation_and_who_mends_it_loses_nothing(
         nullcontext() if slot == "fitness" else pytest.warns(UserWarning, match=f"another source of its {slot}")
     )
     with fixed_source:
-        same(wl.resume(path, executor=pool, progress=False, **{slot: spoilt(slot)}).records, truth)
+        same(wl.resume(path, executor=pool, progress=False, **{slot: create_function(slot)}).records, truth)
     if slot == "fitness":
         [individual] = truth.individual[(truth.born == late) & (truth.distance == walked[2])].drop_duplicates()
         assert f", for individual {individual} of generation {late}. " in str(caught.value)
@@ -195,7 +195,7 @@ def test_late_it_is_told_with_the_generation_and_who_mends_it_loses_nothing(
         assert f", while making generation {late}. " in str(caught.value)
 
 
-def test_the_individual_is_told_also_where_those_before_it_need_not_walk(pool, tmp_path):
+def test_the_individual_is_named_if_earlier_ones_are_not_simulated_again(pool, tmp_path):
     path, walked = tmp_path / "run.walk", []
 
     def later_half(genomes, genes, *, rng):
@@ -204,7 +204,7 @@ def test_the_individual_is_told_also_where_those_before_it_need_not_walk(pool, t
         return changed
 
     settings = SETTINGS.with_(crossover="none", mutation=later_half, generations=2)
-    faulty = spoilt(
+    faulty = create_function(
         "fitness",
         raises,
         lambda walk: path.exists() and wl.load(path).n_generations and not walked.append(walk.distance),
@@ -216,24 +216,24 @@ def test_the_individual_is_told_also_where_those_before_it_need_not_walk(pool, t
     assert f", for individual {individual} of generation 1. " in str(caught.value)
 
 
-def test_ctrl_c_while_a_function_hangs_keeps_what_is_done(pool, tmp_path):
+def test_ctrl_c_while_a_function_hangs_saves_complete_generations(pool, tmp_path):
     path = tmp_path / "run.walk"
 
     def presses_and_hangs(answer, given):
         signal.raise_signal(signal.SIGINT)
         hangs(answer, given)
 
-    faulty = spoilt("fitness", presses_and_hangs, lambda walk: path.exists() and wl.load(path).n_generations)
+    faulty = create_function("fitness", presses_and_hangs, lambda walk: path.exists() and wl.load(path).n_generations)
     kept = wl.evolve(SETTINGS.with_(fitness=faulty), path, executor=pool, progress=False)
     assert kept.n_generations == 1
-    assert none_goes_on()
-    same(wl.resume(path, executor=pool, progress=False, fitness=spoilt("fitness")).records, whole("fitness"))
+    assert no_function_runs()
+    same(wl.resume(path, executor=pool, progress=False, fitness=create_function("fitness")).records, whole("fitness"))
 
 
-def test_alone_evaluate_tells_the_place_of_a_robot_and_its_genome(pool):
+def test_evaluate_reports_the_index_and_genome_of_a_robot(pool):
     genomes = [wl.Genome.random(SETTINGS.robot, rng=np.random.default_rng(i)) for i in range(5)]
     faulty = walks([genomes[3].within(SETTINGS.robot)], SETTINGS)[0][0].distance
-    settings = SETTINGS.with_(fitness=spoilt("fitness", knows_nothing, lambda walk: walk.distance == faulty))
+    settings = SETTINGS.with_(fitness=create_function("fitness", knows_nothing, lambda walk: walk.distance == faulty))
     with pytest.raises(
         wl.OperatorError, match=r"'mine' must .*; it returned nan, for robot 3 of those given"
     ) as caught:
@@ -244,17 +244,17 @@ def test_alone_evaluate_tells_the_place_of_a_robot_and_its_genome(pool):
 REAL = SETTINGS.with_(population_size=4, generations=3, n_elites=0)
 
 
-def test_real_walks_that_come_from_other_processes_cannot_be_written_into(tmp_path):
+def test_walks_from_other_processes_are_read_only(tmp_path):
     path = tmp_path / "run.walk"
-    faulty = spoilt("fitness", writes, lambda walk: evolution.n_generations == 2 if path.exists() else False)
+    faulty = create_function("fitness", writes, lambda walk: evolution.n_generations == 2 if path.exists() else False)
     evolution = wl.Evolution(REAL.with_(fitness=faulty), path)
     with pytest.raises(wl.OperatorError, match=r"wrote into what is read-only .* of generation 2"):
         list(evolution)
-    resumed = wl.resume(path, progress=False, fitness=spoilt("fitness")).records
-    same(resumed, wl.evolve(REAL.with_(fitness=spoilt("fitness")), progress=False).records)
+    resumed = wl.resume(path, progress=False, fitness=create_function("fitness")).records
+    same(resumed, wl.evolve(REAL.with_(fitness=create_function("fitness")), progress=False).records)
 
 
-def test_a_run_on_a_thread_of_its_own_fails_in_words_and_keeps_what_is_done(monkeypatch):
+def test_a_live_run_reports_a_fault_and_keeps_complete_generations(monkeypatch):
     over, lives = threading.Event(), []
 
     def hear(run):
@@ -263,7 +263,7 @@ def test_a_run_on_a_thread_of_its_own_fails_in_words_and_keeps_what_is_done(monk
         if run.is_over:
             over.set()
 
-    faulty = spoilt("fitness", hangs, lambda walk: any(live.n_generations for live in lives))
+    faulty = create_function("fitness", hangs, lambda walk: any(live.n_generations for live in lives))
     with ThreadPoolExecutor(1) as pool:
         lives.append(LiveRun(REAL.with_(fitness=faulty), executor=pool, on_news=hear))
         lives[0].go_on()
@@ -271,4 +271,4 @@ def test_a_run_on_a_thread_of_its_own_fails_in_words_and_keeps_what_is_done(monk
     assert lives[0].state == State.failed
     assert "'mine' had not returned after 0.5 s" in str(lives[0].error)
     assert lives[0].n_generations == 1
-    assert none_goes_on()
+    assert no_function_runs()

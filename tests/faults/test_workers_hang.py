@@ -67,13 +67,13 @@ def waits(monkeypatch):
 
 
 def test_a_thread_that_hangs_ends_the_run_and_keeps_its_generations(monkeypatch, tmp_path):
-    def walk(*args, walk=evaluation._walk_all):
+    def walk(*args, walk=evaluation._simulate_task):
         if path.exists() and wl.load(path).n_generations:
             assert released.wait(60)
         return walk(*args)
 
     released, path = threading.Event(), tmp_path / "run.walk"
-    monkeypatch.setattr(evaluation, "_walk_all", walk)
+    monkeypatch.setattr(evaluation, "_simulate_task", walk)
     monkeypatch.setattr(timeouts, "MIN_TIME_LIMIT", 3)
     monkeypatch.setenv("WALKERLAB_PATIENCE", "3")
     with ThreadPoolExecutor(2) as threads:
@@ -174,7 +174,7 @@ def test_tasks_have_one_robot_in_a_slow_world_and_many_in_a_usual_one(monkeypatc
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux limits the memory of one process")
 @pytest.mark.parametrize("spare", number([0], [0, 1, 2, 4, 8, 12, 16, 20, 24, 28, 32]))
 def test_a_worker_without_memory_ends_the_run_with_advice(spare, workers, monkeypatch):  # noqa: F811
-    monkeypatch.setattr(evaluation, "_walk_all", Starved(spare))
+    monkeypatch.setattr(evaluation, "_simulate_task", Starved(spare))
     settings = SETTINGS.with_(texture_size=0.06, texture_density=0.05)
     with pytest.raises(WorkersLostError, match="To fix it, close other programs") as raised:
         wl.evaluate(wl.generate_robot_population(settings.robot, 4, seed=0), settings)
@@ -186,7 +186,7 @@ class Starved:
 
     def __init__(self, spare):
         self.spare = spare
-        self.walk = evaluation._walk_all
+        self.walk = evaluation._simulate_task
 
     def __call__(self, *args):
         import resource
@@ -234,9 +234,9 @@ def test_the_command_line_reports_replaced_workers(evolving, capsys):
 
 def test_the_command_line_reports_lost_workers_and_how_to_resume(evolving, tmp_path, capsys):
     def lose():
-        raise WorkersLostError("nobody answers")
+        raise WorkersLostError("no answer")
 
     assert evolving(lose) == 1
     said = capsys.readouterr().err
-    assert "nobody answers\nStopped after 2 of 4 generations; all of these are kept." in said
+    assert "no answer\nStopped after 2 of 4 generations, which are saved." in said
     assert f"walkerlab resume {tmp_path}" in said

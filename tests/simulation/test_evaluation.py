@@ -1,4 +1,4 @@
-"""Many walks on any executor: the same answers, in the order of the questions."""
+"""Evaluation gives the same results in the order of the genomes on any executor."""
 
 import os
 import pickle
@@ -15,7 +15,8 @@ import walkerlab as wl
 from walkerlab.breeding import generate_robot_population
 from walkerlab.genome.phenotype import express
 from walkerlab.simulation import evaluation
-from walkerlab.simulation.rollout import draw_nudge, walk, walk_from_every_start
+from walkerlab.simulation.rollout import walk, walk_from_every_start
+from walkerlab.simulation.starts import draw_nudge
 from walkerlab.world.scene import compile_scene, reusable_scene_of
 
 SETTINGS = wl.Settings().with_(duration=1.0)
@@ -23,7 +24,7 @@ GENOMES = generate_robot_population(SETTINGS.robot, 9, seed=3)
 
 
 class Backwards(Executor):
-    """Does nothing until somebody waits, and then the last task first."""
+    """Computes nothing until a result is waited for, and then the last task first."""
 
     def __init__(self):
         self.tasks = []
@@ -52,100 +53,101 @@ EXPECTED = table(wl.evaluate(GENOMES, SETTINGS, executor=Backwards()))
     lambda: ThreadPoolExecutor(1), lambda: ThreadPoolExecutor(4), Backwards,
     lambda: ProcessPoolExecutor(2, mp_context=get_context("forkserver")),
 ], ids=["1 thread", "4 threads", "backwards", "2 processes"])  # fmt: skip
-def test_any_executor_gives_the_same(executor):
+def test_any_executor_gives_the_same_results(executor):
     with executor() as pool:
         assert table(wl.evaluate(GENOMES, SETTINGS, executor=pool)) == EXPECTED
 
 
-def test_loky_gives_the_same_with_a_fitness_that_only_this_process_knows():
-    reach = {"seen": 0}
+def test_loky_gives_the_same_results_with_a_fitness_that_cannot_be_sent_to_workers():
+    n_calls = 0
 
     def in_a_cell(rollout):
-        reach["seen"] += 1
+        nonlocal n_calls
+        n_calls += 1
         return float(rollout.com[:, 0].max())
 
     plain = wl.evaluate(GENOMES, SETTINGS)
-    own = wl.evaluate(GENOMES, SETTINGS.with_(fitness=in_a_cell))
+    with_function = wl.evaluate(GENOMES, SETTINGS.with_(fitness=in_a_cell))
     assert table(plain) == EXPECTED
-    assert [e.distance for e in own] == [e.distance for e in plain]
-    assert reach["seen"] == sum(e.verdict == "ok" for e in plain) > 0
+    assert [e.distance for e in with_function] == [e.distance for e in plain]
+    assert n_calls == sum(e.verdict == "ok" for e in plain) > 0
 
 
-def test_genomes_texts_and_arrays_are_the_same_question():
+def test_genomes_texts_and_arrays_give_the_same_results():
     genomes = [wl.Genome(values) for values in GENOMES[:3]]
     with ThreadPoolExecutor(1) as pool:
-        answers = [
+        tables = [
             table(wl.evaluate(given, SETTINGS, pool)) for given in (genomes, list(map(str, genomes)), GENOMES[:3])
         ]
-    assert answers[0] == answers[1] == answers[2] == EXPECTED[:3]
+    assert tables[0] == tables[1] == tables[2] == EXPECTED[:3]
 
 
-def test_one_genome_text_or_array_is_the_same_scene_and_walk():
+def test_a_genome_its_text_and_its_array_give_the_same_scene_and_walk():
     genome = wl.Genome(GENOMES[0])
     for given in (genome, str(genome), GENOMES[0], GENOMES[0].tolist()):
         assert wl.compile_scene(given, SETTINGS).genome == genome
         assert wl.fitness.distance(wl.simulate(given, SETTINGS, poses=False)) == EXPECTED[0][3]
 
 
-def test_a_single_genome_is_not_taken_for_a_population():
+def test_a_single_genome_is_rejected():
     genome = wl.Genome(GENOMES[0])
     for single in (genome, str(genome), GENOMES[0]):
         with pytest.raises(ValueError, match="put it in a list"):
             wl.evaluate(single, SETTINGS, Backwards())
 
 
-def test_a_genome_from_elsewhere_is_brought_within_the_limits():
-    strong = wl.Robot(weight=(50, 60), body_length=(2, 3), segment_length=(0.5, 1), segments=(3, 6))
-    foreign = wl.Genome.random(strong, rng=np.random.default_rng(0))
-    (found,) = wl.evaluate([foreign], SETTINGS, Backwards())
+def test_a_genome_of_another_robot_is_repaired():
+    other_limits = wl.Robot(weight=(50, 60), body_length=(2, 3), segment_length=(0.5, 1), segments=(3, 6))
+    genome = wl.Genome.random(other_limits, rng=np.random.default_rng(0))
+    (found,) = wl.evaluate([genome], SETTINGS, Backwards())
     assert found.weight <= 12 * (1 + 1e-9)
     assert found.body_length <= 1.2 * (1 + 1e-9)
-    assert found.genome != foreign
+    assert found.genome != genome
 
 
-def test_progress_is_told_and_adds_up():
-    told = []
-    wl.evaluate(GENOMES, SETTINGS, Backwards(), on_done=told.append)
-    assert sum(told) == len(GENOMES)
-    assert len(told) > 1
+def test_progress_reports_add_up_to_the_number_of_genomes():
+    reports = []
+    wl.evaluate(GENOMES, SETTINGS, Backwards(), on_done=reports.append)
+    assert sum(reports) == len(GENOMES)
+    assert len(reports) > 1
 
 
 @pytest.mark.parametrize("n_workers", [1, 2, 8, 100])
 @pytest.mark.parametrize("n", [1, 9, 60, 1000])
-def test_tasks_hold_every_robot_once_the_costly_first_and_the_last_alone(n, n_workers):
+def test_tasks_contain_each_robot_once_with_the_slowest_first_and_single_ones_last(n, n_workers):
     robots = [wl.Genome(values) for values in generate_robot_population(SETTINGS.robot, n, seed=1)]
-    tasks = evaluation._tasks(robots, n_workers)
-    dealt = [i for task in tasks for i in task]
-    assert sorted(dealt) == list(range(n))
-    costs = [evaluation._cost(robots[i]) for i in dealt]
+    tasks = evaluation._divide_into_tasks(robots, n_workers)
+    order = [i for task in tasks for i in task]
+    assert sorted(order) == list(range(n))
+    costs = [evaluation._estimate_cost(robots[i]) for i in order]
     assert costs == sorted(costs, reverse=True)
     sizes = [len(task) for task in tasks]
     assert sizes == sorted(sizes, reverse=True)
-    assert max(sizes, default=1) <= max(1, min(evaluation.LARGEST, n // (2 * n_workers)))
+    assert max(sizes, default=1) <= max(1, min(evaluation.MAX_TASK_SIZE, n // (2 * n_workers)))
     assert sizes[-n_workers:] == [1] * min(n, n_workers, len(sizes))
 
 
-def test_a_task_is_no_longer_than_a_pause_may_last():
+def test_tasks_are_small_so_that_a_run_can_be_paused_quickly():
     robots = [wl.Genome(values) for values in generate_robot_population(SETTINGS.robot, 100, seed=1)]
-    assert max(map(len, evaluation._tasks(robots, 1))) == 16
+    assert max(map(len, evaluation._divide_into_tasks(robots, 1))) == 16
 
 
-class Asked(Executor):
-    """Works at once, and remembers what it was asked."""
+class Recording(Executor):
+    """Records the arguments of its tasks, and computes only the first."""
 
     def __init__(self):
-        self.asked = []
+        self.arguments = []
 
     def submit(self, function, /, *args):
-        self.asked.append(args)
+        self.arguments.append(args)
         future = Future()
-        if len(self.asked) == 1:
+        if len(self.arguments) == 1:
             future.set_result(function(*args))
         return future
 
 
-def test_equal_questions_are_told_apart_and_what_is_no_longer_wanted_is_given_up():
-    """By an executor that answers equal questions together, as Dask's does."""
+def test_equal_tasks_of_two_calls_differ_and_tasks_are_cancelled_after_an_error():
+    """An executor such as Dask's computes equal tasks only once."""
 
     class Wrong(Exception):
         pass
@@ -153,32 +155,31 @@ def test_equal_questions_are_told_apart_and_what_is_no_longer_wanted_is_given_up
     def wrong(rollout):
         raise Wrong
 
-    executors = Asked(), Asked()
+    executors = Recording(), Recording()
     for executor in executors:
-        given, submit = [], executor.submit
-        executor.submit = lambda *args, given=given, submit=submit: given.append(submit(*args)) or given[-1]
+        futures, submit = [], executor.submit
+        executor.submit = lambda *args, futures=futures, submit=submit: futures.append(submit(*args)) or futures[-1]
         with pytest.raises(wl.OperatorError, match="Wrong"):
             wl.evaluate(GENOMES, SETTINGS.with_(fitness=wrong), executor)
-        assert all(future.cancelled() for future in given[1:])
-    first, second = (executor.asked[0] for executor in executors)
+        assert all(future.cancelled() for future in futures[1:])
+    first, second = (executor.arguments[0] for executor in executors)
     assert first[0] == second[0]
     assert first[2:] != second[2:]
 
 
-def test_limbs_tell_how_long_a_walk_takes_to_compute():
-    """Or the costly ones first would be anyone first."""
+def test_the_number_of_limbs_predicts_the_size_of_the_model():
     robots = [wl.Genome(values) for values in generate_robot_population(SETTINGS.robot, 200, seed=1)]
     sizes = [compile_scene(robot, SETTINGS).model.nv for robot in robots]
-    assert np.corrcoef([evaluation._cost(robot) for robot in robots], sizes)[0, 1] > 0.99
+    assert np.corrcoef([evaluation._estimate_cost(robot) for robot in robots], sizes)[0, 1] > 0.99
 
 
-def test_nobody_to_evaluate_is_no_fault():
+def test_an_empty_population_gives_no_evaluations():
     assert wl.evaluate([], SETTINGS, Backwards()) == []
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no SIGKILL")
-def test_a_killed_caller_leaves_no_workers_behind():
-    """As when a notebook's kernel is restarted while robots walk."""
+def test_workers_end_when_their_parent_process_is_killed():
+    """For example, when the kernel of a notebook is restarted during a run."""
     script = (
         "import walkerlab as wl; from walkerlab.simulation.workers import default_executor\n"
         "workers = default_executor(); list(workers.map(abs, range(4)))\n"
@@ -191,12 +192,12 @@ def test_a_killed_caller_leaves_no_workers_behind():
         caller.kill()
     assert workers
     deadline = time.monotonic() + 20
-    while (left := [worker for worker in workers if alive(worker)]) and time.monotonic() < deadline:
+    while (remaining := [worker for worker in workers if is_alive(worker)]) and time.monotonic() < deadline:
         time.sleep(0.1)
-    assert not left
+    assert not remaining
 
 
-def alive(pid):
+def is_alive(pid):
     try:
         os.kill(pid, 0)
     except ProcessLookupError:
@@ -205,28 +206,28 @@ def alive(pid):
 
 
 class TestSeveralStarts:
-    """A robot that walks from several starts is worth its poorest walk."""
+    """The fitness of a robot with several starts is that of its poorest walk."""
 
     settings = SETTINGS.with_(n_starts=3, duration=2.0)
 
-    def test_the_poorest_walk_counts_and_the_first_start_is_the_plain_one(self):
+    def test_the_poorest_walk_counts_and_the_first_start_is_exact(self):
         for genome, found in zip(GENOMES[:4], wl.evaluate(GENOMES[:4], self.settings), strict=True):
             scene = wl.compile_scene(genome, self.settings)
             rollouts = [walk(scene, nudge=draw_nudge(scene, start), poses=False) for start in range(3)]
             scores = [wl.fitness.score(rollout, self.settings.algorithm.fitness) for rollout in rollouts]
             assert found.fitness == min(scores)
             assert found.verdict == rollouts[scores.index(min(scores))].verdict
-            plain = wl.simulate(genome, self.settings, poses=False)
-            assert wl.fitness.distance(rollouts[0]) == wl.fitness.distance(plain)
+            exact_start = wl.simulate(genome, self.settings, poses=False)
+            assert wl.fitness.distance(rollouts[0]) == wl.fitness.distance(exact_start)
             assert len({wl.fitness.distance(rollout) for rollout in rollouts}) == 3
 
-    def test_more_starts_never_make_a_robot_better(self):
+    def test_more_starts_never_increase_the_fitness(self):
         one, three = (wl.evaluate(GENOMES, self.settings.with_(n_starts=n)) for n in (1, 3))
         assert all(many.fitness <= single.fitness for many, single in zip(three, one, strict=True))
         assert any(many.fitness < single.fitness for many, single in zip(three, one, strict=True))
 
 
-GROUNDS = {
+WORLDS = {
     "flat": {},
     "gravel, rocks, a pack and a sledge": {
         "texture": "gravel", "texture_density": 0.05, "obstacle": "rock", "carry_weight": 2, "drag_weight": 2,
@@ -235,29 +236,29 @@ GROUNDS = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("ground", GROUNDS)
-def test_whoever_walked_before_changes_nothing_about_a_walk(ground):
-    """Robots of one body plan walk on one stage, one after the other: each as if it were the first, bit for bit."""
-    settings = SETTINGS.with_(**GROUNDS[ground])
+@pytest.mark.parametrize("world", WORLDS)
+def test_a_walk_in_a_reused_scene_equals_a_walk_in_a_new_scene(world):
+    """Robots of one body plan share a compiled model; the result of each is the same bit for bit."""
+    settings = SETTINGS.with_(**WORLDS[world])
     robots = [wl.Genome(values).within(settings.robot) for values in GENOMES]
     plans = {express(robot).plan for robot in robots}
-    assert len(plans) < len(robots), "or nobody follows anybody"
-    with ThreadPoolExecutor(1) as stages:
-        in_turn = stages.submit(evaluation._walk_all, [*robots, *robots[::-1]], settings).result()
+    assert len(plans) < len(robots), "some robots must share a body plan"
+    with ThreadPoolExecutor(1) as thread:
+        in_turn = thread.submit(evaluation._simulate_task, [*robots, *robots[::-1]], settings).result()
     for robot, *walks in zip(robots, in_turn[: len(robots)], in_turn[: len(robots) - 1 : -1], strict=True):
-        first = walk_from_every_start(compile_scene(robot, settings), poses=False)
-        assert [exact(each) for each in walks] == 2 * [exact(first)]
+        expected = walk_from_every_start(compile_scene(robot, settings), poses=False)
+        assert [as_bytes(each) for each in walks] == 2 * [as_bytes(expected)]
 
 
-def exact(rollouts):
-    """All that a fitness could see of them, as bytes."""
+def as_bytes(rollouts):
+    """Return all attributes of some rollouts as bytes."""
     return [pickle.dumps(tuple(vars(rollout).items())) for rollout in rollouts]
 
 
-def test_a_walk_that_broke_down_leaves_nothing_behind():
+def test_a_diverged_walk_does_not_change_the_next_one():
     scene, data = reusable_scene_of(wl.Genome(GENOMES[0]), SETTINGS)
     expected = walk(scene, poses=False)
     for state in (data.qpos, data.qvel, data.ctrl, data.qacc_warmstart, data.xfrc_applied, data.warning.number):
         state[:] = np.nan if state.dtype.kind == "f" else 3
     data.time = np.nan
-    assert exact([walk(scene, data, poses=False)]) == exact([expected])
+    assert as_bytes([walk(scene, data, poses=False)]) == as_bytes([expected])

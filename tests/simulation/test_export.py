@@ -1,4 +1,4 @@
-"""An exported robot is the same one: exact numbers, in a file that older versions of MuJoCo load as well."""
+"""An exported file holds exact numbers, and older versions of MuJoCo can load it."""
 
 import json
 import re
@@ -36,13 +36,13 @@ def export(world, folder, name="walker"):
 
 
 ADDED = re.compile(r"_|n(names|text|numeric|key|buffer)|(name|text|numeric|key)_|names|paths|\w+_nameadr|signature")
-"""Fields of a model for its names, the keyframe, texts and numbers that only the file has, and for its memory."""
+"""Fields of a model for names, keyframes, texts, numbers and memory, which differ between the file and the scene."""
 
-WITHOUT_EFFECT = {"actuator_ctrlspec"}  # whether an actuator's one input is called a position
+WITHOUT_EFFECT = {"actuator_ctrlspec"}  # only names the input of an actuator
 
 
 def fields(model):
-    """Return every number of a model but those."""
+    """Return all numbers of a model apart from the fields above."""
     owners = {"": model, "opt.": model.opt, "stat.": model.stat}
     owners |= {f"{name}.": getattr(model.vis, name) for name in ("map", "scale", "rgba", "headlight", "global_")}
     names = [(owner, name) for owner, of in owners.items() for name in dir(of) if not ADDED.match(name)]
@@ -69,7 +69,7 @@ def test_plain_mujoco_repeats_the_walk_without_walkerlab(tmp_path):
     assert [json.loads(line)["distance"] for line in lines] == pytest.approx(distances, abs=1e-6)
 
 
-def test_the_file_holds_the_start_the_gait_and_the_gene(tmp_path):
+def test_the_file_holds_the_start_the_gait_and_the_genome(tmp_path):
     model = mujoco.MjModel.from_xml_path(str(export({"structure": "incline"}, tmp_path)))
     scene = wl.compile_scene(GENOME, wl.Settings().with_(structure="incline"))
     np.testing.assert_array_equal(model.key("start").qpos, scene.start)
@@ -83,7 +83,7 @@ def test_the_file_holds_the_start_the_gait_and_the_gene(tmp_path):
 
 
 def test_older_versions_know_every_attribute(tmp_path):
-    """That they load the file is measured: ``python benchmarks/mujoco_versions.py``."""
+    """``python benchmarks/mujoco_versions.py`` loads the file in each version."""
     known, element = {"worldbody": set()}, ""
     for line in SCHEMA.read_text(encoding="utf-8").splitlines():
         if name := line[:30].split():
@@ -96,7 +96,7 @@ def test_older_versions_know_every_attribute(tmp_path):
 
 @hypothesis_settings(max_examples=50)
 @given(st.lists(st.floats(allow_nan=False, allow_infinity=False, allow_subnormal=False), min_size=1, max_size=20))
-def test_every_number_is_read_as_it_was_written(numbers):
+def test_every_number_is_read_exactly_as_written(numbers):
     spec = mujoco.MjSpec()
     spec.modelname = "1.50000000000000000"
     spec.add_numeric(name="numbers", data=numbers, size=len(numbers))
@@ -106,7 +106,7 @@ def test_every_number_is_read_as_it_was_written(numbers):
     assert ElementTree.fromstring(text).get("model") == spec.modelname
 
 
-def test_others_still_get_the_digits_that_mujoco_gives(tmp_path):
+def test_the_precision_of_mujoco_is_restored_after_an_export(tmp_path):
     spec = mujoco.MjSpec()
     spec.add_numeric(name="third", data=[1 / 3], size=1)
     spec.compile()
@@ -114,7 +114,7 @@ def test_others_still_get_the_digits_that_mujoco_gives(tmp_path):
     assert 'data="0.333333"' in spec.to_xml()
 
 
-def test_the_file_has_the_name_that_was_given(tmp_path):
+def test_the_file_has_the_given_name(tmp_path):
     path = wl.export_mjcf(str(GENOME), wl.Settings(), tmp_path / "Größe", name="fido & <2>".replace("<2>", "Ω"))
     assert path == tmp_path / "Größe" / "fido & Ω.xml"
     assert ElementTree.parse(path).getroot().get("model") == "fido & Ω"

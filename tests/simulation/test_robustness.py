@@ -1,4 +1,4 @@
-"""A champion walks again: what it keeps is its own, and what it loses was luck."""
+"""Robustness compares the fitness of a champion with that of slightly different walks."""
 
 import math
 from concurrent.futures import ThreadPoolExecutor
@@ -9,26 +9,29 @@ import pytest
 
 import walkerlab as wl
 from tests.simulation.test_validity import WALKER
-from walkerlab.simulation import robustness, rollout
-from walkerlab.simulation.robustness import UNSEEN, Confirmation, confirm
-from walkerlab.simulation.rollout import NUDGE_BEND, NUDGE_SHIFT, NUDGE_TURN, draw_nudge, walk
+from walkerlab.simulation import robustness, starts
+from walkerlab.simulation.robustness import FIRST_NUDGE, Confirmation, confirm
+from walkerlab.simulation.rollout import walk
+from walkerlab.simulation.starts import NUDGE_BEND, NUDGE_SHIFT, NUDGE_TURN, draw_nudge
+from walkerlab.world.assembly import ROBOT_BODY
 from walkerlab.world.geometry import skins
 from walkerlab.world.scene import compile_scene
 
 SHORT = wl.Settings().with_(duration=2)
 
 
-def kept(fitness, finer=1.0, nudged=(1.0, 2.0, 3.0)):
+def confirmation(fitness, finer=1.0, nudged=(1.0, 2.0, 3.0)):
+    """Return a confirmation in which all walks count."""
     return Confirmation(fitness, finer, nudged, ("ok",) * (1 + len(nudged)), "distance m")
 
 
-def test_a_walk_that_is_repeated_as_it_was_keeps_all(monkeypatch):
+def test_an_identical_walk_keeps_the_whole_fitness(monkeypatch):
     for name in ("NUDGE_SHIFT", "NUDGE_TURN", "NUDGE_BEND"):
-        monkeypatch.setattr(rollout, name, 0.0)
-    monkeypatch.setattr(robustness, "FINER", 1)
-    same = confirm(WALKER, SHORT, 2)
-    assert (same.kept_finer, same.kept_nudged) == (1.0, 1.0)
-    assert same.fitness == wl.fitness.distance(wl.simulate(WALKER, SHORT))
+        monkeypatch.setattr(starts, name, 0.0)
+    monkeypatch.setattr(robustness, "TIMESTEP_DIVISOR", 1)
+    confirmed = confirm(WALKER, SHORT, 2)
+    assert (confirmed.kept_finer, confirmed.kept_nudged) == (1.0, 1.0)
+    assert confirmed.fitness == wl.fitness.distance(wl.simulate(WALKER, SHORT))
 
 
 def test_a_good_walker_keeps_most_of_its_distance():
@@ -36,54 +39,54 @@ def test_a_good_walker_keeps_most_of_its_distance():
     assert set(confirmed.verdicts) == {"ok"}
     assert 0.7 < confirmed.kept_finer < 1.3
     assert 0.7 < confirmed.kept_nudged < 1.3
-    assert confirmed.kept_finer != 1.0, "another timestep is another walk"
+    assert confirmed.kept_finer != 1.0, "the timestep changes the walk"
     assert confirmed.nudged == tuple(sorted(confirmed.nudged))
-    assert len(set(confirmed.nudged)) == 3, "each from a start of its own"
+    assert len(set(confirmed.nudged)) == 3, "each start is different"
 
 
-def test_a_walk_that_does_not_count_keeps_nothing():
-    void = confirm(WALKER, SHORT.with_(gravity=(0, 0, 0)), 2)
-    assert (void.fitness, void.finer, *void.nudged) == (-math.inf,) * 4
-    assert (void.kept_finer, void.kept_nudged) == (0.0, 0.0)
-    assert str(void).endswith("3 of these walks did not count: airborne, airborne, airborne")
+def test_walks_that_do_not_count_keep_nothing():
+    confirmed = confirm(WALKER, SHORT.with_(gravity=(0, 0, 0)), 2)
+    assert (confirmed.fitness, confirmed.finer, *confirmed.nudged) == (-math.inf,) * 4
+    assert (confirmed.kept_finer, confirmed.kept_nudged) == (0.0, 0.0)
+    assert str(confirmed).endswith("3 of these walks did not count: airborne, airborne, airborne")
 
 
 @pytest.mark.parametrize("fitness", [2.0, 1e-9, -1e-9, -1.5, -1e9])
-def test_the_same_fitness_is_all_of_it_and_a_loss_is_a_share_of_its_size_whatever_its_sign(fitness):
+def test_a_loss_is_relative_to_the_absolute_value_of_the_fitness(fitness):
     for loss, share in ((0.0, 1.0), (0.25, 0.75), (-0.5, 1.5), (1.0, 0.0), (7.0, 0.0)):
-        confirmed = kept(fitness, finer=fitness - loss * abs(fitness), nudged=(fitness,))
+        confirmed = confirmation(fitness, finer=fitness - loss * abs(fitness), nudged=(fitness,))
         assert confirmed.kept_finer == pytest.approx(share)
         assert confirmed.kept_nudged == 1.0
 
 
 @pytest.mark.parametrize("again", [-math.inf, -1.0, 0.0, -0.0, 1.0])
-def test_of_zero_any_loss_keeps_nothing_and_of_a_void_walk_nothing_is_kept(again):
+def test_a_loss_from_zero_keeps_nothing_and_neither_does_a_walk_that_does_not_count(again):
     for zero in (0.0, -0.0):
-        assert kept(zero, finer=again).kept_finer == (1.0 if again >= 0 else 0.0)
-    assert kept(-math.inf, finer=again, nudged=(again,)).kept_nudged == 0.0
-    assert kept(-1.0, finer=-math.inf).kept_finer == 0.0
+        assert confirmation(zero, finer=again).kept_finer == (1.0 if again >= 0 else 0.0)
+    assert confirmation(-math.inf, finer=again, nudged=(again,)).kept_nudged == 0.0
+    assert confirmation(-1.0, finer=-math.inf).kept_finer == 0.0
 
 
 @pytest.mark.parametrize(
-    ("again", "part"), [(-math.inf, 0.0), (-1.0, 0.0), (0.0, 0.0), (1.0, 0.5), (2.0, 1.0), (3.0, 1.5)]
+    ("again", "share"), [(-math.inf, 0.0), (-1.0, 0.0), (0.0, 0.0), (1.0, 0.5), (2.0, 1.0), (3.0, 1.5)]
 )
-def test_what_is_kept_is_a_share_and_never_under_zero(again, part):
-    assert kept(2.0, finer=again).kept_finer == part
-    assert kept(2.0, nudged=(again,)).kept_nudged == part
+def test_the_share_is_never_negative(again, share):
+    assert confirmation(2.0, finer=again).kept_finer == share
+    assert confirmation(2.0, nudged=(again,)).kept_nudged == share
 
 
-def test_from_other_starts_the_middle_one_is_told():
-    assert kept(2.0, nudged=(-math.inf, -math.inf, 1.0, 2.0, 9.0)).kept_nudged == 0.5
-    assert kept(2.0, nudged=(-math.inf, -math.inf, -math.inf, 2.0, 2.0)).kept_nudged == 0.0
+def test_kept_nudged_is_the_share_of_the_median():
+    assert confirmation(2.0, nudged=(-math.inf, -math.inf, 1.0, 2.0, 9.0)).kept_nudged == 0.5
+    assert confirmation(2.0, nudged=(-math.inf, -math.inf, -math.inf, 2.0, 2.0)).kept_nudged == 0.0
 
 
-# ------------------------------------------------------------------------------------------------ other starts
+# ------------------------------------------------------------------------------------------------ nudges
 
-CROWDED = wl.Settings(terrain=wl.Terrain(obstacle="ball", obstacle_density=0.5))
+WITH_BALLS = wl.Settings(terrain=wl.Terrain(obstacle="ball", obstacle_density=0.5))
 
 
-def test_the_same_seed_draws_the_same_starts_and_each_number_another():
-    scenes = [compile_scene(WALKER, CROWDED.with_(terrain_seed=seed)) for seed in (7, 7, 8)]
+def test_nudges_depend_on_the_seed_and_the_number_of_the_start():
+    scenes = [compile_scene(WALKER, WITH_BALLS.with_(terrain_seed=seed)) for seed in (7, 7, 8)]
     first, again, other = ([draw_nudge(scene, number).tobytes() for number in range(1, 4)] for scene in scenes)
     assert first == again
     assert len({*first, *other}) == 6
@@ -91,24 +94,24 @@ def test_the_same_seed_draws_the_same_starts_and_each_number_another():
     assert confirm(WALKER, SHORT, 2).nudged != confirm(WALKER, SHORT.with_(terrain_seed=1), 2).nudged
 
 
-def test_a_champion_is_confirmed_from_starts_that_evolution_never_saw():
-    assert wl.Simulation.declared()["n_starts"].high < UNSEEN
+def test_confirmation_uses_starts_that_evolution_never_uses():
+    assert wl.Simulation.declared()["n_starts"].high < FIRST_NUDGE
 
 
-def test_another_start_is_of_the_robot_alone_and_is_near():
-    scene = compile_scene(WALKER, CROWDED)
-    own = scene.model.body_rootid[scene.model.dof_bodyid] == 1
+def test_a_nudge_is_small_and_moves_only_the_robot():
+    scene = compile_scene(WALKER, WITH_BALLS)
+    is_robot_dof = scene.model.body_rootid[scene.model.dof_bodyid] == ROBOT_BODY
     drawn = np.array([draw_nudge(scene, number) for number in range(1, 201)])
-    spread = drawn[:, own].std(axis=0)
-    assert not drawn[:, ~own].any()
-    assert not drawn[:, [0, 2]].any(), "neither forward, which is scored, nor up"
+    spread = drawn[:, is_robot_dof].std(axis=0)
+    assert not drawn[:, ~is_robot_dof].any()
+    assert not drawn[:, [0, 2]].any(), "neither forward, which would change the fitness, nor up"
     np.testing.assert_allclose(spread[[1, 3, 4, 5]], [NUDGE_SHIFT, NUDGE_TURN, NUDGE_TURN, NUDGE_TURN], rtol=0.2)
     np.testing.assert_allclose(spread[6:], NUDGE_BEND, rtol=0.25)
     assert np.abs(drawn).max() < 0.15
 
 
-def test_what_lies_about_stays_where_it_is_and_the_robot_starts_as_far_back_as_ever():
-    scene = compile_scene(WALKER, CROWDED)
+def test_a_nudge_moves_neither_obstacles_nor_the_front_of_the_robot():
+    scene = compile_scene(WALKER, WITH_BALLS)
     model = scene.model
     balls = [model.jnt_qposadr[joint] for joint in range(model.njnt) if "obstacle" in model.joint(joint).name]
     plain, moved = mujoco.MjData(model), mujoco.MjData(model)
@@ -119,12 +122,12 @@ def test_what_lies_about_stays_where_it_is_and_the_robot_starts_as_far_back_as_e
         scene.place(moved, draw_nudge(scene, number))
         np.testing.assert_array_equal(moved.qpos[min(balls) :], plain.qpos[min(balls) :])
         mujoco.mj_forward(model, moved)
-        own = np.concatenate([skin for skin, _ in skins(scene, moved.qpos)[: scene.is_robot_geom.sum()]])
-        assert own[:, 0].max() == pytest.approx(0.0, abs=0.002)
-        assert 0 < own[:, 2].min() < 0.02
+        robot_vertices = np.concatenate([skin for skin, _ in skins(scene, moved.qpos)[: scene.is_robot_geom.sum()]])
+        assert robot_vertices[:, 0].max() == pytest.approx(0.0, abs=0.002)
+        assert 0 < robot_vertices[:, 2].min() < 0.02
 
 
-def test_a_sledge_starts_level_and_clear_of_all_however_its_robot_is_nudged():
+def test_a_sledge_starts_level_and_without_overlap_for_every_nudge():
     scene = compile_scene(WALKER, SHORT.with_(drag_weight=2))
     data = mujoco.MjData(scene.model)
     for number in range(1, 11):
@@ -135,7 +138,7 @@ def test_a_sledge_starts_level_and_clear_of_all_however_its_robot_is_nudged():
         assert walk(scene, nudge=draw_nudge(scene, number), poses=False).verdict == "ok"
 
 
-# ------------------------------------------------------------------------------------------------ in words
+# ------------------------------------------------------------------------------------------------ summaries
 
 
 def test_a_run_confirms_its_champion():
@@ -148,37 +151,36 @@ def test_a_run_confirms_its_champion():
     assert len(confirmed.nudged) == 2
 
 
-def test_it_reads_as_a_sentence():
-    assert str(kept(2.0, finer=1.9, nudged=(0.5, 1.8, 2.2))) == (
+def test_the_summary_has_shares_or_differences():
+    assert str(confirmation(2.0, finer=1.9, nudged=(0.5, 1.8, 2.2))) == (
         "Its distance of 2.00 m, when it walks again:\n"
         "   95% of it at a quarter of the timestep\n"
-        "   90% of it from starts that are a little different (the median of 3; 25% from the poorest)"
+        "   90% of it from slightly different starts (median of 3; 25% from the poorest)"
     )
     below = Confirmation(-0.52, -0.6, (-1.5, -0.52, 0.1), ("ok",) * 4, "near(target=2, k=3)")
     assert str(below) == (
         "Its near(target=2, k=3) of -0.520, when it walks again:\n"
         "  -0.600 (0.0800 less) at a quarter of the timestep\n"
-        "        -0.520 (equal) from starts that are a little different (the median of 3; -1.50 (0.980 less) from the "
-        "poorest)"
+        "        -0.520 (equal) from slightly different starts (median of 3; -1.50 (0.980 less) from the poorest)"
     )
-    assert "1.00e-09 (1.00 less)" not in str(kept(1e-9, finer=1.0, nudged=(1.0,)))
-    assert str(kept(1e-9, finer=1.0, nudged=(1.0,))).split("\n")[1] == (
+    assert "1.00e-09 (1.00 less)" not in str(confirmation(1e-9, finer=1.0, nudged=(1.0,)))
+    assert str(confirmation(1e-9, finer=1.0, nudged=(1.0,))).split("\n")[1] == (
         "  1.00 m (1.00 more) at a quarter of the timestep"
-    ), "and not 100000000000%"
-    own = Confirmation(3.0, -math.inf, (3.0,), ("fell", "ok"), "my_score")
-    assert str(own).startswith("Its my_score of 3.00, when it walks again:\n    0% of it")
-    assert str(own).endswith("1 of these walks did not count: fell")
+    ), "not 100000000000%"
+    with_fault = Confirmation(3.0, -math.inf, (3.0,), ("fell", "ok"), "my_score")
+    assert str(with_fault).startswith("Its my_score of 3.00, when it walks again:\n    0% of it")
+    assert str(with_fault).endswith("1 of these walks did not count: fell")
 
 
 @pytest.mark.parametrize("end", ["low", "high"])
-def test_it_works_at_either_end_of_the_timestep(end):
-    """A quarter of the smallest is less than may be set."""
+def test_confirmation_works_at_both_limits_of_the_timestep(end):
+    """A quarter of the smallest timestep is below the range of the setting."""
     timestep = getattr(wl.Simulation.declared()["timestep"], end)
     confirmed = confirm(WALKER, wl.Settings().with_(duration=1, timestep=timestep), 1)
     assert confirmed.verdicts == ("ok", "ok")
     assert 0.5 < confirmed.kept_finer < 2
 
 
-def test_no_other_start_is_refused():
+def test_zero_other_starts_are_rejected():
     with pytest.raises(ValueError, match="n_nudges is 0; it must be a whole number, 1 or more"):
         confirm(WALKER, SHORT, 0)

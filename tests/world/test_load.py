@@ -8,7 +8,8 @@ import walkerlab as wl
 from tests.simulation.test_validity import WALKER
 from walkerlab.randomness import stream
 from walkerlab.simulation.fitness import distance, velocity
-from walkerlab.simulation.rollout import draw_nudge, walk
+from walkerlab.simulation.rollout import walk
+from walkerlab.simulation.starts import draw_nudge
 from walkerlab.world.entities.walker import LEG_COLOURS, TRUNK_COLOUR
 from walkerlab.world.scene import compile_scene
 

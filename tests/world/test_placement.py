@@ -14,8 +14,8 @@ from walkerlab.randomness import stream
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.settings.fields import SettingsError
 from walkerlab.settings.settings import FIELD, MAX_PIECES, PLANETS
-from walkerlab.simulation.rollout import _start_overlap
-from walkerlab.simulation.validity import OVERLAP
+from walkerlab.simulation.starts import start_overlap
+from walkerlab.simulation.validity import MAX_START_OVERLAP
 from walkerlab.world import heights, placement
 from walkerlab.world.assembly import _add_pieces
 from walkerlab.world.entities import generate_terrain
@@ -201,8 +201,8 @@ def test_no_robot_or_sledge_starts_inside_anything(terrain, limits, carried, dra
     mujoco.mj_forward(model, data)
     roots = model.body_rootid[model.geom_bodyid[data.contact.geom]].reshape(-1, 2)
     is_relevant = np.isin(roots, scene.roots).any(axis=1) & (roots[:, 0] != roots[:, 1])
-    assert min(data.contact.dist[is_relevant], default=0) > -OVERLAP
-    assert _start_overlap(scene, data) <= OVERLAP
+    assert min(data.contact.dist[is_relevant], default=0) > -MAX_START_OVERLAP
+    assert start_overlap(scene, data) <= MAX_START_OVERLAP
 
 
 @given(domains(wl.Terrain).map(lambda values: valid_terrain(**values)))

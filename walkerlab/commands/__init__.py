@@ -1,1 +1,1 @@
-"""What the command line's words do, a file for each; ``walkerlab.__main__`` is its grammar."""
+"""Commands of the command line, their parser, and scripts that draw the pictures of README."""

@@ -1,4 +1,4 @@
-"""The settings as flags: made from their declarations, so that none can be missing, or say what is not so."""
+"""Command-line flags for all settings, created from their declarations."""
 
 import argparse
 import re
@@ -12,22 +12,26 @@ from walkerlab.settings.fields import Choice, Declared, Domain, OneOf, Quantity,
 from walkerlab.settings.settings import Settings
 from walkerlab.system.files import PathError, absolute_path
 
-NEGATIVE = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
-"""How a word begins that is a number for Python, and no flag."""
+NEGATIVE_NUMBER = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
+"""Start of an argument that is a negative number, not a flag."""
 
 DOMAINS: dict[str, type[Domain]] = {name: type(domain) for name, domain in Settings()}
 
 
-class Help(argparse.HelpFormatter):
-    """Help in which a flag that takes several values names each of them: ``--segments MIN MAX``."""
+class HelpFormatter(argparse.HelpFormatter):
+    """Help formatter that names each value of a flag with several values: ``--segments MIN MAX``."""
 
     def _format_args(self, action: argparse.Action, default_metavar: str) -> str:
-        several = isinstance(action.metavar, str) and action.nargs == "+"
-        return str(action.metavar) if several else super()._format_args(action, default_metavar)
+        names_values = isinstance(action.metavar, str) and action.nargs == "+"
+        return str(action.metavar) if names_values else super()._format_args(action, default_metavar)
 
 
-def path_of(text: str) -> Path:
-    """Read the path of a file or folder."""
+def parse_path(text: str) -> Path:
+    """Parse the path of a file or folder.
+
+    Raises:
+        ArgumentTypeError: If the text is not a valid path.
+    """
     try:
         return absolute_path(text, "the path")
     except PathError as error:
@@ -35,71 +39,73 @@ def path_of(text: str) -> Path:
 
 
 def flag_names() -> dict[tuple[str, str], str]:
-    """Name the flag of each setting: ``("terrain", "step_height")`` is ``--step-height``."""
+    """Return the flag of each setting, such as ``--step-height`` for ``("terrain", "step_height")``."""
     return {place: f"--{word.replace('_', '-')}" for word, place in Settings.places().items()}
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
-    """Give a parser a flag for each setting, grouped by domain; what is not given leaves no trace."""
-    parser._negative_number_matcher = NEGATIVE  # argparse by itself takes -1. and -1e5 for flags
+    """Add a flag for each setting to a parser, grouped by domain; flags that are not given are not in the namespace."""
+    parser._negative_number_matcher = NEGATIVE_NUMBER  # by default, argparse takes -1. and -1e5 for flags
     groups = {
         domain: parser.add_argument_group(domain, (model.__doc__ or "").partition("\n")[0])
         for domain, model in DOMAINS.items()
     }
     for (domain, field), flag in flag_names().items():
         model = DOMAINS[domain]
-        declared, default = model.declared()[field], model.model_fields[field].default
+        declared = model.declared()[field]
+        default = model.model_fields[field].default
         groups[domain].add_argument(
             flag,
             dest=f"{domain}.{field}",
-            type=_value,
+            type=_parse_value,
             nargs="+" if _takes_several(declared) else None,
             metavar=_metavar(declared),
-            help=f"{declared.about}: {declared.range} [{_show(default)}]".replace("%", "%%"),
+            help=f"{declared.about}: {declared.range} [{_format_default(default)}]".replace("%", "%%"),
             default=argparse.SUPPRESS,
         )
 
 
-def settings_of(given: Mapping[str, Any], strangers: Sequence[str] = ()) -> Settings:
-    """Make the settings from parsed flags.
+def build_settings(values: Mapping[str, Any], unknown_words: Sequence[str] = ()) -> Settings:
+    """Create settings from parsed flags.
 
     Args:
-        given: by ``domain.field``; other keys are passed over.
-        strangers: words that the parser did not know.
+        values: Value of each given setting, by ``domain.field``; other keys are ignored.
+        unknown_words: Arguments that the parser did not recognise.
 
     Raises:
-        SettingsError: with every fault of the call, a line each.
+        SettingsError: If a setting is invalid or an argument unknown; all errors are reported together, one per line.
     """
-    parts: dict[str, Any] = {domain: {} for domain in DOMAINS}
-    for place, value in given.items():
+    domains: dict[str, Any] = {domain: {} for domain in DOMAINS}
+    for place, value in values.items():
         domain, dot, field = place.partition(".")
         if dot:
-            parts[domain][field] = _named(value)
-    with told_with(_refusals(strangers)):
-        return Settings(**parts)
+            domains[domain][field] = _unpack_preset(value)
+    with told_with(_describe_unknown(unknown_words)):
+        return Settings(**domains)
 
 
-def _refusals(strangers: Sequence[str]) -> list[str]:
-    """Say of each unknown flag (or word, if no flag is unknown) what it may have been meant to be."""
+def _describe_unknown(words: Sequence[str]) -> list[str]:
+    """Describe each unknown flag, or each unknown word if no flag is unknown, with the most similar flag."""
     known = list(flag_names().values())
-    unknown = [word for word in strangers if word.startswith("--")] or strangers
+    unknown = [word for word in words if word.startswith("--")] or words
     guesses = [get_close_matches(word, known, n=1) for word in unknown]
     return [
-        f"There is no flag {word!r}. " + (f"Did you mean {guess[0]}?" if guess else "See: walkerlab evolve --help")
+        f"There is no flag {word!r}. "
+        + (f"Did you mean {guess[0]}?" if guess else "List all flags: walkerlab evolve --help")
         for word, guess in zip(unknown, guesses, strict=True)
     ]
 
 
-def _value(text: str) -> int | float | str:
-    """Read a number where there is one; the settings judge whether it will do."""
+def _parse_value(text: str) -> int | float | str:
+    """Convert a text to a number if possible; the settings check the value."""
     for number in (int, float):
         with suppress(ValueError):
             return number(text)
     return text
 
 
-def _named(value: Any) -> Any:
-    """Take a lone word out of its list: the name of a preset, as in ``--gravity moon``."""
+def _unpack_preset(value: Any) -> Any:
+    """Return the name of a preset without its list, as in ``--gravity moon``; any other value unchanged."""
     match value:
         case [str(name)]:
             return name
@@ -120,11 +126,11 @@ def _metavar(declared: Declared) -> str:
         case Quantity(parts=()):
             return "N" if declared.whole else "X"
         case _:
-            named = f" | {' | '.join(declared.presets)}" if declared.presets else ""
-            return " ".join(part.upper() for part in declared.parts) + named
+            presets = f" | {' | '.join(declared.presets)}" if declared.presets else ""
+            return " ".join(part.upper() for part in declared.parts) + presets
 
 
-def _show(default: Any) -> str:
+def _format_default(default: Any) -> str:
     match default:
         case Choice():
             return default.name

@@ -1,4 +1,4 @@
-"""JupyterLab, opened on a student's own copies of the notebooks."""
+"""Command ``lab``: opens JupyterLab on copies of the notebooks."""
 
 import argparse
 import secrets
@@ -7,23 +7,23 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from walkerlab.commands.terminal import REFUSED, say
+from walkerlab.commands.terminal import INVALID_REQUEST, print_error
 from walkerlab.system.files import replacing
 
 FOLDER = "walkerlab-notebooks"
-FIRST = "00_meet_a_walker.ipynb"
+FIRST_NOTEBOOK = "00_meet_a_walker.ipynb"
 
-ONLY_HERE = [
+LOCAL_ONLY_OPTIONS = [
     "--ServerApp.ip=127.0.0.1",
     "--ServerApp.allow_remote_access=False",
     "--KernelManager.ip=127.0.0.1",
     "--ServerKernelManager.ip=127.0.0.1",
 ]
-"""Whatever a user's own settings of Jupyter say, nobody else's computer reaches the server or its kernels."""
+"""Options by which only this computer reaches the server and its kernels; they override the user's configuration."""
 
 
-def originals() -> list[Path]:
-    """Return the notebooks that walkerlab came with: inside an installed package, or beside the one of a checkout."""
+def find_notebooks() -> list[Path]:
+    """Return the notebooks of walkerlab: inside an installed package, or next to the package in a checkout."""
     package = Path(__file__).parents[1]
     installed, checkout = (
         sorted(folder.glob("*.ipynb")) for folder in (package / "notebooks", package.parent / "notebooks")
@@ -32,53 +32,60 @@ def originals() -> list[Path]:
 
 
 def copy_notebooks(folder: Path) -> list[Path]:
-    """Put those notebooks into a folder that are not there yet; what is there is somebody's work, and stays.
+    """Copy those notebooks into a folder that are not there yet; existing files are not overwritten.
 
     Returns:
-        The copies made now.
+        The new copies.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    fresh = [(original, folder / original.name) for original in originals() if not (folder / original.name).exists()]
-    for original, copy in fresh:
+    copies = [(original, folder / original.name) for original in find_notebooks()]
+    new = [(original, copy) for original, copy in copies if not copy.exists()]
+    for original, copy in new:
         with replacing(copy) as part:
             shutil.copyfile(original, part)
-    return [copy for _, copy in fresh]
+    return [copy for _, copy in new]
 
 
 def open_lab(folder: Path, options: Sequence[str] = ()) -> None:
-    """Run JupyterLab on a folder, opened on the first notebook, until it is stopped.
+    """Run JupyterLab on a folder, with the first notebook open, until it is stopped.
 
-    It is for this computer only, and for those on it who have its token, or the user's password if there is one.
+    It is reachable from this computer only, with its token or with the password that the user has configured.
 
     Raises:
-        ImportError: if JupyterLab is not installed.
+        ImportError: If JupyterLab is not installed.
     """
     from jupyterlab.labapp import LabApp  # type: ignore[import-untyped]
 
-    first = f"--LabApp.default_url=/lab/tree/{FIRST}"  # a file's name alone would print the address of the Launcher
-    server = LabApp.initialize_server([f"--ServerApp.root_dir={folder.resolve()}", *ONLY_HERE, first, *options])
+    root = f"--ServerApp.root_dir={folder.resolve()}"
+    # A file name as an argument would make the server print the address of the Launcher instead.
+    page = f"--LabApp.default_url=/lab/tree/{FIRST_NOTEBOOK}"
+    server = LabApp.initialize_server([root, *LOCAL_ONLY_OPTIONS, page, *options])
     if not getattr(server.identity_provider, "hashed_password", "") and not server.identity_provider.token:
         server.identity_provider.token = secrets.token_hex(24)
-        server.identity_provider.token_generated = True  # or the address would be printed without it
+        server.identity_provider.token_generated = True  # so that the printed address contains it
     server.start()
 
 
-def run(given: argparse.Namespace) -> int:
-    """Copy the notebooks, say so, and open JupyterLab on them."""
+def run(arguments: argparse.Namespace) -> int:
+    """Copy the notebooks and open JupyterLab on them; return the exit code."""
     folder = Path(FOLDER)
     try:
         copied = copy_notebooks(folder)
     except OSError as error:
-        return say(
-            f"No notebooks can be put into {FOLDER}: {error.strerror or error}. cd to a folder of your own.", to=REFUSED
+        return print_error(
+            f"The notebooks cannot be copied into {FOLDER}: {error.strerror or error}. Change to a folder that you can "
+            "write to.",
+            INVALID_REQUEST,
         )
     notebooks = f"{len(copied)} notebook{'' if len(copied) == 1 else 's'}"
     new = f"New in {FOLDER}: {notebooks}." if copied else f"All notebooks are in {FOLDER} already."
-    print(f"{new} What was there before stays as it was.", flush=True)
-    options = [f"--{name.replace('_', '-')}" for name in ("no_browser", "allow_root") if getattr(given, name)]
-    options += [f"--port={given.port}"] if given.port else []
+    print(f"{new} Existing files were not changed.", flush=True)
+    options = [f"--{name.replace('_', '-')}" for name in ("no_browser", "allow_root") if getattr(arguments, name)]
+    options += [f"--port={arguments.port}"] if arguments.port else []
     try:
         open_lab(folder, options)
     except ImportError:
-        return say(f'JupyterLab is not installed. Mend: "{sys.executable}" -m pip install jupyterlab', to=REFUSED)
+        return print_error(
+            f'JupyterLab is not installed. To fix it: "{sys.executable}" -m pip install jupyterlab', INVALID_REQUEST
+        )
     return 0

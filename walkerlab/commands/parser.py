@@ -1,4 +1,4 @@
-"""The words of the command line, and what each calls."""
+"""Parser of the command line: the commands, their arguments and the functions that run them."""
 
 import argparse
 from collections.abc import Mapping
@@ -7,8 +7,8 @@ from difflib import get_close_matches
 from walkerlab.commands import doctor, flags, lab, runs
 
 
-def grammar() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentParser]]:
-    """Return the parser of all, and that of each command."""
+def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentParser]]:
+    """Create the parser of the command line; return it and the parser of each command by name."""
     parser = argparse.ArgumentParser(
         prog="walkerlab",
         description="Evolve walking robots with a genetic algorithm.",
@@ -17,54 +17,57 @@ def grammar() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentPa
     )
     commands = parser.add_subparsers(title="commands", dest="command", metavar="COMMAND", required=True)
 
-    def command(name: str, run: object, about: str, usage: str) -> argparse.ArgumentParser:
-        added = commands.add_parser(
+    def add_command(name: str, run: object, about: str, usage: str) -> argparse.ArgumentParser:
+        command = commands.add_parser(
             name,
             help=about,
             description=f"{about[0].upper()}{about[1:]}.",
             usage=f"walkerlab {name} {usage}",
-            formatter_class=flags.Help,
+            formatter_class=flags.HelpFormatter,
             allow_abbrev=False,
         )
-        added.set_defaults(run=run)
-        return added
+        command.set_defaults(run=run)
+        return command
 
-    evolved = command(
-        "evolve", runs.evolve, "evolve walkers into a new folder", "[--out FOLDER] [--quiet] [--SETTING VALUE ...]"
+    evolve = add_command(
+        "evolve",
+        runs.evolve,
+        "evolve robots and write the run into a new folder",
+        "[--out FOLDER] [--quiet] [--SETTING VALUE ...]",
     )
-    evolved.add_argument(
-        "--out", type=flags.path_of, default="walk", metavar="FOLDER", help="where to put it all [walk]"
+    evolve.add_argument(
+        "--out", type=flags.parse_path, default="walk", metavar="FOLDER", help="folder of the run [walk]"
     )
-    evolved.add_argument("--quiet", action="store_true", help="say nothing unless something is wrong")
-    flags.add_flags(evolved)
+    evolve.add_argument("--quiet", action="store_true", help="print only errors")
+    flags.add_flags(evolve)
 
-    resume = command("resume", runs.resume, "go on with a run", "PATH [--generations N] [--quiet]")
-    resume.add_argument("path", type=flags.path_of, metavar="PATH", help="a run file, or the folder with it")
-    resume.add_argument("--generations", type=int, metavar="N", help="how many it shall have in all")
-    resume.add_argument("--quiet", action="store_true", help="say nothing unless something is wrong")
+    resume = add_command("resume", runs.resume, "resume a run", "PATH [--generations N] [--quiet]")
+    resume.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")
+    resume.add_argument("--generations", type=int, metavar="N", help="total number of generations")
+    resume.add_argument("--quiet", action="store_true", help="print only errors")
 
-    show = command("show", runs.show, "show what a run has brought forth", "PATH")
-    show.add_argument("path", type=flags.path_of, metavar="PATH", help="a run file, or the folder with it")
+    show = add_command("show", runs.show, "print a summary of a run", "PATH")
+    show.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")
 
-    rescue = command("rescue", runs.rescue, "save what is whole of a damaged run", "PATH [--out FOLDER]")
-    rescue.add_argument("path", type=flags.path_of, metavar="PATH", help="a run file, or the folder with it")
+    rescue = add_command("rescue", runs.rescue, "save the intact generations of a damaged run", "PATH [--out FOLDER]")
+    rescue.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")
     rescue.add_argument(
-        "--out", type=flags.path_of, default="rescued", metavar="FOLDER", help="where to put the new run [rescued]"
+        "--out", type=flags.parse_path, default="rescued", metavar="FOLDER", help="folder of the new run [rescued]"
     )
 
-    command("doctor", doctor.tell, "say what this machine can do, and how to mend what it cannot", "")
+    add_command("doctor", doctor.run, "check this computer and print how to fix each fault", "")
 
-    opened = command(
+    lab_command = add_command(
         "lab", lab.run, "open JupyterLab on copies of the notebooks", "[--no-browser] [--port N] [--allow-root]"
     )
-    opened.add_argument("--no-browser", action="store_true", help="only print the address")
-    opened.add_argument("--port", type=int, metavar="N", help="the port to listen at, on this computer only")
-    opened.add_argument("--allow-root", action="store_true", help="run as root, as in a container")
+    lab_command.add_argument("--no-browser", action="store_true", help="print the address without opening a browser")
+    lab_command.add_argument("--port", type=int, metavar="N", help="port of the server on this computer")
+    lab_command.add_argument("--allow-root", action="store_true", help="allow the user root, as in a container")
     return parser, commands.choices
 
 
-def no_such_command(word: str, commands: Mapping[str, object]) -> str:
-    """Say so, with the one that was meant."""
+def describe_unknown_command(word: str, commands: Mapping[str, object]) -> str:
+    """Return the message for an unknown command, with the most similar command or a list of all."""
     guess = get_close_matches(word, commands, n=1)
-    mend = f"Did you mean: walkerlab {guess[0]}?" if guess else f"There are {', '.join(commands)}."
-    return f"There is no command {word!r}. {mend}"
+    advice = f"Did you mean: walkerlab {guess[0]}?" if guess else f"The commands are {', '.join(commands)}."
+    return f"There is no command {word!r}. {advice}"

@@ -1,12 +1,12 @@
-"""What ``evolve``, ``resume``, ``show`` and ``rescue`` do."""
+"""Commands ``evolve``, ``resume``, ``show`` and ``rescue``."""
 
-from __future__ import annotations  # a run is named here before what it takes is loaded
+from __future__ import annotations  # Run is imported for type checking only
 
 import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from walkerlab.commands.terminal import INTERRUPTED, tell
+from walkerlab.commands.terminal import INTERRUPTED, print_safely
 from walkerlab.system.file_sets import OutputError
 from walkerlab.system.files import folder_path, quoted, shown
 from walkerlab.system.interrupts import interrupts_held
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from walkerlab.evolution.run import Run
 
 
-def evolve(given: argparse.Namespace) -> int:
-    """Evolve into a new folder."""
+def evolve(arguments: argparse.Namespace) -> int:
+    """Run an evolution and write it into a new folder; return the exit code."""
     with interrupts_held():
         from walkerlab.commands import flags
         from walkerlab.evolution.run import load
@@ -26,58 +26,60 @@ def evolve(given: argparse.Namespace) -> int:
         from walkerlab.simulation.workers import n_cores
         from walkerlab.view import summary
 
-    settings = flags.settings_of(vars(given), given.strangers)
-    path = folder_path(given.out, "--out") / RUN_FILE
+    settings = flags.build_settings(vars(arguments), arguments.unknown_words)
+    path = folder_path(arguments.out, "--out") / RUN_FILE
     if path.exists():
         raise RunFileError(
-            f"{shown(given.out)} holds a run already, and a run is never overwritten.\n"
-            f"Go on with it:    walkerlab {_to_go_on(load(path))}\n"
-            f"Begin a new one:  walkerlab evolve --out ANOTHER-FOLDER"
+            f"{shown(arguments.out)} already holds a run, and a run is never overwritten.\n"
+            f"Resume it:        walkerlab {_resume_words(load(path))}\n"
+            f"Start a new one:  walkerlab evolve --out ANOTHER-FOLDER"
         )
-    if not given.quiet:
+    if not arguments.quiet:
         print(summary.describe_start(settings, n_cores()), flush=True)
     with interrupts_held():
-        from walkerlab.evolution import evolution  # for which mujoco is loaded
+        from walkerlab.evolution import evolution  # imports mujoco
     try:
-        run = evolution.evolve(settings, path, progress=not given.quiet)
+        run = evolution.evolve(settings, path, progress=not arguments.quiet)
     except KeyboardInterrupt:
         if not path.exists() or not (run := load(path)).n_generations:
             raise
-    return _finish(run, quiet=given.quiet)
+    return _finish(run, quiet=arguments.quiet)
 
 
-def resume(given: argparse.Namespace) -> int:
-    """Go on with a run, or if it is done, write what is missing beside it."""
+def resume(arguments: argparse.Namespace) -> int:
+    """Resume a run; if it is complete, write missing output files. Return the exit code."""
     with interrupts_held():
         from walkerlab.evolution import outputs
         from walkerlab.evolution.run import load, with_functions
         from walkerlab.simulation.workers import n_cores
         from walkerlab.view import summary
 
-    run = with_functions(load(given.path), {})
-    done, wanted = run.n_generations, given.generations
+    run = with_functions(load(arguments.path), {})
+    done, wanted = run.n_generations, arguments.generations
     wanted = run.settings.algorithm.generations if wanted is None else wanted
     if done == wanted and run.path:
-        if not outputs.are_there(run.path):  # stopped when all but these was done
+        if not outputs.are_there(run.path):  # the run was stopped before they were written
             _write_outputs(run)
-        if not given.quiet:
-            print(f"All {done} generations are done; to go on: walkerlab {_to_go_on(run)}")
+        if not arguments.quiet:
+            print(f"All {done} generations are done; to continue: walkerlab {_resume_words(run)}")
         return 0
-    if not given.quiet and done < wanted:
+    if not arguments.quiet and done < wanted:
         print(summary.describe_start(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
     with interrupts_held():
         from walkerlab.evolution import evolution
-    return _finish(evolution.resume(given.path, given.generations, progress=not given.quiet), quiet=given.quiet)
+    return _finish(
+        evolution.resume(arguments.path, arguments.generations, progress=not arguments.quiet), quiet=arguments.quiet
+    )
 
 
-def _to_go_on(run: Run) -> str:
-    """Give the words that resume a run: to its end, or if it is there, to twice as many generations."""
+def _resume_words(run: Run) -> str:
+    """Return the arguments that resume a run; if it is complete, with twice as many generations."""
     done, wanted = run.n_generations, run.settings.algorithm.generations
-    return f"resume {_named(run)}" + (f" --generations {2 * done}" if done == wanted else "")
+    return f"resume {_run_path(run)}" + (f" --generations {2 * done}" if done == wanted else "")
 
 
-def _named(run: Run) -> str:
-    """Name a run as briefly as a shell takes it: by its folder, if its file is the run file of that folder."""
+def _run_path(run: Run) -> str:
+    """Return the shortest quoted path of a run: its folder, if the file has the default name."""
     from walkerlab.runfile import store
 
     assert run.path
@@ -85,7 +87,7 @@ def _named(run: Run) -> str:
 
 
 def _finish(run: Run, *, quiet: bool) -> int:
-    """Write what belongs into the run's folder, and say what has come of it and what to do next."""
+    """Write the output files, print a summary and the next commands, and return the exit code."""
     with interrupts_held():
         from walkerlab.evolution import outputs
         from walkerlab.view import summary
@@ -94,22 +96,22 @@ def _finish(run: Run, *, quiet: bool) -> int:
     folder, wanted = run.path.parent, run.settings.algorithm.generations
     is_stopped = run.n_generations < wanted
     if is_stopped:
-        print(f"\n{kept(run)}", file=sys.stderr if quiet else sys.stdout)
+        print(f"\n{_describe_stopped_run(run)}", file=sys.stderr if quiet else sys.stdout)
     if not quiet:
         print()
-        tell(summary.describe_champion(run.records, run.settings.model_dump()))
+        print_safely(summary.describe_champion(run.records, run.settings.model_dump()))
         if run.champion.verdict == "ok":
             print(run.confirm())
         print("\nDrawing the report …", flush=True)
     _write_outputs(run)
     if not quiet:
-        print(f"\nIn the folder {shown(folder)} there are now")
+        print(f"\nFiles in the folder {shown(folder)}:")
         print("\n".join(f"  {name:13} {about}" for name, about in outputs.FILES.items()))
-        print("\nWhat next?")
+        print("\nNext commands:")
         next_steps = {
-            f"show {_named(run)}": "what happened, and the champion's family",
-            _to_go_on(run): "evolve on",
-            "lab": "play with walkers in notebooks",
+            f"show {_run_path(run)}": "summary of the run, and the ancestors of the champion",
+            _resume_words(run): "evolve more generations",
+            "lab": "open the notebooks",
         }
         width = max(map(len, next_steps))
         print("\n".join(f"  walkerlab {words:{width}}   {about}" for words, about in next_steps.items()))
@@ -124,73 +126,73 @@ def _write_outputs(run: Run) -> None:
         outputs.write(run, run.path.parent)
     except OutputError as error:
         raise OutputError(
-            f"The run is whole, but its output files are not. {error}\n"
-            f"When that is fixed, all of them are made by: walkerlab resume {_named(run)}"
+            f"The run is complete, but its output files could not be written. {error}\n"
+            f"After fixing this, write them with: walkerlab resume {_run_path(run)}"
         ) from error
 
 
-def show(given: argparse.Namespace) -> int:
-    """Print a run."""
+def show(arguments: argparse.Namespace) -> int:
+    """Print a summary of a run; return the exit code."""
     from walkerlab.evolution.run import load
     from walkerlab.runfile import store
     from walkerlab.view import summary
 
-    run, path = load(given.path), store.locate(given.path)
+    run, path = load(arguments.path), store.locate(arguments.path)
     settings, records = run.settings.model_dump(), run.records
-    tell(f"{shown(path)}: {run.n_generations} of {run.settings.algorithm.generations} generations")
-    whose, made_with = store.read_facts(path)
-    for about, facts in (("it has", whose), ("made with", made_with)):
-        tell(f"{about} {', '.join(printable(f'{name} {fact}') for name, fact in facts.items())}")
-    tell(f"\n{summary.list_changed_settings(settings)}")
+    print_safely(f"{shown(path)}: {run.n_generations} of {run.settings.algorithm.generations} generations")
+    run_facts, versions = store.read_facts(path)
+    for title, facts in (("it has", run_facts), ("made with", versions)):
+        print_safely(f"{title} {', '.join(printable(f'{name} {fact}') for name, fact in facts.items())}")
+    print_safely(f"\n{summary.list_changed_settings(settings)}")
     if not run.n_generations:
-        tell(f"\nNo generation is done yet. Start with the first one: walkerlab {_to_go_on(run)}")
+        print_safely(f"\nNo generation is complete yet. Start the first one: walkerlab {_resume_words(run)}")
         return 0
-    best = run.champion
-    for part in (
+    champion = run.champion
+    for section in (
         summary.tabulate_generations(records, settings),
         summary.tabulate_verdicts(records),
         summary.describe_champion(records, settings),
-        summary.describe_genome(best),
-        summary.tabulate_descent(records, best.individual),
+        summary.describe_genome(champion),
+        summary.tabulate_descent(records, champion.individual),
     ):
-        tell(f"\n{part}")
+        print_safely(f"\n{section}")
     return 0
 
 
-def rescue(given: argparse.Namespace) -> int:
-    """Save what is whole of a damaged run."""
+def rescue(arguments: argparse.Namespace) -> int:
+    """Save the intact generations of a damaged run in a new folder; return the exit code."""
     from walkerlab.evolution import run as runs
     from walkerlab.runfile.opening import RunFileError
     from walkerlab.runfile.store import RUN_FILE
 
-    out = shown(folder_path(given.out, "--out"))
-    if (given.out / RUN_FILE).exists():
-        raise RunFileError(f"{out} holds a run already. Give the saved one another folder: --out ANOTHER-FOLDER")
-    run = runs.rescue(given.path, given.out / RUN_FILE)
+    out = shown(folder_path(arguments.out, "--out"))
+    if (arguments.out / RUN_FILE).exists():
+        raise RunFileError(f"{out} already holds a run. Choose another folder for the saved one: --out ANOTHER-FOLDER")
+    run = runs.rescue(arguments.path, arguments.out / RUN_FILE)
     done, wanted = run.n_generations, run.settings.algorithm.generations
-    saved = f"{done} of {wanted} generations are whole, and" if done else "No generation is whole; the settings are"
-    print(f"{saved} saved in {out}; {shown(given.path)} is left as it was.")
-    print(f"Resume the run: walkerlab {_to_go_on(run)}")
+    saved = f"{done} of {wanted} intact generations are" if done else "No generation is intact; the settings are"
+    print(f"{saved} saved in {out}; {shown(arguments.path)} was not changed.")
+    print(f"Resume the run: walkerlab {_resume_words(run)}")
     return 0
 
 
-def stopped(given: argparse.Namespace) -> str:
-    """Say how far a command had come that was stopped."""
-    if given.run not in (evolve, resume):
+def describe_stop(arguments: argparse.Namespace) -> str:
+    """Return the message for a command that was stopped: what is saved, and how to resume."""
+    if arguments.run not in (evolve, resume):
         return "Stopped."
     from walkerlab.evolution.run import load
     from walkerlab.runfile.opening import RunFileError
 
     try:
-        return kept(load(given.path if given.run is resume else given.out))
+        return _describe_stopped_run(load(arguments.path if arguments.run is resume else arguments.out))
     except RunFileError:
-        return "Stopped before any robot walked; there is no run file."
+        return "Stopped before the first walk; there is no run file."
 
 
-def kept(run: Run) -> str:
-    """Say what is kept of a run that was stopped, and how to go on with it."""
+def _describe_stopped_run(run: Run) -> str:
+    """Return the message for a run that was stopped: what is saved, and how to resume it."""
     done, wanted = run.n_generations, run.settings.algorithm.generations
-    kept = f"after {done} of {wanted} generations; all of these are kept"
+    progress = f"after {done} of {wanted} generations, which are saved"
     if not done:
-        kept = "before the first generation was done; the settings are kept"
-    return f"Stopped {kept}.\nResume with: walkerlab resume {_named(run)}"
+        progress = "before the first generation was complete; the settings are saved"
+    return f"Stopped {progress}.\nResume with: walkerlab resume {_run_path(run)}"

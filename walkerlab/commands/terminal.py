@@ -1,22 +1,23 @@
-"""What is printed, and with which exit code a command ends."""
+"""Output to the terminal, and exit codes."""
 
-from __future__ import annotations  # as the doctor's
+from __future__ import annotations  # the doctor must run on old versions of Python
 
 import sys
 from typing import TextIO
 
 from walkerlab.text.html import printable
 
-INTERRUPTED = 130  # what a shell expects of a program that Ctrl-C ended
-REFUSED = 2  # what it expects of one that was asked for something impossible
+# Exit codes.
+INTERRUPTED = 130  # convention of shells after Ctrl-C
+INVALID_REQUEST = 2
 
 
-def tell(text: str, to: TextIO | None = None) -> None:
-    """Print what has texts from a file or a user in it: none of them may move the cursor."""
-    print(printable(text, keep="\n"), file=to)
+def print_safely(text: str, file: TextIO | None = None) -> None:
+    """Print text that may come from a file or a user, without control characters; to stdout if ``file`` is None."""
+    print(printable(text, keep="\n"), file=file)
 
 
-def say(message: str, *, to: int) -> int:
-    """Tell people on stderr, and return the exit code."""
-    tell(message, to=sys.stderr)
-    return to
+def print_error(message: str, exit_code: int) -> int:
+    """Print a message to stderr and return the exit code."""
+    print_safely(message, file=sys.stderr)
+    return exit_code

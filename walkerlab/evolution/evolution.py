@@ -105,7 +105,7 @@ class Evolution(ReadOnlyProperties):
         _reject_unknown("Evolution", unknown)
         require_settings(settings)
         check_own_operators(settings.algorithm, genes_of(settings.robot))
-        fitness.check_own(settings.algorithm.fitness)
+        fitness.check_user_function(settings.algorithm.fitness)
         workers.check_executor(executor)
         workers.check_open(executor)
         effective_limit(1.0)  # a wrong environment variable raises before the file is created
@@ -213,7 +213,7 @@ class Evolution(ReadOnlyProperties):
             try:
                 population = self._next()
                 table = records.tabulate(population, slot_names(algorithm))
-                records.name_fitness(table, *fitness.label(algorithm.fitness))
+                records.name_fitness(table, *fitness.name_and_unit(algorithm.fitness))
                 with interrupts_held():  # what is stored and what is in hand must not part
                     self._archive.add(table, self._functions)
                     self._population = population

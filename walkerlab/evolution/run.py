@@ -86,7 +86,7 @@ class Run(ReadOnlyProperties):
     @cached_property
     def _table(self) -> pd.DataFrame:
         table = self._given if isinstance(self._given, pd.DataFrame) else self._given()
-        records.name_fitness(table, *fitness.label(self.settings.algorithm.fitness))
+        records.name_fitness(table, *fitness.name_and_unit(self.settings.algorithm.fitness))
         if self._rated_since:
             table.attrs["rated_since"] = self._rated_since
         self._given = table
@@ -100,7 +100,7 @@ class Run(ReadOnlyProperties):
         """Say in a line what has come of it."""
         if self._table.empty:
             return f"Run(no generation is done yet{f', in {shown(self.path)}' if self.path else ''})"
-        name, unit = fitness.label(self.settings.algorithm.fitness)
+        name, unit = fitness.name_and_unit(self.settings.algorithm.fitness)
         best, kept = self.champion, f", in {shown(self.path)}" if self.path else ""
         reached = f"{name} {with_unit(best.fitness, unit)}" if best.verdict == "ok" else "its walk does not count"
         size = self.settings.algorithm.population_size

@@ -13,7 +13,7 @@ from walkerlab.ga.loop import NOT_COUNTED, Population
 from walkerlab.genome.genome import Genome, in_words
 from walkerlab.settings.fields import brief
 from walkerlab.simulation.evaluation import Evaluation
-from walkerlab.simulation.fitness import LARGEST
+from walkerlab.simulation.fitness import MAX_FITNESS
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.html import facts, shown
 from walkerlab.text.numbers import significant
@@ -104,7 +104,7 @@ def check(table: pd.DataFrame) -> pd.DataFrame:
     numbers = table[["generation", "individual", "born"]]
     wrong = {
         "individual": (numbers < 0).any(axis=1) | (table.individual > _MOST) | (table.born > table.generation),
-        "fitness": ~(table.fitness.abs() < LARGEST) & (table.fitness != NOT_COUNTED),
+        "fitness": ~(table.fitness.abs() < MAX_FITNESS) & (table.fitness != NOT_COUNTED),
         "parents": ~table.parents.str.fullmatch(r"(\d{1,10}( \d{1,10})*)?", flags=re.ASCII),
         **{name: table[name].str.contains(_CONTROLS) for name in ("operators", "reason", "genome")},
     }

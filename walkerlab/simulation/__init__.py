@@ -1,1 +1,1 @@
-"""From genomes to evaluations: one recorded walk, its verdict and its fitness, many of them on any executor."""
+"""Simulation: recorded walks, their verdicts and fitness, and the evaluation of populations on any executor."""

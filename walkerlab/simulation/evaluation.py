@@ -1,4 +1,4 @@
-"""Many genomes become many evaluations, on any executor; the answers come in the order of the questions."""
+"""Evaluation of genomes on any executor; the results are in the order of the genomes."""
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, Executor
@@ -15,36 +15,36 @@ from walkerlab.genome.phenotype import express
 from walkerlab.genome.repair import genes_of, repair
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Algorithm, Robot, Settings
-from walkerlab.simulation import fitness as measures
+from walkerlab.simulation.fitness import find_poorest, rate
 from walkerlab.simulation.rollout import Rollout, walk_from_every_start
 from walkerlab.simulation.timeouts import results_in_order
 from walkerlab.simulation.workers import check_executor, default_executor, n_workers
 from walkerlab.text.numbers import significant, with_unit
 from walkerlab.world.scene import reusable_scene_of
 
-LARGEST = 16  # robots of a task, some half a second of walks, so that a run can be paused at once
-LONGEST = LARGEST * 1600  # physics steps of a task of more than one robot, for the same reason
-SHARE = 3  # a task is at most one part in so many of what is left for a worker, so that all are done at once
+MAX_TASK_SIZE = 16  # robots; about half a second of walks, so that a run can be paused quickly
+MAX_TASK_STEPS = MAX_TASK_SIZE * 1600  # physics steps of a task with more than one robot, for the same reason
+MIN_TASKS_LEFT = 3  # per worker, into which the remaining robots could be divided; balances the load at the end
 
-START = 60.0  # s that workers are given to begin
-SLOWEST = 0.002  # s for a physics step, as long as ten of the costliest world on a slow laptop
+START_TIME_LIMIT = 60.0  # s in which workers must start
+MAX_SECONDS_PER_STEP = 0.002  # ten times the duration of a physics step of the slowest world on a slow laptop
 
 
 @dataclass(frozen=True, eq=False)
 class Evaluation:
-    """What one walk was worth.
+    """Result of the walk of one individual.
 
     Attributes:
-        genome: as it walked, within the limits.
-        fitness: higher is better; ``-inf`` if the walk does not count.
-        verdict: ``ok``, or why it does not count.
-        reason: the figures behind the verdict, in words.
-        distance: net forward travel, m.
-        velocity: mean forward speed over the last two thirds, m/s.
-        n_segments: grown segments.
-        n_legs: legs.
-        weight: kg.
-        body_length: m.
+        genome: Genome that walked, within the robot limits.
+        fitness: Fitness, higher is better; ``-inf`` if the walk does not count.
+        verdict: ``ok``, or why the walk does not count: a key of ``VERDICTS``.
+        reason: Explanation of the verdict with the measured value and the limit; "" if the verdict is ``ok``.
+        distance: Net forward travel, m.
+        velocity: Mean forward speed over the last two thirds of the walk, m/s.
+        n_segments: Number of segments of the body.
+        n_legs: Number of legs.
+        weight: Weight of the robot, kg.
+        body_length: Length of the body, m.
     """
 
     genome: Genome
@@ -59,10 +59,10 @@ class Evaluation:
     body_length: float
 
     def __repr__(self) -> str:
-        """Say in a line what came of it; the genome is a long text."""
+        """Return a one-line summary; the genome is too long to print."""
         why = f", {self.reason}" if self.reason else ""
-        measured = f"fitness {significant(self.fitness)}" if self.verdict == "ok" else "does not count"
-        return f"Evaluation({measured}, {with_unit(self.distance, 'm')} forward, verdict {self.verdict}{why})"
+        rating = f"fitness {significant(self.fitness)}" if self.verdict == "ok" else "does not count"
+        return f"Evaluation({rating}, {with_unit(self.distance, 'm')} forward, verdict {self.verdict}{why})"
 
 
 def evaluate(
@@ -72,49 +72,49 @@ def evaluate(
     *,
     on_done: Callable[[int], None] = lambda _: None,
 ) -> list[Evaluation]:
-    """Let each individual walk, and rate it.
+    """Simulate the walk of each individual and rate it.
 
-    Genomes travel to the workers, scenes are compiled and stepped there, and a few numbers come back; the fitness
-    is computed here, so that a function written in a notebook cell never travels. A fitness function that returns
-    ``-inf`` (or None) excludes the robot: its verdict is ``rejected``, and it has no children. From several starts, one
-    such answer is enough. Any other answer must be one finite number; Python's and numpy's numbers, booleans, fractions
-    and arrays of one element are all converted to a float.
+    The workers receive genomes, compile and simulate their scenes, and return rollouts without poses. The fitness is
+    computed in this process, so a function defined in a notebook cell is never sent to a worker. A fitness function
+    that returns ``-inf`` or None for any start excludes the robot: its verdict is ``rejected``, and it has no children.
+    Any other return value must be one finite number; numbers of Python and numpy, booleans, fractions and arrays of one
+    element are converted to a float.
 
     Args:
-        genomes: genomes, their texts, or an (n, n_genes) array; brought within the robot limits first.
-        settings: of all four domains.
-        executor: any ``concurrent.futures.Executor``; loky on all cores if None.
-        on_done: told how many more walks are done, in the order in which they are gathered.
+        genomes: Genomes, their texts, or an array of shape (n, n_genes); repaired to obey the robot limits.
+        settings: Complete settings of the run.
+        executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
+        on_done: Function called with the number of newly finished robots after each task, in the order of the tasks.
 
     Returns:
-        An evaluation each, in the order given, whatever the executor and its number of workers.
+        One evaluation per genome, in the same order; it does not depend on the executor or its number of workers.
 
     Raises:
-        GenomeError: if a text is no genome.
-        ValueError: if a single genome is given, an array is none, or a fitness function returns anything but a finite
-            number, -inf or None.
-        TypeError: if the executor is none, or ``settings`` are not a ``Settings``.
-        RuntimeError: if it is closed.
-        WorkersLostError: if its workers give no answer, or have no memory left.
+        GenomeError: If a text is not a valid genome.
+        ValueError: If ``genomes`` is a single genome or an array of another shape, or if the fitness function returns
+            anything but a finite number, -inf or None.
+        TypeError: If ``executor`` is not an executor, or ``settings`` is not a ``Settings``.
+        RuntimeError: If the executor is closed.
+        WorkersLostError: If the workers do not answer or run out of memory.
     """
-    robots = _within(genomes, require_settings(settings).robot)
+    robots = _read_and_repair(genomes, require_settings(settings).robot)
     world = settings.model_copy(update={"algorithm": Algorithm()})
     check_executor(executor)
     pool = executor or default_executor()
     steps = round(settings.simulation.duration / settings.simulation.timestep) * settings.simulation.n_starts
-    tasks = _tasks(robots, n_workers(pool), largest=max(1, min(LARGEST, LONGEST // steps)))
-    limit = START + SLOWEST * steps * len(max(tasks, key=len, default=()))
-    asked = uuid4().hex
-    futures = [pool.submit(_walk_all, [robots[i] for i in task], world, asked) for task in tasks]
-    evaluations = dict[int, Evaluation]()
+    tasks = _divide_into_tasks(robots, n_workers(pool), max_size=max(1, min(MAX_TASK_SIZE, MAX_TASK_STEPS // steps)))
+    limit = START_TIME_LIMIT + MAX_SECONDS_PER_STEP * steps * len(max(tasks, key=len, default=()))
+    call_id = uuid4().hex
+    futures = [pool.submit(_simulate_task, [robots[i] for i in task], world, call_id) for task in tasks]
+    evaluations: dict[int, Evaluation] = {}
     try:
-        with closing(results_in_order(futures, pool, limit)) as answers:
-            for task, walks in zip(tasks, answers, strict=True):
-                for i, rollouts in zip(task, walks, strict=True):
+        with closing(results_in_order(futures, pool, limit)) as results:
+            for task, rollouts_of_task in zip(tasks, results, strict=True):
+                for i, rollouts in zip(task, rollouts_of_task, strict=True):
                     evaluations[i] = _rate(i, robots[i], rollouts, settings)
                 on_done(len(task))
     except CancelledError as error:
-        raise RuntimeError("the executor was closed while robots were walking in it") from error
+        raise RuntimeError("the executor was closed while its workers simulated walks") from error
     finally:
         for future in futures:
             future.cancel()
@@ -122,68 +122,73 @@ def evaluate(
 
 
 evaluate_population = evaluate
-"""The name of the design of 2017 for ``evaluate``."""
+"""Name of ``evaluate`` in the design of 2017."""
 
 
-def _within(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Genome]:
-    """Read the genomes, and bring them within the limits."""
+def _read_and_repair(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Genome]:
+    """Read genomes and repair them to obey the robot limits."""
     if isinstance(genomes, np.ndarray) and genomes.shape[1:] == (len(genes_of(robot)),):
         return [Genome(values) for values in repair(genomes, robot)]
     return [genome.within(robot) for genome in read_genomes(genomes)]
 
 
-def _tasks(robots: Sequence[Genome], n_workers: int, largest: int = LARGEST) -> list[list[int]]:
-    """Deal robots out, by their places: the costly ones first and many at a time, at last one by one.
+def _divide_into_tasks(robots: Sequence[Genome], n_workers: int, max_size: int = MAX_TASK_SIZE) -> list[list[int]]:
+    """Divide robots into tasks: slow robots first, and smaller tasks towards the end.
 
-    So no worker is left with a long task when all others are done.
+    So no worker has a long task left when all others are done.
+
+    Returns:
+        For each task, the indices of its robots.
     """
-    costly_first = sorted(range(len(robots)), key=lambda i: _cost(robots[i]), reverse=True)
+    slowest_first = sorted(range(len(robots)), key=lambda i: _estimate_cost(robots[i]), reverse=True)
     tasks: list[list[int]] = []
-    while costly_first:
-        size = min(largest, max(1, len(costly_first) // (SHARE * n_workers)))
-        tasks.append(costly_first[:size])
-        del costly_first[:size]
+    while slowest_first:
+        size = min(max_size, max(1, len(slowest_first) // (MIN_TASKS_LEFT * n_workers)))
+        tasks.append(slowest_first[:size])
+        del slowest_first[:size]
     return tasks
 
 
-def _cost(robot: Genome) -> int:
-    """Guess how long a robot's walk takes to compute, against others' in the same world: its limbs are what counts."""
+def _estimate_cost(robot: Genome) -> int:
+    """Estimate the relative computing time of a robot's walk from its number of limbs."""
     phenotype = express(robot)
     return len(phenotype.segments) + phenotype.n_legs
 
 
-def _walk_all(genomes: Sequence[Genome], settings: Settings, asked: str = "") -> list[list[Rollout]]:  # noqa: ARG001
-    """Let each walk from every start, in a worker.
+def _simulate_task(genomes: Sequence[Genome], settings: Settings, call_id: str = "") -> list[list[Rollout]]:  # noqa: ARG001
+    """Simulate each robot from every start; runs in a worker.
 
     Args:
-        genomes: within the limits.
-        settings: of the world.
-        asked: what tells this question from an equal one of another run, for Dask answers equal ones together, and
-            gives both up when one of them is.
+        genomes: Genomes within the robot limits.
+        settings: Settings of the world.
+        call_id: Unique text of one call of ``evaluate``. Dask computes equal calls only once and cancels them together;
+            this makes the same tasks of two runs different.
     """
     return [walk_from_every_start(*reusable_scene_of(genome, settings), poses=False) for genome in genomes]
 
 
 def _rate(place: int, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Evaluation:
-    """Rate the poorest of its walks.
+    """Rate the walks of one robot and return the evaluation of the poorest.
 
     Raises:
-        OperatorError: if the fitness function goes wrong; it says for which of the robots given.
+        OperatorError: If the fitness function fails; the error contains the index and the genome of the robot.
     """
     try:
-        rated = [measures.rate(rollout, settings.algorithm.fitness) for rollout in rollouts]
+        rated = [rate(rollout, settings.algorithm.fitness) for rollout in rollouts]
     except OperatorError as error:
-        error.place, error.genome, error.where = place, genome, f"for robot {place} of those given"
+        error.place = place
+        error.genome = genome
+        error.where = f"for robot {place} of those given"
         raise
-    fitness, rollout = measures.poorest(rated)
+    fitness, rollout = find_poorest(rated)
     phenotype = rollout.phenotype
     return Evaluation(
         genome=genome,
         fitness=fitness,
         verdict=rollout.verdict,
         reason=rollout.reason,
-        distance=measures.distance(rollout),
-        velocity=measures.velocity(rollout),
+        distance=rollout.distance,
+        velocity=rollout.velocity,
         n_segments=len(phenotype.segments),
         n_legs=phenotype.n_legs,
         weight=phenotype.weight,

@@ -1,4 +1,4 @@
-"""What makes one robot better than another: a function from a rollout to a number, higher being better."""
+"""Fitness functions: each rates one rollout by a number; higher is better."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -20,35 +20,37 @@ from walkerlab.simulation.validity import REJECTED
 from walkerlab.world.scene import compile_scene
 
 UNITS = {Fitness.distance: "m", Fitness.velocity: "m/s", Fitness.efficiency: "m/J", Fitness.straightness: "m"}
+
 SLOT = Slot(
     "the fitness function",
     "fitness(rollout)",
     "com = rollout.com.copy()",
     advice="It is called with one Rollout: .distance in m, .velocity in m/s, .time (n,) in s, .com (n, 3) in m, "
     ".on_ground (n,), .work (n,) in J, .phenotype; .poses are not recorded in an evolution.",
-    chance="It must look at nothing but the walk.",
+    chance="It must depend only on the walk.",
 )
-LARGEST = 1e100  # that a fitness may be, or there is no axis for it
-IDLE = 10.0  # J counted on top, about what trembling contacts do to a robot that stands: doing nothing is not efficient
+
+MAX_FITNESS = 1e100  # absolute value; the axes of plots cannot show greater ones
+IDLE_WORK = 10.0  # J added to the work, so that standing still is not efficient; about the work of servos at rest
 
 
 def distance(rollout: Rollout) -> float:
-    """Net forward travel of the centre of mass after settling, in m; negative if it went backward."""
+    """Return the net forward travel of the centre of mass after settling, in m; negative if it moved backward."""
     return rollout.distance
 
 
 def velocity(rollout: Rollout) -> float:
-    """Mean forward speed over the last two thirds of the walk, in m/s: what is left once the start is over."""
+    """Return the mean forward speed over the last two thirds of the walk, in m/s; excludes the start."""
     return rollout.velocity
 
 
 def efficiency(rollout: Rollout) -> float:
-    """Net forward travel for each joule of work that the legs do, in m/J."""
-    return distance(rollout) / (IDLE + float(rollout.work[-1]))
+    """Return the net forward travel per work of the legs, in m/J."""
+    return distance(rollout) / (IDLE_WORK + float(rollout.work[-1]))
 
 
 def straightness(rollout: Rollout) -> float:
-    """Net forward travel, less how far it ended to either side of where it began, in m."""
+    """Return the net forward travel minus the distance to either side between start and end, in m."""
     return distance(rollout) - abs(float(rollout.com[-1, 1] - rollout.com[0, 1]))
 
 
@@ -60,22 +62,22 @@ FUNCTIONS: dict[Fitness, Callable[[Rollout], float]] = {
 }
 
 
-def label(fitness: Fitness | Callable[..., Any]) -> tuple[str, str]:
-    """Return the name and the unit of a fitness; that of a function of the user's own is not known."""
+def name_and_unit(fitness: Fitness | Callable[..., Any]) -> tuple[str, str]:
+    """Return the name and the unit of a fitness; the unit of a user function is unknown, ""."""
     return (fitness.name, UNITS[fitness]) if isinstance(fitness, Fitness) else (function_name(fitness), "")
 
 
 def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: float = IN_A_RUN) -> float:
-    """Rate one walk; a walk that does not count gets ``NOT_COUNTED``, whatever the function would say.
+    """Return the fitness of one walk; ``NOT_COUNTED`` if its verdict is not ``ok``.
 
     Args:
-        rollout: the walk.
-        fitness: one of ours, or a function of the user's own.
-        seconds: that such a function may take.
+        rollout: Recorded walk.
+        fitness: A fitness of the settings, or a user function.
+        seconds: Time limit of a user function, s.
 
     Raises:
-        OperatorError: if the function returns anything but a finite number, -inf or None, or does anything else that
-            it must not.
+        OperatorError: If the function returns anything but a finite number, -inf or None, or breaks another rule of
+            user functions.
     """
     return rate(rollout, fitness, seconds=seconds)[0]
 
@@ -83,9 +85,9 @@ def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: f
 def rate(
     rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: float = IN_A_RUN
 ) -> tuple[float, Rollout]:
-    """Return the fitness of one walk, and the walk with its verdict: ``rejected`` if the function returns -inf or None.
+    """Return the fitness of one walk, and the walk; its verdict is ``rejected`` if the function returns -inf or None.
 
-    Arguments and errors are those of ``score``.
+    Arguments and errors are the same as for ``score``.
     """
     if not rollout.counts:
         return NOT_COUNTED, rollout
@@ -95,14 +97,16 @@ def rate(
     if number is None:
         raise OperatorError(
             f"{SLOT.who(function)} must return one finite number, higher being better; it returned {portrait(value)}",
-            "An array becomes one number by .mean(), .sum() or an index.",
+            "Reduce an array to one number with .mean(), .sum() or an index.",
         )
     if number == NOT_COUNTED:
         returned = "None" if value is None else "-inf"
         return NOT_COUNTED, replace(rollout, verdict=REJECTED, reason=f"the fitness function returned {returned}")
-    if abs(number) < LARGEST:
+    if abs(number) < MAX_FITNESS:
         return number, rollout
-    advice = "Is something divided by zero?" if math.isnan(number) else f"It must be under {LARGEST:g} in size."
+    advice = (
+        "Is something divided by zero?" if math.isnan(number) else f"Its absolute value must be below {MAX_FITNESS:g}."
+    )
     raise OperatorError(
         f"{SLOT.who(function)} must return one finite number, higher being better; it returned {brief(value)}",
         f"{advice} To exclude a robot, return -np.inf.",
@@ -110,87 +114,107 @@ def rate(
 
 
 def as_number(value: Any) -> float | None:
-    """Convert any single real number to a float: of Python, numpy or another library; None if it is not one.
+    """Convert any single real number of Python, numpy or another library to a float.
 
-    Booleans count as 0 and 1, and an array of one element as that element. Texts and complex numbers are not converted.
-    A number too large for a float becomes inf, whatever its sign.
+    Booleans count as 0 and 1, and an array of one element as that element. A number too large for a float becomes inf,
+    for either sign.
+
+    Returns:
+        The number; None for anything else, such as a text, a complex number or an array of several elements.
     """
     if np.ma.is_masked(value):
         return math.nan
-    if getattr(getattr(value, "dtype", None), "kind", "f") not in "biufO":  # as dates and complex numbers
+    if getattr(getattr(value, "dtype", None), "kind", "f") not in "biufO":  # such as dates and complex numbers
         return None
     try:
-        if callable(item := getattr(value, "item", None)):  # an array or a scalar of numpy, pandas, jax or torch
+        if callable(item := getattr(value, "item", None)):  # array or scalar of numpy, pandas, jax or torch
             value = item()
         return float(value) if hasattr(value, "__float__") or hasattr(value, "__index__") else None
     except OverflowError:
         return math.inf
-    except (TypeError, ValueError, RuntimeError):  # as of an array of several elements
+    except (TypeError, ValueError, RuntimeError):  # such as an array of several elements
         return None
 
 
 @runtime_checkable
-class FromRunFile(Protocol):
-    """Stands for a fitness function whose run file holds its name and its results, but not its code."""
+class MissingFitnessFunction(Protocol):
+    """Stand-in for a user function of a loaded run: the run file holds its name and results, but not its code."""
 
     def counted(self, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Rollout:
-        """Return the one of a robot's walks that counted in the run."""
+        """Return the walk of a robot, from all its starts, that counted in the run."""
         ...
 
 
 def poorest_walk(genome: Genome | str, settings: Settings, *, poses: bool = True) -> Rollout:
-    """Let a robot walk as evolution does: from each of its starts, of which the poorest walk counts.
+    """Simulate a robot from each of its starts, as evolution does, and return the walk with the lowest fitness.
 
-    Of a loaded run, whose fitness function may be missing, it is the walk whose distance and velocity the run file has.
+    If the fitness function of a loaded run is missing, return the walk whose distance and velocity the run file holds.
 
     Args:
-        genome: a genome or its text.
-        settings: of all four domains.
-        poses: whether to record every pose.
+        genome: Genome or its text.
+        settings: Complete settings of the run.
+        poses: Whether to record poses.
 
     Raises:
-        GenomeError: if a text is no genome.
+        GenomeError: If the text is not a valid genome.
     """
-    scene, fitness = compile_scene(genome, settings), settings.algorithm.fitness
+    scene = compile_scene(genome, settings)
+    fitness = settings.algorithm.fitness
     rollouts = walk_from_every_start(scene, poses=poses)
     function = fitness.func if isinstance(fitness, partial) else fitness
-    if isinstance(function, FromRunFile):
+    if isinstance(function, MissingFitnessFunction):
         return function.counted(scene.genome, rollouts, settings)
-    return poorest([rate(rollout, fitness) for rollout in rollouts])[1]
+    return find_poorest([rate(rollout, fitness) for rollout in rollouts])[1]
 
 
-def poorest(rated: Sequence[tuple[float, Rollout]]) -> tuple[float, Rollout]:
-    """Return the walk of the lowest fitness, of equals the first, with that fitness."""
+def find_poorest(rated: Sequence[tuple[float, Rollout]]) -> tuple[float, Rollout]:
+    """Return the lowest fitness and its walk; the first of several equal ones."""
     return min(rated, key=lambda pair: pair[0])
 
 
-def check_own(fitness: Fitness | Callable[..., Any]) -> None:
-    """Try a function of the user's own on a made-up walk before any physics runs.
+def check_user_function(fitness: Fitness | Callable[..., Any]) -> None:
+    """Call a user function with a made-up walk, before any simulation; does nothing for a built-in fitness.
 
     Raises:
-        OperatorError: if it fails, returns anything but a finite number, -inf or None, or two numbers for one walk.
+        OperatorError: If it fails, returns anything but a finite number, -inf or None, or returns different numbers for
+            the same walk.
     """
     if isinstance(fitness, Fitness):
         return
     try:
-        first, second = (score(_made_up_walk(), fitness, seconds=IN_A_CHECK) for _ in range(2))
+        first, second = (score(_create_made_up_walk(), fitness, seconds=IN_A_CHECK) for _ in range(2))
         if first != second:
-            gave = f"gave {first} and then {second} for the same walk, so that no run could be repeated"
-            raise OperatorError(f"{SLOT.who(fitness)} {gave}", SLOT.chance)
+            raise OperatorError(
+                f"{SLOT.who(fitness)} returned {first} and then {second} for the same walk; no run could be repeated",
+                SLOT.chance,
+            )
     except OperatorError as error:
         error.where = "when tried on a made-up walk"
         raise
 
 
-def _made_up_walk() -> Rollout:
-    """Return a robot's even walk of 8 s at 0.5 m/s, with a foot on the ground three quarters of the time."""
+def _create_made_up_walk() -> Rollout:
+    """Create a regular walk of 8 s at 0.5 m/s, with a foot on the ground for three quarters of the time."""
     time = np.arange(401) / 50
     com = np.stack([0.5 * time, 0.01 * np.sin(time), 0.2 + 0.01 * np.cos(9 * time)], axis=1)
     swing = Swing(amplitude=0.5, phase=0.0, offset=0.0)
     segment = Segment(length=0.4, mass=4.0, legs=Legs(length=0.3, force=8.0, hip=swing, knee=swing, stride=math.pi))
     on_ground = np.arange(401) % 4 > 0
-    sink, work, poses = np.where(on_ground, 0.001, 0.0), 20 * time, np.empty((0, 11))
     return Rollout(
-        time, com, on_ground, sink, work, np.empty((0, 3)), np.empty(0), Phenotype((segment,), frequency=1.5),
-        settled=0.25, creep=0.0, overlap=0.0, drive=1.5, warnings=0, verdict="ok", reason="", poses=poses,
-    )  # fmt: skip
+        time=time,
+        com=com,
+        on_ground=on_ground,
+        sink=np.where(on_ground, 0.001, 0.0),
+        work=20 * time,
+        load=np.empty((0, 3)),
+        rope=np.empty(0),
+        phenotype=Phenotype((segment,), frequency=1.5),
+        settled=0.25,
+        creep=0.0,
+        overlap=0.0,
+        drive=1.5,
+        warnings=0,
+        verdict="ok",
+        reason="",
+        poses=np.empty((0, 11)),
+    )

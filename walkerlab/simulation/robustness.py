@@ -1,10 +1,9 @@
-"""How much of a champion's fitness is its own, and how much luck: it walks again, a little differently.
+"""Robustness of a champion: the share of its fitness that it keeps in walks that differ slightly.
 
-Evolution looks for whatever scores, so a champion may rest on one lucky bounce, or on an error of the physics. What
-stands at a quarter of the timestep, and from starts that are a little different, it can do.
+A high fitness may rest on a lucky bounce or on an error of the simulation. A fitness that remains at a quarter of the
+timestep and from slightly different starts does not.
 
-Outcomes are shares of a fitness above zero. A fitness of zero or below, or close above it, has no telling share, so
-the new fitness is written with its difference.
+A share of a fitness near or below zero is hard to interpret, so the new fitness is printed with its difference instead.
 """
 
 import math
@@ -17,28 +16,29 @@ from walkerlab.genome.genome import Genome
 from walkerlab.settings.arguments import require_count, require_settings
 from walkerlab.settings.choices import Fitness
 from walkerlab.settings.settings import Settings
-from walkerlab.simulation.fitness import UNITS, label, poorest, rate
-from walkerlab.simulation.rollout import draw_nudge, walk, walk_from_every_start
+from walkerlab.simulation.fitness import UNITS, find_poorest, name_and_unit, rate
+from walkerlab.simulation.rollout import walk, walk_from_every_start
+from walkerlab.simulation.starts import draw_nudge
 from walkerlab.text.html import Html, shown, table
 from walkerlab.text.numbers import significant, with_unit
 from walkerlab.world.scene import compile_scene
 
-FINER = 4  # times more steps
-MAX_SHARE = 10  # times the fitness, from which on differences are written in place of shares
-N_NUDGES = 5  # starts that are a little different
-UNSEEN = 1000  # the number of the first of these starts: evolution walks from the first ones, if from any
+TIMESTEP_DIVISOR = 4  # for the finer walk
+MAX_SHARE = 10  # of the fitness; from this share on, differences are printed instead
+N_NUDGES = 5  # default number of slightly different starts
+FIRST_NUDGE = 1000  # number of the first of these starts; evolution uses those from 1 on
 
 
 @dataclass(frozen=True)
 class Confirmation:
-    """What a champion keeps of its fitness.
+    """Fitness of a champion in the run and in walks that differ slightly.
 
     Attributes:
-        fitness: as evolution measured it.
-        finer: the same walk at a quarter of the timestep; -inf if it did not count.
-        nudged: from starts that are a little different, the poorest first.
-        verdicts: of the finer walk and of each from another start, in the order in which they were walked.
-        measure: what the fitness is, with its unit.
+        fitness: Fitness in the run.
+        finer: Fitness at a quarter of the timestep; -inf if that walk did not count.
+        nudged: Fitness from each slightly different start, in increasing order; -inf for walks that did not count.
+        verdicts: Verdicts of the finer walk and of the walk from each start, in the order of simulation.
+        measure: Name and unit of the fitness.
     """
 
     fitness: float
@@ -49,16 +49,16 @@ class Confirmation:
 
     @property
     def kept_finer(self) -> float:
-        """Share of the fitness that is kept at a quarter of the timestep, at least 0; 0 if that walk did not count.
+        """Share of the fitness that remains at a quarter of the timestep, at least 0; 0 if that walk did not count.
 
-        1 means the same fitness. A loss is a share of the absolute value: of -2, -2.5 keeps 0.75, as 1.5 does of 2.
-        Of a fitness of 0, any loss keeps 0, and anything else 1.
+        1 means the same fitness. A loss is relative to the absolute value: 1.5 is 0.75 of 2, and -2.5 is 0.75 of -2.
+        For a fitness of 0, the share is 0 after any loss and 1 otherwise.
         """
         return self._share(self.finer)
 
     @property
     def kept_nudged(self) -> float:
-        """Share of the fitness that is kept from other starts, by their median; defined as ``kept_finer``."""
+        """Share of the fitness that the median of the other starts reaches; defined as for ``kept_finer``."""
         return self._share(median(self.nudged))
 
     def _share(self, again: float) -> float:
@@ -67,24 +67,25 @@ class Confirmation:
         if self.fitness > 0:
             return max(0.0, again / self.fitness)
         if self.fitness == 0:
-            return float(again >= 0)
+            return 1.0 if again >= 0 else 0.0
         return max(0.0, 2 - again / self.fitness)
 
     @property
-    def _in_shares(self) -> bool:
-        """Whether the outcomes are written as shares: of a fitness near zero or below, these say little."""
+    def _uses_shares(self) -> bool:
+        """Whether results are printed as shares; those of a fitness near or below zero would be hard to interpret."""
         return self.fitness > 0 and max(self.finer, *self.nudged) < MAX_SHARE * self.fitness
 
-    def _outcomes(self) -> list[str]:
-        """Write what is left at the finer timestep, from the median of the other starts, and from the poorest."""
-        return [self._outcome(again) for again in (self.finer, median(self.nudged), min(self.nudged))]
+    def _format_results(self) -> list[str]:
+        """Format the results at the finer timestep, from the median of the other starts, and from the poorest."""
+        return [self._format_result(again) for again in (self.finer, median(self.nudged), min(self.nudged))]
 
-    def _outcome(self, again: float) -> str:
-        if self._in_shares:
+    def _format_result(self, again: float) -> str:
+        if self._uses_shares:
             return f"{self._share(again):.0%}"
         if not math.isfinite(again):
             return "does not count"
-        text, change = with_unit(again, self._name_and_unit[1]), again - self.fitness
+        text = with_unit(again, self._name_and_unit[1])
+        change = again - self.fitness
         if not math.isfinite(change):
             return text
         if change == 0:
@@ -97,41 +98,41 @@ class Confirmation:
         return (name, unit) if unit in UNITS.values() else (self.measure, "")
 
     @property
-    def _first(self) -> str:
-        """The fitness as evolution measured it, in words."""
+    def _fitness_in_run(self) -> str:
+        """Description of the fitness in the run, such as "distance of 2.00 m"."""
         name, unit = self._name_and_unit
         if not math.isfinite(self.fitness):
             return "walk that does not count"
         return f"{name} of {with_unit(self.fitness, unit)}"
 
     def __str__(self) -> str:
-        """Describe it in a few lines."""
-        finer, other, poorest = self._outcomes()
-        of_it = " of it" if self._in_shares else ""
+        """Return a summary of a few lines."""
+        finer, other, poorest = self._format_results()
+        of_it = " of it" if self._uses_shares else ""
         width = max(4, len(finer), len(other))
         lines = [
-            f"Its {self._first}, when it walks again:",
+            f"Its {self._fitness_in_run}, when it walks again:",
             f"  {finer:>{width}}{of_it} at a quarter of the timestep",
-            f"  {other:>{width}}{of_it} from starts that are a little different (the median of "
-            f"{len(self.nudged)}; {poorest} from the poorest)",
+            f"  {other:>{width}}{of_it} from slightly different starts "
+            f"(median of {len(self.nudged)}; {poorest} from the poorest)",
         ]
-        if void := [verdict for verdict in self.verdicts if verdict != "ok"]:
-            lines.append(f"  {len(void)} of these walks did not count: {', '.join(void)}")
+        if faults := [verdict for verdict in self.verdicts if verdict != "ok"]:
+            lines.append(f"  {len(faults)} of these walks did not count: {', '.join(faults)}")
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         return shown(self.table())
 
     def table(self) -> Html:
-        """Describe it as a table."""
-        finer, other, poorest = self._outcomes()
+        """Return a summary as an HTML table."""
+        finer, other, poorest = self._format_results()
         rows = [
-            ["at a quarter of the timestep", finer, "does it live on an error of the physics?"],
-            ["from other starts (the median)", other, "does it live on one lucky start?"],
-            ["from the poorest of these", poorest, ""],
+            ["at a quarter of the timestep", finer, "does it depend on an error of the simulation?"],
+            ["from slightly different starts (median)", other, "does it depend on a lucky start?"],
+            ["from the poorest of these starts", poorest, ""],
         ]
-        caption = f"What is left of its {self._first} when it walks again"
-        return table(caption, ["walk", "of it" if self._in_shares else "fitness", "asks"], rows, numbers=(1,))
+        caption = f"Its {self._fitness_in_run}, when it walks again"
+        return table(caption, ["walk", "share" if self._uses_shares else "fitness", "question"], rows, numbers=(1,))
 
 
 def confirm(
@@ -140,38 +141,41 @@ def confirm(
     n_nudges: int = N_NUDGES,
     fitness: Fitness | str | Callable[..., Any] | None = None,
 ) -> Confirmation:
-    """Let a robot walk again at a quarter of the timestep, and from a few starts that are a little different.
+    """Simulate a robot again at a quarter of the timestep and from a few slightly different starts.
 
     Args:
-        genome: a genome or its text.
-        settings: of all four domains; the terrain's seed is that of the other starts too.
-        n_nudges: how many of these.
-        fitness: by which the walks are rated; that of the settings if None. A loaded run has lost its own function.
+        genome: Genome or its text.
+        settings: Complete settings of the run; the seed of the terrain also determines the starts.
+        n_nudges: Number of slightly different starts, at least 1.
+        fitness: Fitness that rates the walks; the fitness of the settings if None. Required for a loaded run with a
+            user function, because the run file does not hold its code.
 
     Raises:
-        GenomeError: if a text is no genome.
-        ValueError: if there is no other start to walk from.
-        RunFileError: if the settings are of a loaded run, which has lost its own fitness function.
+        GenomeError: If the text is not a valid genome.
+        ValueError: If ``n_nudges`` is less than 1.
+        RunFileError: If the settings come from a loaded run whose fitness is a user function.
     """
-    genome, settings = Genome.of(genome), require_settings(settings)
+    genome = Genome.of(genome)
+    settings = require_settings(settings)
     if fitness is not None:
         settings = settings.with_(fitness=fitness)
-    require_count(n_nudges, "n_nudges", "how many other starts the robot walks from")
-    measure, (name, unit) = settings.algorithm.fitness, label(settings.algorithm.fitness)
+    require_count(n_nudges, "n_nudges", "number of slightly different starts")
+    measure = settings.algorithm.fitness
+    name, unit = name_and_unit(measure)
     simulation = settings.simulation
-    finer_steps = settings.model_copy(  # which may be under the range of the setting
-        update={"simulation": simulation.model_copy(update={"timestep": simulation.timestep / FINER})}
+    finer_settings = settings.model_copy(  # the timestep may be below the range of the setting
+        update={"simulation": simulation.model_copy(update={"timestep": simulation.timestep / TIMESTEP_DIVISOR})}
     )
     scene = compile_scene(genome, settings)
-    seen = walk_from_every_start(scene, poses=False)
-    rollouts = [
-        walk(compile_scene(genome, finer_steps), poses=False),
-        *(walk(scene, nudge=draw_nudge(scene, UNSEEN + number), poses=False) for number in range(n_nudges)),
+    rollouts_of_run = walk_from_every_start(scene, poses=False)
+    new_rollouts = [
+        walk(compile_scene(genome, finer_settings), poses=False),
+        *(walk(scene, nudge=draw_nudge(scene, FIRST_NUDGE + number), poses=False) for number in range(n_nudges)),
     ]
-    rated = [rate(rollout, measure) for rollout in rollouts]
+    rated = [rate(rollout, measure) for rollout in new_rollouts]
     (finer, _), *nudged = rated
     return Confirmation(
-        fitness=poorest([rate(rollout, measure) for rollout in seen])[0],
+        fitness=find_poorest([rate(rollout, measure) for rollout in rollouts_of_run])[0],
         finer=finer,
         nudged=tuple(sorted(score for score, _ in nudged)),
         verdicts=tuple(rollout.verdict for _, rollout in rated),

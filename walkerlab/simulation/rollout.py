@@ -1,39 +1,23 @@
 """Rollouts: simulation of one walk, with everything recorded that a fitness or a verdict requires."""
 
-import math
-import threading
-from collections.abc import Callable, Generator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache
 
 import mujoco
 import numpy as np
-from mujoco.rollout import rollout as simulate_steps
 
 from walkerlab.ga.genes import Floats, Indices
 from walkerlab.genome.genome import Genome
-from walkerlab.randomness import stream
 from walkerlab.readonly import ReadOnlyArrays
 from walkerlab.settings.fields import count
 from walkerlab.settings.settings import Settings
+from walkerlab.simulation.starts import draw_nudge, settle, start_overlap
+from walkerlab.simulation.stepping import positions_in, simulate_steps, velocities_in, warnings_counted_not_printed
 from walkerlab.simulation.validity import VERDICTS, Trace, judge
 from walkerlab.text.html import facts, shown
 from walkerlab.text.numbers import significant, with_unit
-from walkerlab.world.assembly import ROBOT_BODY, Sensor
-from walkerlab.world.scene import ROTATION, TRANSLATION, Scene, compile_scene, control_steps
-
-SETTLE_CHUNK = 0.25  # s between two checks whether the body is at rest
-MAX_SETTLE_TIME = 3.0  # s after which the walk starts even if the body is not at rest
-REST_SPEED = 0.02  # m/s of the centre of mass below which the body is at rest
-
-# Standard deviations of the displacement of a start.
-NUDGE_SHIFT = 0.02  # m to the side
-NUDGE_TURN = 0.03  # rad, rotation of the body about each axis
-NUDGE_BEND = 0.03  # rad, angle of each joint
-
-_STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS  # time, positions (nq), velocities (nv), …
-_POSITIONS_START = 1  # index in the state
+from walkerlab.world.assembly import Sensor
+from walkerlab.world.scene import Scene, compile_scene, control_steps
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,13 +107,13 @@ def walk(
     model, timestep = scene.model, scene.settings.simulation.timestep
     data = mujoco.MjData(model) if data is None else data
     mujoco.mj_resetData(model, data)
-    with _warnings_counted_not_printed():
+    with warnings_counted_not_printed():
         scene.place(data, nudge)
-        overlap = _start_overlap(scene, data)
-        state, settled, creep = _settle(scene, data)
+        overlap = start_overlap(scene, data)
+        state, settled, creep = settle(scene, data)
         n_steps = round(scene.settings.simulation.duration / timestep) + 1
         controls = scene.controls(n_steps)
-        states, sensors = _step(model, data, state, controls[np.newaxis])
+        states, sensors = simulate_steps(model, data, state, controls[np.newaxis])
     recorded = _recorded_steps(n_steps, timestep)
     # Sensors are computed before a step and states after it, so a reading belongs to the state after the previous step.
     recorded_states = np.concatenate([state, states[0, recorded[1:] - 1]])
@@ -152,39 +136,15 @@ def walk(
         drive=_drive_frequency(time, targets),
         warnings=int(sum(data.warning.number)),
     )
-    record = _positions(model, recorded_states) if poses else np.empty((0, model.nq))
+    record = positions_in(model, recorded_states) if poses else np.empty((0, model.nq))
     verdict, reason = judge(trace, scene.settings)
     return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=record)
-
-
-def count_settling_steps(scene: Scene) -> int:
-    """Return the number of steps for which ``walk`` holds the rest pose before the gait starts."""
-    data = mujoco.MjData(scene.model)
-    with _warnings_counted_not_printed():
-        scene.place(data)
-        _, settled, _ = _settle(scene, data)
-    return round(settled / SETTLE_CHUNK) * round(SETTLE_CHUNK / scene.settings.simulation.timestep)
 
 
 def walk_from_every_start(scene: Scene, data: mujoco.MjData | None = None, *, poses: bool) -> list[Rollout]:
     """Simulate a walk from each start in the settings, as evolution does; the lowest fitness of these counts."""
     starts = range(scene.settings.simulation.n_starts)
     return [walk(scene, data, nudge=draw_nudge(scene, start), poses=poses) for start in starts]
-
-
-def draw_nudge(scene: Scene, start: int) -> Floats | None:
-    """Draw the small displacements of a start from the terrain's seed and the number of the start.
-
-    Returns:
-        Displacements of the robot's degrees of freedom, shape (nv,); None for start 0, the exact one.
-    """
-    if not start:
-        return None
-    model = scene.model
-    scale = np.where(model.body_rootid[model.dof_bodyid] == ROBOT_BODY, NUDGE_BEND, 0.0)
-    scale[TRANSLATION] = (0, NUDGE_SHIFT, 0)
-    scale[ROTATION] = NUDGE_TURN
-    return scale * stream(scene.settings.terrain.seed, "perturbation", start).standard_normal(model.nv)
 
 
 @lru_cache(maxsize=16)
@@ -195,78 +155,11 @@ def _recorded_steps(n_steps: int, timestep: float) -> Indices:
     return recorded
 
 
-def _start_overlap(scene: Scene, data: mujoco.MjData) -> float:
-    """Return how deep [m] the robot or its sledge penetrates anything at the start, apart from itself."""
-    mujoco.mj_fwdPosition(scene.model, data)
-    roots = scene.model.body_rootid[scene.model.geom_bodyid[data.contact.geom]]
-    is_relevant = (roots[:, 0] != roots[:, 1]) & np.isin(roots, scene.roots).any(axis=1)
-    return float(np.max(-data.contact.dist, where=is_relevant, initial=0.0))
-
-
-def _settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float, float]:
-    """Hold the rest pose until the body is at rest.
-
-    Returns:
-        The state reached, shape (1, n_state); the time that it took [s]; the speed at its end [m/s].
-    """
-    model, timestep = scene.model, scene.settings.simulation.timestep
-    state = np.empty((1, mujoco.mj_stateSize(model, _STATE)))
-    mujoco.mj_getState(model, data, state[0], _STATE)
-    n_steps = round(SETTLE_CHUNK / timestep)
-    hold = np.tile(scene.rest, (1, n_steps, 1))
-    settled, speed = 0.0, math.inf
-    while settled < MAX_SETTLE_TIME and speed > REST_SPEED:
-        states, sensors = _step(model, data, state, hold)
-        state = states[:, -1].copy()
-        com = sensors[0, :, Sensor.COM]
-        settled += SETTLE_CHUNK
-        middle = n_steps // 2
-        speed = float(np.linalg.norm(com[-1] - com[middle])) / ((n_steps - 1 - middle) * timestep)
-    return state, settled, speed
-
-
-def _step(model: mujoco.MjModel, data: mujoco.MjData, state: Floats, controls: Floats) -> tuple[Floats, Floats]:
-    """Simulate physics steps from a state, with a warm start of the solver so that the result equals one long run.
-
-    Args:
-        model: Compiled model.
-        data: Data of the model.
-        state: Initial state, shape (1, n_state).
-        controls: Servo targets of each step, shape (1, n_steps, nu).
-
-    Returns:
-        States after, (1, n_steps, n_state), and sensor readings before each step, (1, n_steps, n_sensor).
-    """
-    n_steps = controls.shape[1]
-    return simulate_steps(
-        [model],
-        [data],
-        state,
-        controls,
-        nstep=n_steps,
-        initial_warmstart=data.qacc_warmstart[np.newaxis].copy(),
-        state=np.empty((1, n_steps, state.shape[1])),
-        sensordata=np.empty((1, n_steps, model.nsensordata)),
-        skip_checks=True,  # the checks take as long as a hundred steps
-    )
-
-
-def _positions(model: mujoco.MjModel, states: Floats) -> Floats:
-    """Return the generalised positions in (n, n_state) states, shape (n, nq)."""
-    return states[:, _POSITIONS_START : _POSITIONS_START + model.nq]
-
-
-def _velocities(model: mujoco.MjModel, states: Floats) -> Floats:
-    """Return the generalised velocities in (n, n_state) states, shape (n, nv)."""
-    start = _POSITIONS_START + model.nq
-    return states[:, start : start + model.nv]
-
-
 def _work(model: mujoco.MjModel, time: Floats, states: Floats, targets: Floats) -> Floats:
     """Return the work of the servos since the start [J], shape (n,): absolute torque times absolute speed."""
     joint = model.actuator_trnid[:, 0]
-    angle = _positions(model, states)[:, model.jnt_qposadr[joint]]
-    speed = _velocities(model, states)[:, model.jnt_dofadr[joint]]
+    angle = positions_in(model, states)[:, model.jnt_qposadr[joint]]
+    speed = velocities_in(model, states)[:, model.jnt_dofadr[joint]]
     gain = model.actuator_gainprm[:, 0]
     bias = model.actuator_biasprm
     torque = np.clip(gain * targets + bias[:, 1] * angle + bias[:, 2] * speed, *model.actuator_forcerange.T)
@@ -279,32 +172,3 @@ def _drive_frequency(time: Floats, targets: Floats) -> float:
     steps = np.diff(targets, axis=0)
     reversals = (steps[:-1] * steps[1:] < 0).sum(axis=0)
     return float(np.max(reversals, initial=0)) / 2 / time[-1]
-
-
-_thread = threading.local()
-
-
-@contextmanager
-def _warnings_counted_not_printed() -> Generator[None]:
-    """Suppress the output of MuJoCo's warnings about walks in this thread; ``mjData.warning`` still counts them."""
-    if mujoco.get_mju_user_warning() is not _warning_handler:
-        _warning_handler.previous = mujoco.get_mju_user_warning()
-        mujoco.set_mju_user_warning(_warning_handler)
-    _thread.is_walking = True
-    try:
-        yield
-    finally:
-        _thread.is_walking = False
-
-
-class _WarningHandler:
-    """MuJoCo's warning handler, one for all threads: passes on every warning that is not about a walk."""
-
-    previous: Callable[[str], None] | None = None  # handler that was installed before
-
-    def __call__(self, warning: str) -> None:
-        if not getattr(_thread, "is_walking", False) and self.previous:
-            self.previous(warning)
-
-
-_warning_handler = _WarningHandler()

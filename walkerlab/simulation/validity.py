@@ -1,6 +1,7 @@
-"""The judge: what was recorded of a walk, and whether it counts. Evolution finds every hole; here they are closed.
+"""Validity of walks: the recorded trace, the guards that check it, and the verdict.
 
-Each guard is one row of ``GUARDS``: it looks at the record, and gives the reason why the walk does not count, or "".
+Evolution exploits every weakness of a simulation. Each guard is one entry of ``GUARDS``: a function of the trace that
+returns the reason why the walk does not count, or "".
 """
 
 import math
@@ -17,48 +18,48 @@ from walkerlab.settings.choices import Guard, Structure
 from walkerlab.settings.settings import Settings
 from walkerlab.world.heights import arena_bounds, height
 
-OVERLAP = 0.001  # m that a body may be inside another at the start
-CREEP = 0.05  # m/s at which a body may still move when it has had its time to come to rest: 0.4 m of a walk of 8 s
-BAND = 1.1 * FREQUENCY[1]  # Hz, up to which legs may be driven: a little over the fastest gene
-RISE = 0.5  # body lengths by which the centre of mass may rise above where it was at rest; gallops reach 0.15
-DROP = 0.4  # of its height at rest, under which the centre of mass may not sink; gaits keep 0.6 and more
-DOWN = 0.5  # s that it may be so low: whoever gets up again has not fallen
-SINK = 0.05  # m that a part may be pushed into the ground; a foot's radius is some 0.02, and lands 0.02 deep at worst
-SLEDGE_SINK = 0.1  # m that its middle may be in the ground: over a crest its runners straddle, its box is 0.06 m up
-STRETCH = 1.1  # of its length, to which a rope may be drawn
-AHEAD = 0.0  # m by which a load may be ahead of its robot
+MAX_START_OVERLAP = 0.001  # m by which a body may penetrate another at the start
+MAX_REST_SPEED = 0.05  # m/s of the body after settling; 0.4 m in a walk of 8 s
+MAX_DRIVE_FREQUENCY = 1.1 * FREQUENCY[1]  # Hz of a servo target; slightly above the greatest gait frequency
+MAX_RISE = 0.5  # body lengths of the centre of mass above its height at rest; gallops reach 0.15
+MIN_HEIGHT = 0.4  # of the centre of mass, as a share of its height at rest; gaits stay at 0.6 or more
+MAX_TIME_DOWN = 0.5  # s below that height; a robot that gets up again has not fallen
+MAX_SINK = 0.05  # m of any segment in the ground; a foot has a radius of 0.02 and sinks by 0.02 at most when it lands
+MAX_SLEDGE_SINK = 0.1  # m of the sledge's middle in the ground; on a crest between its runners, the box is 0.06 m up
+MAX_ROPE_STRETCH = 1.1  # length of the rope, as a share of its length at rest
+MAX_LOAD_LEAD = 0.0  # m by which the sledge may be ahead of the robot
 
 UNSTABLE = "unstable"
 REJECTED = "rejected"
 VERDICTS = (
     {
         "ok": "The walk counts.",
-        UNSTABLE: "The physics broke down: MuJoCo warned, or a number was not finite.",
+        UNSTABLE: "The simulation diverged: MuJoCo gave a warning, or a value was not finite.",
     }
     | {guard.name.replace("_", " "): f"{guard.about[0].upper()}{guard.about[1:]}." for guard in Guard if guard}
     | {REJECTED: "The fitness function returned -inf or None, which excludes the robot."}
 )
-"""Each verdict that a walk can get, in words for people; all but the last are given by ``judge``."""
+"""Description of each verdict; ``judge`` returns all but the last."""
 
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What was recorded of one walk, from the moment the body has settled; a sample at each tick of the gait's clock.
+    """Quantities recorded during one walk, after the body has settled: one sample per control step.
 
     Attributes:
-        time: (n,) s since the gait began.
-        com: (n, 3) centre of mass, m; x forward, y left, z up.
-        on_ground: (n,) whether any part of the body touched something that is not itself.
-        sink: (n,) how deep its deepest part was in the ground, m.
-        work: (n,) what the legs have done so far, forward and backward both counted, J.
-        load: (n, 3) where the sledge is, m; (0, 3) without one.
-        rope: (n,) the distance between the ends of its rope, as a part of the rope's length; (0,) without one.
-        phenotype: the robot that walked.
-        settled: s that the body was given to come to rest before the walk.
-        creep: m/s at which it moved at the end of these.
-        overlap: m that it was inside something at the start.
-        drive: Hz, how often the fastest of its servo targets turned round and back.
-        warnings: how many warnings MuJoCo gave.
+        time: Time since the gait began, s, shape (n,).
+        com: Centre of mass, m, shape (n, 3); x forward, y left, z up.
+        on_ground: Whether any part of the body touched something other than itself, shape (n,).
+        sink: Greatest depth of a body part in the ground, m, shape (n,).
+        work: Work of the legs since the start, J, shape (n,); forward and backward motion both count.
+        load: Position of the sledge, m, shape (n, 3); (0, 3) without a sledge.
+        rope: Distance between the ends of the rope, as a share of the rope's length, shape (n,); (0,) without a sledge.
+        phenotype: The robot that walked.
+        settled: Time in which the body came to rest before the walk, s.
+        creep: Speed of the body at the end of that time, m/s.
+        overlap: Greatest penetration of another body at the start, m.
+        drive: Frequency of the servo target that reversed its direction most often, Hz.
+        warnings: Number of warnings that MuJoCo gave.
     """
 
     time: Floats
@@ -77,90 +78,101 @@ class Trace:
 
 
 def judge(trace: Trace, settings: Settings) -> tuple[str, str]:
-    """Name the first rule that a walk breaks.
+    """Return the verdict of a walk: the first guard that finds a fault, apart from those in the setting ``forgive``.
 
     Returns:
-        A key of ``VERDICTS``, and the reason with its figures: "" if the verdict is ``ok``.
+        A key of ``VERDICTS``, and the reason with the measured value and the limit; "" if the verdict is ``ok``.
     """
     if trace.warnings:
         return UNSTABLE, f"MuJoCo gave {trace.warnings} warning{'s' if trace.warnings > 1 else ''}"
-    where = np.concatenate([trace.com, trace.load], axis=1) if trace.load.size else trace.com
-    if not np.isfinite(where).all():
-        when = trace.time[int(np.argmin(np.isfinite(where).all(axis=1)))]
-        return UNSTABLE, f"at {when:.2f} s a number was not finite"
-    forgiven = settings.simulation.forgive
-    for guard, check in GUARDS.items():
-        if guard not in (forgiven if isinstance(forgiven, tuple) else (forgiven,)) and (
-            reason := check(trace, settings)
-        ):
+    positions = np.concatenate([trace.com, trace.load], axis=1) if trace.load.size else trace.com
+    is_finite = np.isfinite(positions).all(axis=1)
+    if not is_finite.all():
+        return UNSTABLE, f"at {trace.time[int(np.argmin(is_finite))]:.2f} s a value was not finite"
+    forgive = settings.simulation.forgive
+    forgiven = forgive if isinstance(forgive, tuple) else (forgive,)
+    for guard, find_fault in GUARDS.items():
+        if guard not in forgiven and (reason := find_fault(trace, settings)):
             return guard.name.replace("_", " "), reason
     return "ok", ""
 
 
 def _bad_start(trace: Trace, _: Settings) -> str:
-    inside = f"it started {trace.overlap:.3f} m deep in something; {OVERLAP:g} is allowed"
-    return inside if trace.overlap > OVERLAP else ""
+    if trace.overlap <= MAX_START_OVERLAP:
+        return ""
+    return f"at the start it was {trace.overlap:.3f} m deep in another body; {MAX_START_OVERLAP:g} is allowed"
 
 
 def _restless(trace: Trace, _: Settings) -> str:
-    moving = f"after {trace.settled:g} s without drive it still moved at {trace.creep:.2f} m/s; {CREEP:g} is allowed"
-    return moving if trace.creep > CREEP else ""
+    if trace.creep <= MAX_REST_SPEED:
+        return ""
+    moving = f"after {trace.settled:g} s without drive it still moved at {trace.creep:.2f} m/s"
+    return f"{moving}; {MAX_REST_SPEED:g} is allowed"
 
 
 def _jittering(trace: Trace, _: Settings) -> str:
-    allowed = BAND + 1 / float(trace.time[-1])  # the swell of a gait, and where its record ends, can add a cycle
-    return f"a joint was driven at {trace.drive:.1f} Hz; {allowed:.1f} is allowed" if trace.drive > allowed else ""
+    # The growing amplitude and the end of the record can each add half a cycle to those counted.
+    limit = MAX_DRIVE_FREQUENCY + 1 / float(trace.time[-1])
+    return f"a joint was driven at {trace.drive:.1f} Hz; {limit:.1f} is allowed" if trace.drive > limit else ""
 
 
 def _too_fast(trace: Trace, settings: Settings) -> str:
-    allowed = settings.simulation.max_speed
+    limit = settings.simulation.max_speed
     speed = np.linalg.norm(np.diff(trace.com, axis=0), axis=1) / np.diff(trace.time) / trace.phenotype.body_length
-    return _exceeds(trace.time[1:], speed, allowed, "it moved at {:.1f} body lengths/s; {:g} is allowed")
+    return _describe_excess(trace.time[1:], speed, limit, "it moved at {:.1f} body lengths/s; {:g} is allowed")
 
 
 def _too_high(trace: Trace, settings: Settings) -> str:
-    _, highest = _ground_near(trace, settings)
-    above = trace.com[:, 2] - highest
-    risen = (above - above[0]) / trace.phenotype.body_length
-    said = "its centre of mass was {:.2f} body lengths higher than at rest; {:g} is allowed"
-    return _exceeds(trace.time, risen, RISE, said)
+    _, highest = _ground_heights(trace, settings)
+    com_height = trace.com[:, 2] - highest
+    rise = (com_height - com_height[0]) / trace.phenotype.body_length
+    text = "its centre of mass was {:.2f} body lengths higher than at rest; {:g} is allowed"
+    return _describe_excess(trace.time, rise, MAX_RISE, text)
 
 
 def _sunk(trace: Trace, _: Settings) -> str:
-    return _exceeds(trace.time, trace.sink, SINK, "a part of it was {:.3f} m deep in the ground; {:g} is allowed")
+    return _describe_excess(
+        trace.time, trace.sink, MAX_SINK, "a part of it was {:.3f} m deep in the ground; {:g} is allowed"
+    )
 
 
 def _airborne(trace: Trace, settings: Settings) -> str:
-    allowed = settings.simulation.max_airborne
-    left, lasted = _longest(trace.time, ~trace.on_ground)
-    said = f"from {left:.2f} s on it was off the ground for {lasted:.2f} s; {allowed:g} is allowed"
-    return said if lasted > allowed else ""
+    limit = settings.simulation.max_airborne
+    start, duration = _longest_period(trace.time, ~trace.on_ground)
+    if duration <= limit:
+        return ""
+    return f"from {start:.2f} s on it was off the ground for {duration:.2f} s; {limit:g} is allowed"
 
 
 def _fell(trace: Trace, settings: Settings) -> str:
-    lowest, _ = _ground_near(trace, settings)
-    above = trace.com[:, 2] - lowest
-    since, lasted = _longest(trace.time, (above < DROP * above[0]) & (above[0] > 0))
-    said = f"from {since:.2f} s on its centre of mass was under {DROP:.0%} of its height at rest for {lasted:.2f} s"
-    return f"{said}; {DOWN:g} is allowed" if lasted > DOWN else ""
+    lowest, _ = _ground_heights(trace, settings)
+    com_height = trace.com[:, 2] - lowest
+    is_down = (com_height < MIN_HEIGHT * com_height[0]) & (com_height[0] > 0)
+    start, duration = _longest_period(trace.time, is_down)
+    if duration <= MAX_TIME_DOWN:
+        return ""
+    low = f"its centre of mass was below {MIN_HEIGHT:.0%} of its height at rest"
+    return f"from {start:.2f} s on {low} for {duration:.2f} s; {MAX_TIME_DOWN:g} is allowed"
 
 
 def _out_of_arena(trace: Trace, settings: Settings) -> str:
     low, high = arena_bounds(settings.terrain)
     outside = np.max(np.maximum(low - trace.com[:, :2], trace.com[:, :2] - high), axis=1)
-    return _exceeds(trace.time, outside, 0.0, "it was {:.2f} m outside the ground that is built; {:g} is allowed")
+    return _describe_excess(trace.time, outside, 0.0, "it was {:.2f} m outside the arena; {:g} is allowed")
 
 
 def _load_lost(trace: Trace, settings: Settings) -> str:
     if not trace.load.size:
         return ""
-    ahead = trace.load[:, 0] - trace.com[:, 0]
-    below = height(settings.terrain, trace.load[:, 0], trace.load[:, 1]) - trace.load[:, 2]
-    return (
-        _exceeds(trace.time, trace.rope, STRETCH, "the rope was drawn to {:.2f} times its length; {:g} is allowed")
-        or _exceeds(trace.time, ahead, AHEAD, "the sledge was {:.2f} m ahead of the robot; {:g} is allowed")
-        or _exceeds(trace.time, below, SLEDGE_SINK, "the sledge was {:.2f} m deep in the ground; {:g} is allowed")
+    lead = trace.load[:, 0] - trace.com[:, 0]
+    depth = height(settings.terrain, trace.load[:, 0], trace.load[:, 1]) - trace.load[:, 2]
+    checks = (
+        (trace.rope, MAX_ROPE_STRETCH, "the rope was stretched to {:.2f} times its length; {:g} is allowed"),
+        (lead, MAX_LOAD_LEAD, "the sledge was {:.2f} m ahead of the robot; {:g} is allowed"),
+        (depth, MAX_SLEDGE_SINK, "the sledge was {:.2f} m deep in the ground; {:g} is allowed"),
     )
+    reasons = (_describe_excess(trace.time, values, limit, text) for values, limit, text in checks)
+    return next(filter(None, reasons), "")
 
 
 GUARDS: dict[Guard, Callable[[Trace, Settings], str]] = {
@@ -175,32 +187,52 @@ GUARDS: dict[Guard, Callable[[Trace, Settings], str]] = {
     Guard.out_of_arena: _out_of_arena,
     Guard.load_lost: _load_lost,
 }
-"""Every guard, in the order in which they are asked."""
+"""Function of each guard, in the order in which they are checked."""
 
 
-def _exceeds(time: Floats, value: Floats, allowed: float, said: str) -> str:
-    """Say when a value was largest, how large, and what is allowed; nothing if it was never more than that."""
-    worst = int(np.argmax(value))
-    if value[worst] <= allowed:
+def _describe_excess(time: Floats, values: Floats, limit: float, text: str) -> str:
+    """Describe the greatest of some values if it exceeds a limit.
+
+    Args:
+        time: Time of each value, s, shape (n,).
+        values: Measured values, shape (n,).
+        limit: Greatest value allowed.
+        text: Format string for the greatest value and the limit.
+
+    Returns:
+        The time and the text, or "" if the limit is not exceeded.
+    """
+    worst = int(np.argmax(values))
+    if values[worst] <= limit:
         return ""
-    return f"at {time[worst]:.2f} s " + said.format(float(value[worst]), allowed)
+    return f"at {time[worst]:.2f} s " + text.format(float(values[worst]), limit)
 
 
-def _ground_near(trace: Trace, settings: Settings) -> tuple[Floats, Floats]:
-    """Return the least and the greatest height of the ground under the robot, (n,) each [m]."""
-    if settings.terrain.structure == Structure.gaps:  # of what there is to stand on: down in a trench is fallen
+def _ground_heights(trace: Trace, settings: Settings) -> tuple[Floats, Floats]:
+    """Return the lowest and the highest point of the ground below the robot at each sample [m], shape (n,) each."""
+    if settings.terrain.structure == Structure.gaps:  # height of the surface between the trenches
         return np.zeros(len(trace.time)), np.zeros(len(trace.time))
-    reach = trace.phenotype.body_length / 2 * np.linspace(-1, 1, 5)[:, np.newaxis]
-    heights = height(settings.terrain, trace.com[:, 0] + reach, trace.com[:, 1] + 0 * reach)
+    offset = trace.phenotype.body_length / 2 * np.linspace(-1, 1, 5)[:, np.newaxis]
+    x, y = np.broadcast_arrays(trace.com[:, 0] + offset, trace.com[:, 1])
+    heights = height(settings.terrain, x, y)
     return heights.min(axis=0), heights.max(axis=0)
 
 
-def _longest(time: Floats, holds: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return when the longest time for which something holds began, and how long it lasted [s], to the end at most."""
+def _longest_period(time: Floats, holds: NDArray[np.bool_]) -> tuple[float, float]:
+    """Find the longest period in which a condition holds.
+
+    Args:
+        time: Time of each sample, s, shape (n,).
+        holds: Whether the condition holds in each sample, shape (n,).
+
+    Returns:
+        Start and duration of the period [s]; it ends with the last sample at the latest. NaN and 0 without one.
+    """
     edges = np.flatnonzero(np.diff(holds, prepend=False, append=False))
-    began, ended = edges[::2], np.minimum(edges[1::2], len(time) - 1)
-    if not len(began):
+    starts = edges[::2]
+    ends = np.minimum(edges[1::2], len(time) - 1)
+    if not len(starts):
         return math.nan, 0.0
-    lasted = time[ended] - time[began]
-    longest = int(np.argmax(lasted))
-    return float(time[began[longest]]), float(lasted[longest])
+    durations = time[ends] - time[starts]
+    longest = int(np.argmax(durations))
+    return float(time[starts[longest]]), float(durations[longest])

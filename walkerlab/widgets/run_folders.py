@@ -10,7 +10,7 @@ from walkerlab.evolution.run import Run
 from walkerlab.runfile.store import RUN_FILE
 from walkerlab.settings.glossary import rows_of
 from walkerlab.settings.settings import Settings
-from walkerlab.simulation.fitness import label
+from walkerlab.simulation.fitness import name_and_unit
 from walkerlab.text.numbers import with_unit
 
 MAX_DIFFERENCES = 4  # settings that are named in the description of a run
@@ -69,7 +69,7 @@ def best_result(run: Run) -> str:
     if not run.n_generations:
         return ""
     champion = run.champion
-    unit = label(run.settings.algorithm.fitness)[1]
+    unit = name_and_unit(run.settings.algorithm.fitness)[1]
     return with_unit(champion.fitness, unit) if champion.verdict == "ok" else "no walk counted"
 
 

@@ -1,60 +1,71 @@
-"""What this machine can do, and the mend for what it cannot. All that could crash is tried in another process."""
+"""Command ``doctor``: checks of the computer, each with a way to fix what is wrong.
 
-from __future__ import annotations  # a Python that is too old must be able to read this file, and say so
+Checks that could crash run in another process.
+"""
+
+from __future__ import annotations  # old versions of Python must be able to import this file
 
 from collections.abc import Iterator
 
+from walkerlab.commands.doctor.finding import Check
 from walkerlab.commands.doctor.finding import Finding as Finding
-from walkerlab.commands.doctor.finding import Look
-from walkerlab.commands.doctor.hardware import cores, drawing, folder, keep, place, workers
-from walkerlab.commands.doctor.software import packages, python, walk
+from walkerlab.commands.doctor.hardware import (
+    check_cores,
+    check_current_folder,
+    check_graphics,
+    check_run_file,
+    check_workers,
+    check_writing,
+)
+from walkerlab.commands.doctor.software import check_packages, check_python, check_walk
 
-LOOKS: dict[Look, tuple[str, ...]] = {
-    python: (),
-    packages: ("python",),
-    place: (),
-    folder: ("place",),
-    cores: ("packages",),
-    walk: ("packages", "place", "cores"),
-    keep: ("walk", "folder"),
-    workers: ("walk",),
-    drawing: ("walk",),
+CHECKS: dict[Check, tuple[Check, ...]] = {
+    check_python: (),
+    check_packages: (check_python,),
+    check_current_folder: (),
+    check_writing: (check_current_folder,),
+    check_cores: (check_packages,),
+    check_walk: (check_packages, check_current_folder, check_cores),
+    check_run_file: (check_walk, check_writing),
+    check_workers: (check_walk,),
+    check_graphics: (check_walk,),
 }
-"""What is looked at, and what must be sound before that has a meaning."""
+"""All checks, quickest first, and those that each of them requires to pass."""
 
 
 def examine() -> Iterator[Finding]:
-    """Look at everything, quickest first; but at nothing that cannot be right where something else is wrong."""
-    ill = set[str]()
-    for look, needs in LOOKS.items():
-        if not ill.isdisjoint(needs):
-            ill.add(look.__name__)
+    """Run all checks; a check is skipped if one that it requires has failed."""
+    failed: set[Check] = set()
+    for check, required in CHECKS.items():
+        if not failed.isdisjoint(required):
+            failed.add(check)
             continue
-        for finding in _survived(look):
+        for finding in _run_check(check):
             if finding.level == "fault":
-                ill.add(look.__name__)
+                failed.add(check)
             yield finding
 
 
-def _survived(look: Look) -> Iterator[Finding]:
-    """Make a fault of whatever a look dies of."""
+def _run_check(check: Check) -> Iterator[Finding]:
+    """Run a check; an unexpected exception becomes a fault."""
     try:
-        yield from look()
+        yield from check()
     except Exception as error:
         yield Finding(
             "fault",
-            f"the look at {look.__name__} failed: {type(error).__name__}: {error}",
-            "close other programs and ask again; if that is not it, show all of this to whoever keeps walkerlab",
+            f"{check.__name__} failed: {type(error).__name__}: {error}",
+            "close other programs and try again; if it fails again, report it with all of this output",
         )
 
 
-def tell(_: object = None) -> int:
-    """Print all that is found, and return the exit code: 1 if there is a fault."""
-    faults = 0
+def run(_: object = None) -> int:
+    """Print all findings; return the exit code, which is 1 if there is a fault."""
+    has_fault = False
     for finding in examine():
         print(finding, flush=True)
-        faults += finding.level == "fault"
-    print(
-        "\nMend the faults above, and ask again." if faults else "\nThis machine can evolve walkers: walkerlab evolve"
-    )
-    return 1 if faults else 0
+        has_fault = has_fault or finding.level == "fault"
+    if has_fault:
+        print("\nFix the faults above, then run this again: walkerlab doctor")
+        return 1
+    print("\nThis computer can evolve robots: walkerlab evolve")
+    return 0

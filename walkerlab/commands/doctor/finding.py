@@ -1,6 +1,6 @@
-"""What the doctor finds."""
+"""Findings of the doctor, and the type of its checks."""
 
-from __future__ import annotations  # a Python that is too old must be able to read this file, and say so
+from __future__ import annotations  # old versions of Python must be able to import this file
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -11,28 +11,29 @@ from typing import Literal
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing looked at.
+    """Result of one check.
 
     Attributes:
-        level: ``ok``; ``note``, something is missing that evolving does not need; ``fault``, it cannot evolve.
-        says: what was found.
-        mend: what to type or do about it, a line each.
+        level: ``ok``; ``note`` if something is missing that an evolution does not need; ``fault`` if it is needed.
+        message: Description of the result.
+        fix: Commands or instructions that fix it, one per line.
     """
 
     level: Literal["ok", "note", "fault"]
-    says: str
-    mend: str = ""
+    message: str
+    fix: str = ""
 
     def __str__(self) -> str:
-        """Lay it out: the level, what was found, and below it the mend, of which no line is broken."""
-        wide = max(60, get_terminal_size((100, 0)).columns - 7)
-        said = [part for line in self.says.splitlines() for part in wrap(line, wide, break_on_hyphens=False)]
-        return "\n".join([*_led_by(f"{self.level:6}", said), *_led_by("      mend: ", self.mend.splitlines())])
+        """Format the level, the message, wrapped, and below it the fix, whose lines are not wrapped."""
+        width = max(60, get_terminal_size((100, 0)).columns - 7)
+        message = [part for line in self.message.splitlines() for part in wrap(line, width, break_on_hyphens=False)]
+        return "\n".join([*_indent(f"{self.level:6}", message), *_indent("      fix: ", self.fix.splitlines())])
 
 
-def _led_by(word: str, lines: Sequence[str]) -> list[str]:
-    return [f"{' ' * len(word) if i else word}{line}" for i, line in enumerate(lines)]
+def _indent(label: str, lines: Sequence[str]) -> list[str]:
+    """Put a label before the first of some lines, and as many spaces before the others."""
+    return [f"{' ' * len(label) if i else label}{line}" for i, line in enumerate(lines)]
 
 
-Look = Callable[[], Iterator[Finding]]
-"""Looks at one thing."""
+Check = Callable[[], Iterator[Finding]]
+"""Function that checks one property of the computer."""

@@ -1,6 +1,6 @@
-"""Looks at Python, at its packages, and at whether they let a robot walk."""
+"""Checks of Python, its packages and the simulation of a walk."""
 
-from __future__ import annotations  # a Python that is too old must be able to read this file, and say so
+from __future__ import annotations  # old versions of Python must be able to import this file
 
 import os
 import platform
@@ -14,22 +14,22 @@ from walkerlab.view import opengl
 
 OLDEST_PYTHON = (3, 11)
 
-CAN_WAIT = {
+OPTIONAL = {
     "jupyterlab": "only the notebooks need it",
-    "ipywidgets": "robots evolve without it, but there are no notebooks, replays and reports",
-    "anywidget": "robots evolve without it, but there are no notebooks, replays and reports",
-    "k3d": "robots evolve without it, but there are no replays and reports",
+    "ipywidgets": "only notebooks, replays and reports need it",
+    "anywidget": "only notebooks, replays and reports need it",
+    "k3d": "only replays and reports need it",
     "av": "only films need it",
     "distributed": "only a cluster needs it",
     "dask-jobqueue": "only a cluster needs it",
 }
-"""Packages without which a robot can walk."""
+"""Packages that an evolution does not need, and what needs them."""
 
-NAMED = ("mujoco", "dm-control", "numpy", "jupyterlab")
-"""Packages whose versions whoever is asked for help wants to know."""
+REPORTED_PACKAGES = ("mujoco", "dm-control", "numpy", "jupyterlab")
+"""Packages whose versions are printed, because they matter for support."""
 
-WHY = {"mujoco": "dm_control reads what mujoco 4 no longer has"}
-MODULES = {
+REASONS = {"mujoco": "dm_control uses features that mujoco 4 no longer has"}
+SIMULATION_MODULES = {
     "numpy": "numpy",
     "scipy": "scipy",
     "pandas": "pandas",
@@ -38,9 +38,9 @@ MODULES = {
     "mujoco": "mujoco",
     "dm-control": "dm_control.composer",
 }
-"""What is imported of each package without which no robot walks, each before those that need it."""
+"""Module to import of each package that a simulation needs; dependencies come first."""
 
-LOAD = """
+IMPORT_MODULES = """
 import sys
 from importlib import import_module
 for package, module in {modules!r}.items():
@@ -50,7 +50,7 @@ for package, module in {modules!r}.items():
         sys.exit(f"{{package}} is broken ({{type(error).__name__}}: {{' '.join(str(error).split())}})"[:300])
 """
 
-WALK = """
+SIMULATE_WALK = """
 import time
 import walkerlab as wl
 settings = wl.Settings().with_(duration=8)
@@ -62,72 +62,83 @@ print(f"{8 / (time.perf_counter() - start):.0f}")
 """
 
 
-def python() -> Iterator[Finding]:
-    """Check the age of Python."""
-    name, needed = f"Python {platform.python_version()}", ".".join(map(str, OLDEST_PYTHON))
+def check_python() -> Iterator[Finding]:
+    """Check the version of Python."""
+    name = f"Python {platform.python_version()}"
+    needed = ".".join(map(str, OLDEST_PYTHON))
     if sys.version_info[:2] >= OLDEST_PYTHON:
         yield Finding("ok", f"{name}, {platform.system()} {platform.machine()}")
     else:
-        yield Finding("fault", f"{name} is too old; walkerlab needs {needed} or newer", fixes.newer_python(needed))
+        yield Finding("fault", f"{name} is too old; walkerlab needs {needed} or newer", fixes.install_python(needed))
 
 
-def packages() -> Iterator[Finding]:
-    """Hold what is installed against walkerlab's own list of requirements, as lines like ``mujoco<4,>=3.17``."""
+def check_packages() -> Iterator[Finding]:
+    """Compare the installed packages with the requirements of walkerlab, such as ``mujoco<4,>=3.17``."""
     try:
         needed = requires("walkerlab") or []
         from packaging.requirements import Requirement
     except PackageNotFoundError:
-        yield Finding("fault", "walkerlab itself is not installed", fixes.install(fixes.source()))
+        yield Finding("fault", "walkerlab itself is not installed", fixes.install(fixes.find_source()))
         return
     except ImportError:
         yield Finding("fault", "packaging is not installed; walkerlab needs it", fixes.install("packaging"))
         return
-    wrong, n_good = dict[str, Requirement](), 0
-    for one in map(Requirement, needed):
-        found, extra = _version(one.name), "cluster" if "cluster" in str(one.marker or "") else ""
-        if (extra and not found) or not (one.marker is None or one.marker.evaluate({"extra": extra})):
+    unmet: dict[str, Requirement] = {}
+    n_met = 0
+    for requirement in map(Requirement, needed):
+        installed = _version(requirement.name)
+        extra = "cluster" if "cluster" in str(requirement.marker or "") else ""
+        applies = requirement.marker is None or requirement.marker.evaluate({"extra": extra})
+        if (extra and not installed) or not applies:
             continue
-        if found and one.specifier.contains(found, prereleases=True):
-            n_good += 1
+        if installed and requirement.specifier.contains(installed, prereleases=True):
+            n_met += 1
         else:
-            one.marker = None
-            wrong[one.name] = one
-    named = [f"{name} {_version(name)}" for name in NAMED if name not in wrong and _version(name)]
+            requirement.marker = None
+            unmet[requirement.name] = requirement
+    reported = [f"{name} {_version(name)}" for name in REPORTED_PACKAGES if name not in unmet and _version(name)]
     yield Finding(
-        "ok", f"walkerlab {_version('walkerlab')}, {', '.join(named)} and {n_good - len(named)} more packages"
+        "ok", f"walkerlab {_version('walkerlab')}, {', '.join(reported)} and {n_met - len(reported)} more packages"
     )
-    for can_wait in (False, True):
-        if names := [name for name in wrong if (name in CAN_WAIT) == can_wait]:
-            said = "\n".join(_wrong(name, str(wrong[name].specifier)) for name in names)
-            yield Finding("note" if can_wait else "fault", said, fixes.install(*(str(wrong[name]) for name in names)))
+    for is_optional in (False, True):
+        if names := [name for name in unmet if (name in OPTIONAL) == is_optional]:
+            message = "\n".join(_describe_unmet(name, str(unmet[name].specifier)) for name in names)
+            fix = fixes.install(*(str(unmet[name]) for name in names))
+            yield Finding("note" if is_optional else "fault", message, fix)
 
 
-def _wrong(name: str, specifier: str) -> str:
-    found, why = _version(name), WHY.get(name) or CAN_WAIT.get(name)
+def _describe_unmet(name: str, specifier: str) -> str:
+    """Describe a requirement that is not met: installed version, required versions and reason."""
+    installed = _version(name)
+    reason = REASONS.get(name) or OPTIONAL.get(name)
     bounds = sorted(specifier.split(","), reverse=True)
-    wanted = ", ".join(f"{one[2:]} or newer" if one[0] == ">" else f"under {one[1:]}" for one in bounds)
-    return f"{name} {found or 'is not installed'}; walkerlab needs {wanted}{f': {why}' if why else ''}"
+    versions = ", ".join(f"{one[2:]} or newer" if one[0] == ">" else f"below {one[1:]}" for one in bounds)
+    return f"{name} {installed or 'is not installed'}; walkerlab needs {versions}{f': {reason}' if reason else ''}"
 
 
 def _version(package: str) -> str | None:
+    """Return the installed version of a package; None if it is not installed."""
     try:
         return version(package)
     except PackageNotFoundError:
         return None
 
 
-def walk() -> Iterator[Finding]:
-    """Let one robot walk."""
-    done, answer = opengl.run_python(WALK)
-    chosen = os.environ.get("MUJOCO_GL")
-    if done:
-        yield Finding("ok", f"a robot walks, {answer} times faster than in real time on one core")
-    elif chosen and opengl.run_python(WALK, {"MUJOCO_GL": ""})[0]:
-        yield Finding("fault", f"no robot can walk while MUJOCO_GL is {chosen!r}: {answer}", fixes.unset("MUJOCO_GL"))
+def check_walk() -> Iterator[Finding]:
+    """Simulate the walk of one robot; if it fails, find the package that cannot be imported."""
+    succeeded, output = opengl.run_python(SIMULATE_WALK)
+    backend = os.environ.get("MUJOCO_GL")
+    if succeeded:
+        yield Finding("ok", f"a walk is simulated {output} times faster than in real time on one core")
+        return
+    if backend and opengl.run_python(SIMULATE_WALK, {"MUJOCO_GL": ""})[0]:
+        message = f"walks cannot be simulated while MUJOCO_GL is {backend!r}: {output}"
+        yield Finding("fault", message, fixes.unset_variable("MUJOCO_GL"))
+        return
+    imports_succeed, import_error = opengl.run_python(IMPORT_MODULES.format(modules=SIMULATION_MODULES))
+    package = import_error.partition(" is broken")[0]
+    if imports_succeed or package not in SIMULATION_MODULES:
+        fix = fixes.install("--force-reinstall", fixes.find_source())
+        yield Finding("fault", f"walks cannot be simulated: {output}", fix)
     else:
-        are_sound, broken = opengl.run_python(LOAD.format(modules=MODULES))
-        culprit = broken.partition(" is broken")[0]
-        if are_sound or culprit not in MODULES:
-            yield Finding("fault", f"no robot can walk: {answer}", fixes.install("--force-reinstall", fixes.source()))
-        else:
-            yield Finding("fault", f"no robot can walk: {broken}", fixes.repair(culprit, broken))
+        yield Finding("fault", f"walks cannot be simulated: {import_error}", fixes.reinstall(package, import_error))

@@ -29,7 +29,7 @@ from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.choices import Camera
 from walkerlab.settings.fields import count
 from walkerlab.settings.settings import Settings
-from walkerlab.simulation.fitness import label, score
+from walkerlab.simulation.fitness import name_and_unit, score
 from walkerlab.simulation.validity import UNSTABLE, VERDICTS
 from walkerlab.system.files import file_path, replacing
 from walkerlab.text.html import Html, join, tag
@@ -129,7 +129,7 @@ class Replay:
             ("way forward", with_unit(rollout.distance, "m") if whole else "–"),
             ("speed", with_unit(rollout.velocity, "m/s") if whole else "–"),
         ]
-        name, unit = label(self.settings.algorithm.fitness)
+        name, unit = name_and_unit(self.settings.algorithm.fitness)
         if name not in ("distance", "velocity") and rollout.counts:
             with suppress(RunFileError):  # of a fitness of the user's own, a run file knows the name only
                 fitness = score(rollout, self.settings.algorithm.fitness)

@@ -1,0 +1,75 @@
+"""Starts of a walk: small displacements, overlap with other bodies, and settling before the gait starts."""
+
+import math
+
+import mujoco
+import numpy as np
+
+from walkerlab.ga.genes import Floats
+from walkerlab.randomness import stream
+from walkerlab.simulation.stepping import STATE_PARTS, simulate_steps, warnings_counted_not_printed
+from walkerlab.world.assembly import ROBOT_BODY, Sensor
+from walkerlab.world.scene import ROTATION, TRANSLATION, Scene
+
+SETTLE_CHUNK = 0.25  # s between two checks whether the body is at rest
+MAX_SETTLE_TIME = 3.0  # s after which the walk starts even if the body is not at rest
+REST_SPEED = 0.02  # m/s of the centre of mass below which the body is at rest
+
+# Standard deviations of the displacement of a start.
+NUDGE_SHIFT = 0.02  # m to the side
+NUDGE_TURN = 0.03  # rad, rotation of the body about each axis
+NUDGE_BEND = 0.03  # rad, angle of each joint
+
+
+def draw_nudge(scene: Scene, start: int) -> Floats | None:
+    """Draw the small displacements of a start from the terrain's seed and the number of the start.
+
+    Returns:
+        Displacements of the robot's degrees of freedom, shape (nv,); None for start 0, the exact one.
+    """
+    if not start:
+        return None
+    model = scene.model
+    scale = np.where(model.body_rootid[model.dof_bodyid] == ROBOT_BODY, NUDGE_BEND, 0.0)
+    scale[TRANSLATION] = (0, NUDGE_SHIFT, 0)
+    scale[ROTATION] = NUDGE_TURN
+    return scale * stream(scene.settings.terrain.seed, "perturbation", start).standard_normal(model.nv)
+
+
+def start_overlap(scene: Scene, data: mujoco.MjData) -> float:
+    """Return how deep [m] the robot or its sledge penetrates anything at the start, apart from itself."""
+    mujoco.mj_fwdPosition(scene.model, data)
+    roots = scene.model.body_rootid[scene.model.geom_bodyid[data.contact.geom]]
+    is_relevant = (roots[:, 0] != roots[:, 1]) & np.isin(roots, scene.roots).any(axis=1)
+    return float(np.max(-data.contact.dist, where=is_relevant, initial=0.0))
+
+
+def settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float, float]:
+    """Hold the rest pose until the body is at rest.
+
+    Returns:
+        The state reached, shape (1, n_state); the time that it took [s]; the speed at its end [m/s].
+    """
+    model, timestep = scene.model, scene.settings.simulation.timestep
+    state = np.empty((1, mujoco.mj_stateSize(model, STATE_PARTS)))
+    mujoco.mj_getState(model, data, state[0], STATE_PARTS)
+    n_steps = round(SETTLE_CHUNK / timestep)
+    hold = np.tile(scene.rest, (1, n_steps, 1))
+    settled, speed = 0.0, math.inf
+    while settled < MAX_SETTLE_TIME and speed > REST_SPEED:
+        states, sensors = simulate_steps(model, data, state, hold)
+        state = states[:, -1].copy()
+        com = sensors[0, :, Sensor.COM]
+        settled += SETTLE_CHUNK
+        middle = n_steps // 2
+        speed = float(np.linalg.norm(com[-1] - com[middle])) / ((n_steps - 1 - middle) * timestep)
+    return state, settled, speed
+
+
+def count_settling_steps(scene: Scene) -> int:
+    """Return the number of steps for which ``walk`` holds the rest pose before the gait starts."""
+    data = mujoco.MjData(scene.model)
+    with warnings_counted_not_printed():
+        scene.place(data)
+        _, settled, _ = settle(scene, data)
+    return round(settled / SETTLE_CHUNK) * round(SETTLE_CHUNK / scene.settings.simulation.timestep)
