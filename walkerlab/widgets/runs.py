@@ -13,7 +13,7 @@ from walkerlab.evolution.run import Run, load
 from walkerlab.system.files import absolute_path, shown
 from walkerlab.text.html import Html, join
 from walkerlab.view.plots.style import RUNS
-from walkerlab.view.report.code import as_python, own_functions
+from walkerlab.view.report.code import as_python, user_functions
 from walkerlab.view.snapshots import HasSnapshot
 from walkerlab.widgets.curve import Curve
 from walkerlab.widgets.drawer import Drawer
@@ -153,6 +153,6 @@ class RunsRoom(HasSnapshot, ipywidgets.Box):
 
 def _code(run: Run) -> str:
     """Write the code that makes a run again, and say which functions it takes for granted."""
-    own = own_functions(run.settings)
+    own = user_functions(run.settings)
     needed = f"# Define these of your own first: {', '.join(own)}\n" if own else ""
     return needed + as_python(run.settings, run.records)
