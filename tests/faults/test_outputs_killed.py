@@ -16,7 +16,7 @@ import walkerlab as wl
 from tests.faults import number
 from walkerlab.evolution import outputs
 from walkerlab.runfile.store import RUN_FILE
-from walkerlab.view.report.pictures import KINDS, PICTURES
+from walkerlab.view.report.pictures import FORMATS, PICTURES
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="nothing there kills like SIGKILL")
 
@@ -53,7 +53,7 @@ def states(tmp_path_factory):
 def names_of(writer):
     if writer != "report":
         return outputs.FILES.keys() - {RUN_FILE}
-    pictures = {f"pictures/{picture.name}.{kind}" for picture in PICTURES for kind in KINDS}
+    pictures = {f"pictures/{picture.name}.{kind}" for picture in PICTURES for kind in FORMATS}
     return {"report.html", "replay.html", "records.csv", "tables/generations.csv", "tables/champion.csv", *pictures}
 
 

@@ -13,10 +13,10 @@ from matplotlib.figure import Figure
 import walkerlab as wl
 from walkerlab.__main__ import main
 from walkerlab.evolution.run import Run
-from walkerlab.text.html import cell, printable
+from walkerlab.text.html import escape_cell, printable
 from walkerlab.view.plots import fitness_curve, save
-from walkerlab.view.report.code import own_functions
-from walkerlab.view.report.page import _for_spreadsheets
+from walkerlab.view.report.code import user_functions
+from walkerlab.view.report.page import _escape_formulas
 
 SMALL = wl.Settings().with_(population_size=4, generations=2, duration=1)
 STRANGE = "=x\x1b]0;pwned\x07\x1b[2J\x00\u202e\ud800</script><img src=x onerror=alert(1)>\nimport this"
@@ -64,8 +64,8 @@ def test_printable_text_is_unchanged_and_control_characters_are_escaped(text):
 
 @given(st.text())
 def test_no_cell_is_a_formula(text):
-    assert not cell(text).startswith(("=", "+", "-", "@", "\t", "\r"))
-    assert cell(text) in (printable(text, keep="\n"), f"'{printable(text, keep=chr(10))}")
+    assert not escape_cell(text).startswith(("=", "+", "-", "@", "\t", "\r"))
+    assert escape_cell(text) in (printable(text, keep="\n"), f"'{printable(text, keep=chr(10))}")
 
 
 def test_the_table_contains_no_formulas(report):
@@ -77,7 +77,7 @@ def test_the_table_contains_no_formulas(report):
 
 def test_a_table_without_formulas_is_unchanged():
     records = evolved().records
-    pd.testing.assert_frame_equal(_for_spreadsheets(records), records)
+    pd.testing.assert_frame_equal(_escape_formulas(records), records)
 
 
 def test_a_report_contains_no_scripts_and_valid_pictures(report):
@@ -103,7 +103,7 @@ def test_strange_names_are_escaped_in_a_replay(tmp_path):
 
 
 def test_the_name_of_a_function_cannot_end_a_comment():
-    (name,) = own_functions(SMALL.with_(fitness=fitness_named(STRANGE)))
+    (name,) = user_functions(SMALL.with_(fitness=fitness_named(STRANGE)))
     assert name.isprintable()
 
 

@@ -15,7 +15,7 @@ from walkerlab.evolution import outputs
 from walkerlab.runfile.store import RUN_FILE
 from walkerlab.system import file_sets
 from walkerlab.system.file_sets import MARKER, NAMES, STAGE, OutputError, replacing_files, restore
-from walkerlab.view.report.pictures import FOLDER, KINDS, PICTURES
+from walkerlab.view.report.pictures import FOLDER, FORMATS, PICTURES
 
 OLD = {"report.html": "old", "records.csv": "old", "pictures/body.svg": "old", "champion.txt": "old"}
 NEW = {"report.html": "new", "records.csv": "new", "pictures/body.svg": "new", "tables/champion.csv": "new"}
@@ -53,7 +53,7 @@ def folder(tmp_path):
 
 def test_every_output_file_has_a_name_that_may_be_replaced_and_no_run_has():
     names = {*outputs.FILES} - {RUN_FILE}
-    names |= {f"{FOLDER}/{picture.name}.{kind}" for picture in PICTURES for kind in KINDS}
+    names |= {f"{FOLDER}/{picture.name}.{kind}" for picture in PICTURES for kind in FORMATS}
     assert all(map(NAMES.fullmatch, names))
     for other in (RUN_FILE, "notes.md", "../report.html", "pictures/../report.html", "/report.html", "report.html\n"):
         assert not NAMES.fullmatch(other)

@@ -142,8 +142,8 @@ def progress(run):
 
 def of_report(run):
     subject = Subject(run.settings, run.records, run.champion, None)
-    walks = page._came(subject, defaultdict(Html), files=False)
-    line = page._descent(subject, defaultdict(Html))
+    walks = page._results_section(subject, defaultdict(Html), files=False)
+    line = page._descent_section(subject, defaultdict(Html))
     cells = [re.findall(r'class="number">([^<]*)<', part) for part in (walks, line)]
     return [*cells[0][6:8], cells[1][-1]]
 
@@ -230,7 +230,7 @@ def test_the_ticks_of_a_curve_are_read_back_and_lie_off_its_legend(value, spread
 @pytest.mark.parametrize("value", DRAWN)
 def test_a_fitness_is_read_back_from_the_board_of_a_replay(value, walked):
     shown = replace(walked, settings=walked.settings.with_(fitness=lambda _: value))
-    assert is_read_back(dict(shown._facts(shown.walks[0])["facts"])["<lambda>"], value)
+    assert is_read_back(dict(shown._walk_facts(shown.walks[0])["facts"])["<lambda>"], value)
 
 
 @pytest.fixture(scope="module")

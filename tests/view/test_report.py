@@ -1,4 +1,4 @@
-"""The report tells all of a run, to everybody, and does no harm; what it says about repeating it is true."""
+"""The report of a run is complete, accessible and harmless; its code repeats the run."""
 
 import re
 from functools import partial
@@ -19,7 +19,7 @@ from walkerlab.simulation.fitness import distance
 from walkerlab.simulation.robustness import Confirmation
 from walkerlab.view import report
 from walkerlab.view.report.code import as_python
-from walkerlab.view.report.pictures import KINDS, PICTURES
+from walkerlab.view.report.pictures import FORMATS, PICTURES
 
 TINY = wl.Settings().with_(
     generations=3, population_size=6, duration=1, structure="stairs", step_height=0.02, selection=["top_half", "rank"]
@@ -45,11 +45,11 @@ def tagged(seen, tag):
     return [attributes for name, attributes in seen.elements if name == tag]
 
 
-def test_there_is_a_page_every_picture_in_every_format_and_every_table(run, path):
+def test_the_folder_contains_the_page_all_pictures_and_all_tables(run, path):
     assert path.name == "report.html"
-    found = {file.relative_to(path.parent).as_posix() for file in path.parent.rglob("*") if file.is_file()}
-    pictures = {f"pictures/{picture.name}.{kind}" for picture in PICTURES for kind in KINDS}
-    assert found == {
+    files = {file.relative_to(path.parent).as_posix() for file in path.parent.rglob("*") if file.is_file()}
+    pictures = {f"pictures/{picture.name}.{ending}" for picture in PICTURES for ending in FORMATS}
+    assert files == {
         "report.html",
         "replay.html",
         "records.csv",
@@ -61,47 +61,47 @@ def test_there_is_a_page_every_picture_in_every_format_and_every_table(run, path
         assert all(file.read_bytes().startswith(start) for file in path.parent.rglob(f"*.{name}"))
 
 
-def test_every_picture_is_on_the_page_with_a_title_and_words_for_those_who_cannot_see_it(seen):
+def test_every_picture_is_on_the_page_with_a_title_and_an_explanation(seen):
     assert len(tagged(seen, "svg")) + len(tagged(seen, "img")) == len(PICTURES) == len(tagged(seen, "figcaption"))
     for picture in PICTURES:
         assert picture.title in seen.text
-        assert picture.reading in seen.text
+        assert picture.explanation in seen.text
 
 
-def test_every_link_leads_to_something_beside_the_page(path, seen):
+def test_every_link_leads_to_a_section_or_a_file_of_the_report(path, seen):
     for link in tagged(seen, "a"):
         assert link["href"].startswith("#") or (path.parent / link["href"]).is_file()
 
 
-def test_headings_go_down_a_step_at_a_time(seen):
+def test_levels_of_headings_are_not_skipped(seen):
     levels = [int(tag[1]) for tag, _ in seen.elements if re.fullmatch("h[1-6]", tag)]
     assert levels[0] == 1
     assert levels.count(1) == 1
     assert all(after - before <= 1 for before, after in pairwise(levels))
 
 
-def test_it_tells_settings_versions_champion_and_every_generation(run, seen):
+def test_the_page_contains_settings_versions_and_the_champion(run, seen):
     for name in TINY.changes():
         assert f"●\N{NO-BREAK SPACE}{name}" in seen.text
     champion = run.champion
-    for words in (
+    for text in (
         "mujoco",
         "python",
         str(champion.genome),
         f"robot {champion.individual}",
         f"{champion.fitness:.3f} m",
     ):
-        assert words in seen.text
+        assert text in seen.text
     for domain in (wl.Terrain, wl.Robot, wl.Algorithm, wl.Simulation):
         assert all(declared.about in seen.text for declared in domain.declared().values())
 
 
-def test_its_tables_are_the_numbers_of_the_run(run, path):
+def test_the_table_files_contain_the_numbers_of_the_run(run, path):
     records = pd.read_csv(path.parent / "records.csv", keep_default_na=False)
     pd.testing.assert_frame_equal(records, run.records)
-    written = pd.read_csv(path.parent / "records.csv", dtype=str)
+    texts = pd.read_csv(path.parent / "records.csv", dtype=str)
     for name in ("fitness", "distance", "velocity", "weight", "body_length"):
-        assert written[name].map(float).tolist() == run.records[name].tolist()
+        assert texts[name].map(float).tolist() == run.records[name].tolist()
     generations = pd.read_csv(path.parent / "tables" / "generations.csv")
     counted = run.records[run.records.verdict == "ok"]
     assert generations.best.tolist() == pytest.approx(counted.groupby("generation").fitness.max().tolist())
@@ -110,7 +110,7 @@ def test_its_tables_are_the_numbers_of_the_run(run, path):
     assert walk.x.iloc[-1] - walk.x.iloc[0] == pytest.approx(run.champion.fitness)
 
 
-def test_the_tables_of_the_page_are_in_the_order_of_their_heads(run, path):
+def test_columns_of_tables_on_the_page_match_their_headers(run, path):
     text = path.read_text(encoding="utf-8")
     rows = rows_under(text, "Fitness of the walks that count")
     assert [cell.partition(" ")[0] for cell in rows[0]] == ["generation", "best", "median", "counted", "robots"]
@@ -121,16 +121,16 @@ def test_the_tables_of_the_page_are_in_the_order_of_their_heads(run, path):
         )
         assert [row[0], *row[3:]] == [str(generation), f"{len(counted)}", "6"]
     confirmed = run.confirm()
-    kept = [row[1] for row in rows_under(text, "when it walks again")[1:3]]
-    assert kept == [f"{confirmed.kept_finer:.0%}", f"{confirmed.kept_nudged:.0%}"]
+    shares = [row[1] for row in rows_under(text, "when it walks again")[1:3]]
+    assert shares == [f"{confirmed.kept_finer:.0%}", f"{confirmed.kept_nudged:.0%}"]
     confirmation = Confirmation(2.0, 1.0, (0.2, 0.5, 0.6), ("ok",) * 4, "distance m")
     shown = rows_under(str(confirmation.table()), "when it walks again")
     assert [row[1] for row in shown[1:]] == ["50%", "25%", "10%"]
 
 
 def rows_under(page, caption):
-    """Read the rows of the table whose caption has these words."""
-    (table,) = [found for found in re.findall("<table.*?</table>", page, re.S) if caption in found]
+    """Return the rows of the table whose caption contains a text."""
+    (table,) = [table for table in re.findall("<table.*?</table>", page, re.S) if caption in table]
     rows = re.findall("<tr.*?</tr>", table, re.S)
     return [[re.sub("<.*?>", "", cell).strip() for cell in re.findall(r"<t[hd].*?</t[hd]>", row, re.S)] for row in rows]
 
@@ -140,19 +140,19 @@ def test_the_share_of_walks_that_count_is_taken_over_births(run, tmp_path):
     elite = records[records.generation > records.born].individual.iloc[0]
     records.loc[records.individual != elite, ["verdict", "fitness"]] = ["fell", -np.inf]
     n_walks, n_rows = records.individual.nunique(), len(records)
-    text = report.save(TINY, records, tmp_path, files=False).read_text(encoding="utf-8")
-    assert f"{1 / n_walks:.0%}" != f"{(records.verdict == 'ok').sum() / n_rows:.0%}", "or this shows nothing"
+    text = report.save_report(TINY, records, tmp_path, files=False).read_text(encoding="utf-8")
+    assert f"{1 / n_walks:.0%}" != f"{(records.verdict == 'ok').sum() / n_rows:.0%}", "the shares must differ"
     assert f"<b>{1 / n_walks:.0%}</b>" in text
     assert f"<b>{n_walks}</b>" in text
 
 
-def test_a_table_read_from_csv_that_begins_later_is_reported_in_our_look(run, tmp_path):
+def test_a_table_without_its_first_generation_is_reported_in_any_matplotlib_style(run, tmp_path):
     run.records[run.records.born >= 1].to_csv(tmp_path / "records.csv", index=False)
     later = wl.Run(TINY, pd.read_csv(tmp_path / "records.csv"))
-    plain = report.save(TINY, later.records, tmp_path / "plain", files=False).read_bytes()
+    plain = report.save_report(TINY, later.records, tmp_path / "plain", files=False).read_bytes()
     assert b"the table begins with generation 1" in plain
     with pyplot.style.context("dark_background"):
-        assert report.save(TINY, later.records, tmp_path / "dark", files=False).read_bytes() == plain
+        assert report.save_report(TINY, later.records, tmp_path / "dark", files=False).read_bytes() == plain
 
 
 def my_mutation(genomes, genes, *, rng, strength=1.0):
@@ -168,20 +168,20 @@ def my_mutation(genomes, genes, *, rng, strength=1.0):
         TINY.with_(fitness=distance, selection=[partial(tournament, size=7), "rank"]),
         TINY.with_(mutation=[partial(my_mutation, strength=0.5), my_mutation]),
     ],
-    ids=["default", "tiny", "many", "ours", "own"],
+    ids=["default", "tiny", "many", "built-in", "user"],
 )
-def test_the_code_that_repeats_it_makes_the_very_settings(settings):
-    repeated = []
+def test_the_code_that_repeats_a_run_has_the_same_settings(settings):
+    evolved = []
     code = as_python(settings).replace("wl.evolve(", "evolve(")
-    exec(code, {"evolve": repeated.append, "my_mutation": my_mutation})
-    assert [one.model_dump() for one in repeated] == [settings.model_dump()]
+    exec(code, {"evolve": evolved.append, "my_mutation": my_mutation})
+    assert [evolved_settings.model_dump() for evolved_settings in evolved] == [settings.model_dump()]
 
 
-def test_the_code_on_the_page_is_that_code(seen):
+def test_the_page_contains_this_code(seen):
     assert as_python(TINY) in seen.text
 
 
-def test_a_replay_lies_beside_it_and_is_linked(run, path, seen):
+def test_the_page_links_to_the_replay(run, path, seen):
     assert "replay.html" in [link["href"] for link in tagged(seen, "a")]
     assert f"robot {run.champion.individual}" in (path.parent / "replay.html").read_text(encoding="utf-8")
 
@@ -190,15 +190,15 @@ def test_the_same_run_gives_the_same_page(run, path, tmp_path):
     assert run.save_report(tmp_path).read_bytes() == path.read_bytes()
 
 
-def test_a_report_that_cannot_be_written_leaves_the_earlier_one(run, path, tmp_path, monkeypatch):
+def test_an_earlier_report_stays_if_the_new_one_cannot_be_written(run, path, tmp_path, monkeypatch):
     run.save_report(tmp_path)
     before = {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
     assert before[tmp_path / "report.html"] == path.read_bytes()
 
-    def full(*_, **__):
+    def disk_full(*_, **__):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Path, "write_text", full)
+    monkeypatch.setattr(Path, "write_text", disk_full)
     with pytest.raises(OSError, match="No space"):
         run.save_report(tmp_path)
     assert {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()} == before
@@ -213,22 +213,22 @@ def test_hostile_texts_stay_texts(run, tmp_path):
     assert HOSTILE in assert_harmless(page.read_text(encoding="utf-8")).text
 
 
-def test_a_loaded_run_with_functions_of_somebodys_own_is_reported_without_them(tmp_path):
-    settings = TINY.with_(fitness=partial(own_fitness, power=2), mutation=my_mutation, generations=1)
+def test_a_loaded_run_with_user_functions_is_reported(tmp_path):
+    settings = TINY.with_(fitness=partial(my_fitness, power=2), mutation=my_mutation, generations=1)
     wl.evolve(settings, tmp_path / "run.walk", progress=False)
     text = assert_harmless(wl.load(tmp_path).save_report(tmp_path).read_text(encoding="utf-8")).text
     assert "mutation=my_mutation" in text
-    assert "own_fitness, my_mutation" in text
+    assert "my_fitness, my_mutation" in text
 
 
-def own_fitness(rollout, power):
+def my_fitness(rollout, power):
     return abs(rollout.distance) ** power
 
 
 def test_a_run_in_which_no_walk_counts_is_reported(tmp_path):
     settings = TINY.with_(structure="flat", generations=1, gravity=(0, 0, 1), forgive=["restless", "too_high"])
     run = wl.evolve(settings, progress=False)
-    assert run.champion.verdict != "ok", "or this shows nothing"
+    assert run.champion.verdict != "ok", "the test requires a run without a walk that counts"
     seen = assert_harmless(run.save_report(tmp_path).read_text(encoding="utf-8"))
     assert "No walk counted" in seen.text
     assert not re.search(r"\b(nan|inf)\b", seen.text)
@@ -241,7 +241,7 @@ def test_an_empty_run_has_no_report(tmp_path):
     assert not (tmp_path / "none").exists()
 
 
-def test_columns_stay_as_they_are_documented(path):
+def test_columns_are_the_documented_ones(path):
     header = Path(path.parent / "records.csv").read_text(encoding="utf-8").splitlines()[0]
     assert header.split(",") == list(COLUMNS)
     assert np.isfinite(pd.read_csv(path.parent / "tables" / "champion.csv").to_numpy()).all()

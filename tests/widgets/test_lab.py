@@ -146,9 +146,9 @@ def test_a_robot_is_selected_edited_and_inserted_into_the_next_generation(lab):
     wait_for_drawings(lab)
     assert f"Robot {number}" in lab.robot.card.value
     assert str(lab.robot.editor.genome) == lab.run.records.genome.iloc[2]
-    assert lab.robot.frame.poster.startswith("data:image/svg+xml")
+    assert lab.robot.frame.preview.startswith("data:image/svg+xml")
     assert not lab.robot.frame.page
-    lab.robot.frame._hear(None, {"want": "page"}, [])
+    lab.robot.frame._handle_message(None, {"request": "page"}, [])
     assert f"robot {number} of generation 0".encode() in lab.robot.frame.page
 
     edited = wl.Genome.random(SMALL.robot, rng=np.random.default_rng(1))

@@ -104,7 +104,7 @@ def test_a_student_evolves_a_walker(page, jupyter):
     replay = page.locator(".wl-robot iframe").element_handle(timeout=30_000).content_frame()
     replay.wait_for_function("window.walkerlab && walkerlab.state.time > 0.1", timeout=30_000)
     picture(page, "replay")
-    page.locator('button[title^="close the replay"]').click()
+    page.locator('button[title="Close the replay"]').click()
     page.get_by_role("button", name="Insert into the next generation").click()
     says(page, "The gene will be in generation", ".wl-robot")
 

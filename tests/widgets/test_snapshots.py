@@ -1,4 +1,4 @@
-"""Every widget leaves a static picture in the notebook, which stands alone, is small, and is kept up to date."""
+"""Every widget leaves a static picture in the notebook, which is self-contained, small and up to date."""
 
 import importlib
 import inspect
@@ -17,7 +17,7 @@ from tests.text.test_html import Seen, assert_harmless
 from walkerlab import widgets
 from walkerlab.view import snapshots
 from walkerlab.view.replay.page import Frame
-from walkerlab.view.snapshots import HasSnapshot, page
+from walkerlab.view.snapshots import HasSnapshot, snapshot_html
 from walkerlab.widgets.component import Component
 from walkerlab.widgets.drawer import Drawer
 from walkerlab.widgets.drawing_thread import DrawingThread
@@ -29,6 +29,13 @@ from walkerlab.widgets.transport import Transport
 
 MAX_SIZE = 200_000  # characters
 EVIL = "</pre><script>alert(1)</script><img src=x onerror=alert(1)>"
+
+
+@pytest.fixture(scope="module")
+def done():
+    settings = wl.Settings().with_(population_size=6, generations=4, duration=1)
+    with ThreadPoolExecutor(2) as workers:
+        return wl.evolve(settings, executor=workers, progress=False)
 
 
 def ignore(*_):
@@ -86,17 +93,17 @@ MAKE = {
     RunList: run_list,
     Transport: transport,
 }
-"""What makes each widget, with a run to show."""
+"""Function that makes each widget, given a run to show."""
 
 
 def widget_classes():
     """Return every class of walkerlab's that a notebook shows as a widget."""
     names = ["view.replay.page", *(f"widgets.{one.name}" for one in pkgutil.iter_modules(widgets.__path__))]
     found = {
-        thing
+        member
         for module in (importlib.import_module(f"walkerlab.{name}") for name in names)
-        for thing in vars(module).values()
-        if inspect.isclass(thing) and issubclass(thing, ipywidgets.DOMWidget) and thing.__module__ == module.__name__
+        for member in vars(module).values()
+        if inspect.isclass(member) and issubclass(member, ipywidgets.DOMWidget) and member.__module__ == module.__name__
     }
     return found - {Component}
 
@@ -108,12 +115,12 @@ def test_every_widget_has_a_snapshot_and_is_tested():
 
 
 @pytest.mark.parametrize("kind", MAKE, ids=lambda kind: kind.__name__)
-def test_a_snapshot_stands_alone_says_what_it_shows_and_is_small(kind, done, monkeypatch, tmp_path):
+def test_a_snapshot_is_self_contained_named_and_small(kind, done, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     widget = MAKE[kind](done)
-    html = page(widget)
+    html = snapshot_html(widget)
     seen = assert_harmless(html)
-    assert f"Static picture of the {widget.title}. Run the cell for the live one." in seen.text
+    assert f"Static picture of the {widget.title}. Run the cell for the interactive version." in seen.text
     assert "could not be drawn" not in seen.text
     assert widget.snapshot()
     assert len(html) < MAX_SIZE
@@ -123,45 +130,46 @@ def test_a_snapshot_stands_alone_says_what_it_shows_and_is_small(kind, done, mon
 
 
 @pytest.mark.parametrize("kind", [widgets.Curve, widgets.Population, widgets.Editor, widgets.Form, widgets.World])
-def test_a_widget_without_anything_to_show_says_so(kind):
-    html = page(kind())
+def test_a_widget_without_content_has_a_snapshot(kind):
+    html = snapshot_html(kind())
     assert "could not be drawn" not in html
     assert Seen(html).all("img") or "No generation was done yet." in html or "<table>" in html
 
 
-def test_a_population_with_many_robots_shows_the_first_of_them(done):
+def test_a_snapshot_of_a_population_shows_at_most_twelve_robots(done):
     robots = widgets.Population(done)
     robots.as_table = True
-    assert "<td" in page(robots)
+    assert "<td" in snapshot_html(robots)
     robots.as_table = False
-    assert len(Seen(page(robots)).all("img")) == min(done.settings.algorithm.population_size, 12)
+    assert len(Seen(snapshot_html(robots)).all("img")) == min(done.settings.algorithm.population_size, 12)
 
 
-def test_a_picture_that_fails_does_not_keep_the_widget_from_being_displayed(monkeypatch):
+def test_an_error_in_a_snapshot_is_shown_instead_of_the_picture(monkeypatch):
     world = widgets.World()
     monkeypatch.setattr(world, "snapshot", lambda: 1 / 0)
-    assert "It could not be drawn. ZeroDivisionError" in page(world)
+    assert "The picture could not be drawn. ZeroDivisionError" in snapshot_html(world)
 
 
 def test_a_snapshot_is_sent_again_only_when_it_has_changed(monkeypatch):
-    shell, sent = Shell(), []
+    shell = Shell()
+    sent = []
     monkeypatch.setattr("IPython.core.getipython.get_ipython", lambda: shell)
     monkeypatch.setattr("IPython.display.display", lambda bundle, **options: sent.append((bundle, options)))
-    monkeypatch.setattr(snapshots, "QUIET", 60)
+    monkeypatch.setattr(snapshots, "QUIET_TIME", 60)
     world = widgets.World()
     world._ipython_display_()
     (view, _), (picture, options) = sent
     assert "application/vnd.jupyter.widget-view+json" in view
     assert view["text/html"] == ""
     assert options["display_id"]
-    [cell_ran] = shell.callbacks
-    cell_ran(None)
+    [on_cell_end] = shell.callbacks
+    on_cell_end(None)
     assert len(sent) == 2
     world.number += 1
-    cell_ran(None)
+    on_cell_end(None)
     assert len(sent) == 3
-    updated, how = sent[-1]
-    assert how == options | {"update": True}
+    updated, update_options = sent[-1]
+    assert update_options == options | {"update": True}
     assert updated["text/html"] != picture["text/html"]
     world.number += 1
     world.close()
@@ -170,7 +178,7 @@ def test_a_snapshot_is_sent_again_only_when_it_has_changed(monkeypatch):
 
 
 class Shell:
-    """Stands in for a notebook's shell."""
+    """Substitute for the shell of a notebook."""
 
     kernel = object()
 
@@ -195,14 +203,14 @@ wl.Lab(form.settings)
 """
 
 
-def test_an_executed_notebook_holds_what_the_widgets_showed_last(tmp_path):
-    """Nbclient and nbconvert run no JavaScript: without a browser, a page is to show the last state."""
+def test_an_executed_notebook_contains_the_last_state_of_the_widgets(tmp_path):
+    """Nbclient and nbconvert run no JavaScript; their pages show the snapshots."""
     notebook = book(SHOW, "form.settings = form.settings.with_(step_height=0.123, structure='stairs')")
     nbclient.NotebookClient(notebook, timeout=60, resources={"metadata": {"path": str(tmp_path)}}).execute()
     nbformat.validate(notebook)
     outputs = [output.data for output in notebook.cells[0].outputs]
-    assert [sorted(one) for one in outputs[::2]] == [sorted(VIEW)] * 3
-    form, world, lab = (one["text/html"] for one in outputs[1::2])
+    assert [sorted(output) for output in outputs[::2]] == [sorted(VIEW)] * 3
+    form, world, lab = (output["text/html"] for output in outputs[1::2])
     assert "0.123 m" in form
     assert Seen(world).all("img")
     assert len(Seen(lab).all("img")) >= 2

@@ -9,7 +9,7 @@ from walkerlab.system.file_sets import replacing_files
 from walkerlab.system.files import folder_path, write_text
 from walkerlab.view import plots, report
 from walkerlab.view.plots.appearance import paper
-from walkerlab.view.report.page import NAME
+from walkerlab.view.report.page import REPORT_FILE
 
 FILES = {
     "report.html": "start here: what happened, in pictures and words; a page that stands alone",
@@ -28,7 +28,7 @@ FILES = {
 def are_there(path: Path) -> bool:
     """Tell whether all output files are beside a run file, and of its present state."""
     names = FILES.keys() - {RUN_FILE}
-    return all((path.parent / name).exists() for name in names) and _is_current(path.parent / NAME, path)
+    return all((path.parent / name).exists() for name in names) and _is_current(path.parent / REPORT_FILE, path)
 
 
 def _is_current(file: Path, run_file: Path) -> bool:
@@ -57,4 +57,4 @@ def write(run: Run, folder: Path) -> None:
             write_text(place / "champion.txt", f"{best}\n")
         with new.part("champion.xml"):
             export_mjcf(best, run.settings, place, name="champion")
-        report.write(new, run.settings, run.records, path, files=False)
+        report.write_report(new, run.settings, run.records, path, files=False)

@@ -112,7 +112,7 @@ class Run(ReadOnlyProperties):
     def _repr_html_(self) -> str:
         from walkerlab.view import report  # which draws, and drawing takes its time to load
 
-        return report.panel(self.settings, self.records, self.path)
+        return report.run_html(self.settings, self.records, self.path)
 
     def replay(self, *generations: int, camera: Camera | str | int | None = None) -> "Replay":
         """Show the champion walking, or race the champions of several generations.
@@ -160,7 +160,7 @@ class Run(ReadOnlyProperties):
         """
         from walkerlab.view import report
 
-        return report.save(self.settings, self.records, folder, self.path)
+        return report.save_report(self.settings, self.records, folder, self.path)
 
     @property
     def champion(self) -> Individual:

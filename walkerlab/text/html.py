@@ -1,6 +1,6 @@
-"""HTML for people: every text is escaped when it is put in, so that what comes from a file or a user stays text.
+"""HTML in which every text from a file or a user is escaped.
 
-And the same for other places in which a text could do something: a terminal, an SVG, a comment, a spreadsheet.
+Also: escaping of texts for terminals, SVG files, comments and spreadsheets.
 """
 
 import re
@@ -8,10 +8,10 @@ from collections.abc import Collection, Iterable, Sequence
 from html import escape
 from xml.etree import ElementTree
 
-VOID = {"img", "meta", "br"}
-"""Elements that hold nothing and have no end tag."""
+VOID_ELEMENTS = {"img", "meta", "br"}
+"""Elements without content and end tag."""
 
-SHOWN = """
+OUTPUT_STYLE = """
 .walkerlab{color:var(--jp-ui-font-color1,inherit);line-height:1.45}
 .walkerlab.walkerlab table{border-collapse:collapse;margin:.4em 0 .8em;background:transparent;font-size:inherit}
 .walkerlab caption{text-align:left;font-weight:600;padding:.3em 0;color:inherit}
@@ -42,51 +42,51 @@ SHOWN = """
 .walkerlab figure{margin:.6em 0;max-width:46em}
 .walkerlab figure>svg,.walkerlab figure>img{display:block;width:100%;height:auto;background:#fff;border-radius:6px}
 """
-"""How it looks below a cell: the colours are the notebook's own, so it is at home in a light theme and a dark one."""
+"""Style of all HTML output; in a notebook it takes the colours of the theme, light or dark."""
 
 
 def printable(text: object, *, keep: str = "") -> str:
-    """Write out as its code whatever would not be seen in a text, but act: on a terminal, in an SVG, in a comment.
+    """Replace all characters that are not printable, such as control characters, by their escape sequences.
 
     Args:
-        text: from a file or a user.
-        keep: what is meant, as the ends of lines.
+        text: Text from a file or a user.
+        keep: Characters that are not replaced, such as line ends.
     """
-    said = str(text)
-    if said.isprintable():
-        return said
-    return "".join(one if one.isprintable() or one in keep else ascii(one)[1:-1] for one in said)
+    string = str(text)
+    if string.isprintable():
+        return string
+    return "".join(letter if letter.isprintable() or letter in keep else ascii(letter)[1:-1] for letter in string)
 
 
-def cell(text: str) -> str:
-    """Keep a spreadsheet from taking a text for a formula, by the apostrophe that one would type there."""
-    said = printable(text, keep="\n")
-    return f"'{said}" if said.startswith(("=", "+", "-", "@")) else said
+def escape_cell(text: str) -> str:
+    """Escape the text of a spreadsheet's cell: an apostrophe in front prevents that it is executed as a formula."""
+    escaped = printable(text, keep="\n")
+    return f"'{escaped}" if escaped.startswith(("=", "+", "-", "@")) else escaped
 
 
 class Html(str):
-    """Text that is HTML already; any other text is escaped when it is put into some."""
+    """Text that is HTML; all other text is escaped when it becomes part of HTML."""
 
 
 def join(*content: object) -> Html:
-    """Put pieces one after the other: ``Html`` as it is, all else as the text it is."""
-    return Html("".join(piece if isinstance(piece, Html) else escape(str(piece)) for piece in content))
+    """Concatenate content: ``Html`` is unchanged, everything else is escaped."""
+    return Html("".join(item if isinstance(item, Html) else escape(str(item)) for item in content))
 
 
 def tag(name: str, /, *content: object, **attributes: object) -> Html:
-    """Write an element.
+    """Return an element.
 
     Args:
-        name: of the element.
-        content: as ``join`` takes it.
-        attributes: ``class_="faint"`` or ``aria_label="…"``; one that is None is left out.
+        name: Name of the element.
+        *content: Content, as for ``join``.
+        **attributes: Attributes, such as ``class_="faint"`` or ``aria_label="…"``; those that are None are left out.
     """
-    words = (
+    written = (
         f' {key.rstrip("_").replace("_", "-")}="{escape(str(value))}"'
         for key, value in attributes.items()
         if value is not None
     )
-    return Html(f"<{name}{''.join(words)}>{'' if name in VOID else f'{join(*content)}</{name}>'}")
+    return Html(f"<{name}{''.join(written)}>{'' if name in VOID_ELEMENTS else f'{join(*content)}</{name}>'}")
 
 
 def table(
@@ -98,87 +98,94 @@ def table(
     numbers: Collection[int] = (),
     classes: Sequence[str] = (),
 ) -> Html:
-    """Write a table in which each row's first cell is its header.
+    """Return a table in which the first cell of each row is its header.
 
     Args:
-        caption: what it shows.
-        columns: the header of each column.
-        rows: as many cells each.
-        groups: headers over several columns: each with the number of columns it is over.
-        numbers: the columns in which numbers stand, by their place.
-        classes: of each row: ``"strong"``, ``"faint"`` or ``""``; none of any if empty.
+        caption: Caption.
+        columns: Header of each column.
+        rows: Cells of each row, as many as columns.
+        groups: Headers above several columns, each with the number of columns that it spans.
+        numbers: Indices of the columns that contain numbers.
+        classes: Class of each row: ``"strong"``, ``"faint"`` or ``""``; no row has a class if empty.
     """
 
-    def cell(place: int, content: object, *, header: bool = False, scope: str = "row") -> Html:
-        kind = "number" if place in numbers else None
-        return tag("th", content, scope=scope, class_=kind) if header else tag("td", content, class_=kind)
+    def cell(column: int, content: object, *, header: bool = False, scope: str = "row") -> Html:
+        alignment = "number" if column in numbers else None
+        return tag("th", content, scope=scope, class_=alignment) if header else tag("td", content, class_=alignment)
 
-    over = tag("tr", *(tag("th", name, scope="colgroup", colspan=n, class_="group") for name, n in groups))
-    heads = tag("tr", *(cell(place, name, header=True, scope="col") for place, name in enumerate(columns)))
-    lines = [[cell(place, one, header=place == 0) for place, one in enumerate(row)] for row in rows]
-    kinds = [kind or None for kind in classes] if classes else [None] * len(lines)
-    body = (tag("tr", *line, class_=kind) for line, kind in zip(lines, kinds, strict=True))
-    whole = tag("table", tag("caption", caption), tag("thead", *([over] if groups else []), heads), tag("tbody", *body))
-    return tag("div", whole, class_="wide")
+    group_row = tag("tr", *(tag("th", name, scope="colgroup", colspan=n, class_="group") for name, n in groups))
+    header_row = tag("tr", *(cell(column, name, header=True, scope="col") for column, name in enumerate(columns)))
+    cells = [[cell(column, content, header=column == 0) for column, content in enumerate(row)] for row in rows]
+    row_classes = [row_class or None for row_class in classes] if classes else [None] * len(cells)
+    body = (tag("tr", *row, class_=row_class) for row, row_class in zip(cells, row_classes, strict=True))
+    head = tag("thead", *([group_row] if groups else []), header_row)
+    return tag("div", tag("table", tag("caption", caption), head, tag("tbody", *body)), class_="wide")
 
 
 def facts(caption: object, pairs: Iterable[tuple[object, object]]) -> Html:
-    """Write what is known of one thing: a name and a value to a line."""
+    """Return a table of facts about one thing, with a name and a value in each row."""
     rows = (tag("tr", tag("th", name, scope="row"), tag("td", value)) for name, value in pairs)
     return tag("table", tag("caption", caption), tag("tbody", *rows))
 
 
 def details(summary: object, *content: object) -> Html:
-    """Fold something away under a line that opens it."""
+    """Return content that is hidden until its summary is clicked."""
     return tag("details", tag("summary", summary), *content)
 
 
 def code(text: str) -> Html:
-    """Show text that is to be copied as it is."""
+    """Return a block of code."""
     return tag("pre", tag("code", text))
 
 
 def shown(*content: object) -> str:
-    """Wrap up what a notebook shows below a cell: the answer of a ``_repr_html_``."""
-    return tag("div", tag("style", Html(SHOWN)), *content, class_="walkerlab")
+    """Return content with its style, as the result of a ``_repr_html_`` method."""
+    return tag("div", tag("style", Html(OUTPUT_STYLE)), *content, class_="walkerlab")
 
 
 def inline_svg(svg: str, name: str, alt: str) -> Html:
-    """Make an SVG file part of a page.
+    """Convert an SVG file into an element of a page.
 
     Args:
-        svg: the file's text, as matplotlib writes it.
-        name: put before every id, so that two pictures on a page do not take each other's parts.
-        alt: what it shows, for those who cannot see it.
+        svg: Text of the file, as written by matplotlib.
+        name: Prefix of every id, unique on the page.
+        alt: Alternative text.
     """
-    ElementTree.register_namespace("", _SVG)
-    ElementTree.register_namespace("xlink", _XLINK)
+    ElementTree.register_namespace("", _SVG_NAMESPACE)
+    ElementTree.register_namespace("xlink", _XLINK_NAMESPACE)
     root = ElementTree.fromstring(svg)
     for parent in list(root.iter()):
         for child in list(parent):
-            if child.tag in _LEFT_OUT:
+            if child.tag in _REMOVED_ELEMENTS:
                 parent.remove(child)
     for element in root.iter():
         for key, value in element.attrib.items():
             if key == "id":
                 element.set(key, f"{name}-{value}")
-            elif key in {"href", f"{{{_XLINK}}}href"} and value.startswith("#"):
+            elif key in {"href", f"{{{_XLINK_NAMESPACE}}}href"} and value.startswith("#"):
                 element.set(key, f"#{name}-{value[1:]}")
             elif "url(#" in value:
                 element.set(key, re.sub(r"url\(#", f"url(#{name}-", value))
-    for size in ("width", "height"):  # the page decides, and the viewBox keeps its shape
+    for size in ("width", "height"):  # the page sets the size, and the viewBox keeps the aspect ratio
         root.attrib.pop(size, None)
     root.attrib |= {"role": "img", "aria-label": alt, "style": "stroke-linejoin:round;stroke-linecap:butt"}
     return Html(ElementTree.tostring(root, encoding="unicode"))
 
 
-_SVG, _XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
-_LEFT_OUT = {f"{{{_SVG}}}{name}" for name in ("metadata", "title", "desc", "style", "script")}
-"""What the page says already, or would apply to all of it, or run."""
+_SVG_NAMESPACE = "http://www.w3.org/2000/svg"
+_XLINK_NAMESPACE = "http://www.w3.org/1999/xlink"
+_REMOVED_ELEMENTS = {f"{{{_SVG_NAMESPACE}}}{name}" for name in ("metadata", "title", "desc", "style", "script")}
+"""Elements that repeat what is on the page, would apply to the whole page, or would be executed."""
 
 
-def page(title: str, style: str, *content: object) -> str:
-    """Write a whole page that stands alone: it loads nothing from anywhere, and nothing in it can run."""
+def standalone_page(title: str, style: str, *content: object) -> str:
+    """Return a complete page that loads no other files and in which no script can run.
+
+    Args:
+        title: Title of the page.
+        style: Style sheet, in addition to ``OUTPUT_STYLE``.
+        *content: Content, as for ``join``.
+    """
     policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
     head = tag(
         "head",
@@ -187,7 +194,7 @@ def page(title: str, style: str, *content: object) -> str:
         tag("meta", name="viewport", content="width=device-width, initial-scale=1"),
         tag("meta", name="color-scheme", content="light dark"),
         tag("title", title),
-        tag("style", Html(SHOWN + style)),
+        tag("style", Html(OUTPUT_STYLE + style)),
     )
     body = tag("body", tag("main", *content), class_="walkerlab")
     return f"<!doctype html>\n{tag('html', head, body, lang='en')}\n"

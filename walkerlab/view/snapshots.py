@@ -12,15 +12,16 @@ import time
 from html import unescape
 from typing import Any
 
-from walkerlab.text.html import SHOWN, Html, tag
+from walkerlab.text.html import OUTPUT_STYLE, Html, tag
 
-QUIET = 1.0  # s without a change after which the snapshot is updated
+QUIET_TIME = 1.0  # s without a change after which the snapshot is updated
 MAX_DELAY = 30.0  # s from the first change to the update if there is no quiet second
 WHITE = "background: white; max-width: 100%"
 CLASS = "wl-snapshot"
 
-OUTPUT, VIEW = ".jp-OutputArea-child", ".lm-Panel.jp-OutputArea-output"
-PAGE_STYLE = f"""
+OUTPUT = ".jp-OutputArea-child"
+VIEW = ".lm-Panel.jp-OutputArea-output"
+SNAPSHOT_STYLE = f"""
 {OUTPUT}:has(> {VIEW}:not(.jupyter-widgets, .lm-mod-hidden)) + {OUTPUT}:has(.{CLASS}),
 {OUTPUT}:has(> .jupyter-widgets > .widget-subarea > *) + {OUTPUT}:has(.{CLASS}),
 {OUTPUT}:has(+ {OUTPUT} .{CLASS}) > .jupyter-widgets:not(:has(*)) {{ display: none }}
@@ -38,14 +39,14 @@ class HasSnapshot:
     """Mix-in of widgets that leave a static picture in the notebook; stands before the widget's class.
 
     Attributes:
-        title: What the widget is, in words: "panel".
+        title: Name of the widget in texts for users, such as "panel".
     """
 
     title = "widget"
     _display: "_Display | None" = None
 
     def snapshot(self) -> Html:
-        """Write what the widget shows as static HTML: images and tables, no scripts."""
+        """Return what the widget shows as static HTML: images and tables, no scripts."""
         raise NotImplementedError
 
     def close(self) -> None:
@@ -86,10 +87,10 @@ class _Display:
             return
         if not self._html and self._is_open:
             for piece in [self._widget, *pieces_of(self._widget)]:
-                piece.observe(self._changed)
-            shell.events.register("post_run_cell", self._cell_ran)
+                piece.observe(self._on_change)
+            shell.events.register("post_run_cell", self._on_cell_end)
         with self._updating:
-            self._html = page(self._widget)
+            self._html = snapshot_html(self._widget)
             display(_bundle(self._widget, self._html), raw=True, display_id=self._id)
 
     def update(self) -> None:
@@ -101,7 +102,7 @@ class _Display:
                 self._timer.cancel()
             self._timer = None
         with self._updating:
-            html = page(self._widget) if self._is_open and self._html else self._html
+            html = snapshot_html(self._widget) if self._is_open and self._html else self._html
             if html != self._html:
                 self._html = html
                 display(_bundle(self._widget, html), raw=True, display_id=self._id, update=True)
@@ -117,43 +118,43 @@ class _Display:
         shell: Any = get_ipython()
         if self._html and shell:
             for piece in [self._widget, *pieces_of(self._widget)]:
-                piece.unobserve(self._changed)
-            shell.events.unregister("post_run_cell", self._cell_ran)
+                piece.unobserve(self._on_change)
+            shell.events.unregister("post_run_cell", self._on_cell_end)
 
-    def _changed(self, _change: object) -> None:
+    def _on_change(self, _change: object) -> None:
         with self._timing:
             self._last_change = time.monotonic()
             if not self._timer:
                 self._first_change = self._last_change
-                self._wait(QUIET)
+                self._wait(QUIET_TIME)
 
     def _wait(self, seconds: float) -> None:
-        self._timer = threading.Timer(seconds, self._time_over)
+        self._timer = threading.Timer(seconds, self._on_timeout)
         self._timer.daemon = True
         self._timer.start()
 
-    def _time_over(self) -> None:
+    def _on_timeout(self) -> None:
         with self._timing:
-            due = min(self._last_change + QUIET, self._first_change + MAX_DELAY) - time.monotonic()
+            due = min(self._last_change + QUIET_TIME, self._first_change + MAX_DELAY) - time.monotonic()
             if due > 0:
                 self._wait(due)
                 return
         self.update()
 
-    def _cell_ran(self, _result: object) -> None:
-        """Update before the cell ends: a program that executes a notebook hears nothing after that."""
+    def _on_cell_end(self, _result: object) -> None:
+        """Update before the cell ends; programs that execute notebooks ignore later outputs."""
         if self._timer:
             self.update()
 
 
-def page(widget: Any) -> str:
-    """Write the snapshot of a widget with what it is, as HTML that stands alone."""
+def snapshot_html(widget: Any) -> str:
+    """Return the snapshot of a widget with a line that names the widget, as self-contained HTML."""
     try:
         content = widget.snapshot()
-    except Exception as error:  # the live widget is not to fail for want of a picture
-        content = tag("p", f"It could not be drawn. {type(error).__name__}: {error}")
-    about = tag("p", f"Static picture of the {widget.title}. Run the cell for the live one.", class_="faint")
-    return tag("div", tag("style", Html(SHOWN + PAGE_STYLE)), about, content, class_=f"walkerlab {CLASS}")
+    except Exception as error:  # without its snapshot the live widget still works
+        content = tag("p", f"The picture could not be drawn. {type(error).__name__}: {error}")
+    about = tag("p", f"Static picture of the {widget.title}. Run the cell for the interactive version.", class_="faint")
+    return tag("div", tag("style", Html(OUTPUT_STYLE + SNAPSHOT_STYLE)), about, content, class_=f"walkerlab {CLASS}")
 
 
 def _bundle(widget: Any, html: str) -> dict[str, str]:
@@ -161,15 +162,15 @@ def _bundle(widget: Any, html: str) -> dict[str, str]:
 
 
 def pieces_of(box: Any) -> list[Any]:
-    """Return every widget in a box, in boxes in it and so on, the inner ones first."""
-    return [one for child in getattr(box, "children", ()) for one in (*pieces_of(child), child)]
+    """Return all widgets in a box and in the boxes inside it, the inner ones first."""
+    return [widget for child in getattr(box, "children", ()) for widget in (*pieces_of(child), child)]
 
 
 def image(picture: str, alt: str = "") -> Html:
-    """Put an SVG into a page as an image, in which no script runs.
+    """Return an SVG as an image element, in which no script runs.
 
     Args:
-        picture: SVG.
+        picture: Text of the SVG.
         alt: Alternative text; the ``aria-label`` of the SVG if empty.
     """
     label = re.search(r'aria-label="([^"]*)"', picture)

@@ -13,7 +13,7 @@ from walkerlab.evolution.run import Run, load
 from walkerlab.system.files import absolute_path, shown
 from walkerlab.text.html import Html, join
 from walkerlab.view.plots.style import RUN_COLOURS
-from walkerlab.view.report.code import as_python, own_functions
+from walkerlab.view.report.code import as_python, user_functions
 from walkerlab.view.snapshots import HasSnapshot
 from walkerlab.widgets.curve import Curve
 from walkerlab.widgets.drawer import Drawer
@@ -168,6 +168,6 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
 
 def _code(run: Run) -> str:
     """Return the code that repeats a run, with a comment on the user functions that it requires."""
-    functions = own_functions(run.settings)
+    functions = user_functions(run.settings)
     comment = f"# Define these functions of yours first: {', '.join(functions)}\n" if functions else ""
     return comment + as_python(run.settings, run.records)

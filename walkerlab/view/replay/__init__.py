@@ -1,4 +1,4 @@
-"""The replay: recorded walks in 3D, by K3D."""
+"""Replays of recorded walks in 3D, with K3D."""
 
 from walkerlab.view.replay.page import Replay as Replay
 from walkerlab.view.replay.page import replay as replay

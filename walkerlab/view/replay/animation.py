@@ -1,4 +1,4 @@
-"""The stage: what is to be seen of recorded walks, and the numbers that move it."""
+"""The animation of recorded walks: a K3D plot with all meshes, and how its meshes and cameras move over time."""
 
 import math
 from collections import defaultdict
@@ -13,28 +13,31 @@ from walkerlab.ga.genes import Floats
 from walkerlab.settings.choices import Camera
 from walkerlab.simulation.rollout import Rollout
 from walkerlab.view.replay import meshes
-from walkerlab.view.replay.tracks import FINEST, Tracks, follow, moments
+from walkerlab.view.replay.tracks import TRANSFORM_RESOLUTION, Tracks, frame_times, track_bodies
+from walkerlab.world.assembly import ROBOT_BODY
 from walkerlab.world.cameras import aim_camera
 from walkerlab.world.geometry import PLANE_EXTENT, Surface, rotate, surfaces
 from walkerlab.world.heights import height, slope
-from walkerlab.world.scene import Scene
+from walkerlab.world.scene import ORIENTATION, POSITION, Scene
 
-MOST_MARKS = 200  # metres along the way that are marked at most
-SEEN = 1e-3  # m, to which cameras and centres of mass are rounded
+MIN_MARKED_DISTANCE = 10  # m
+MARKED_BEYOND_WALKS = 5  # m of the ground ahead of the farthest walk that have marks, too
+MAX_MARKED_DISTANCE = 200  # m
+POINT_RESOLUTION = 1e-3  # m, of cameras and centres of mass
 
 
 @dataclass(frozen=True, eq=False)
 class Walk:
-    """One recorded walk on the stage.
+    """One recorded walk of a replay.
 
     Attributes:
-        label: by which it is told from the others.
-        scene: its compiled world, with scenery.
-        rollout: with its poses.
-        colour: that the robot is painted in, or None for its natural ones.
-        lane: how far to the left of the others' way it is shown [m].
-        reach: how far the robot reaches to either side at the start [m].
-        loose: whether what lies about is shown, as it moved it.
+        label: Name of the walk.
+        scene: Compiled scene, with scenery.
+        rollout: Rollout with its poses.
+        colour: Colour of the robot, or None for its natural colours.
+        lane: Distance to the left [m] by which the walk is moved.
+        reach: Greatest distance of the robot's surface to either side at the start [m].
+        shows_obstacles: Whether the loose obstacles are shown, as this robot moved them.
     """
 
     label: str
@@ -43,126 +46,166 @@ class Walk:
     colour: meshes.RGB | None = None
     lane: float = 0.0
     reach: float = 0.0
-    loose: bool = True
+    shows_obstacles: bool = True
 
 
 @dataclass(frozen=True, eq=False)
-class Stage:
-    """What the player needs.
+class Animation:
+    """What the player requires.
 
     Attributes:
-        plot: the K3D plot with all meshes in it.
-        things: the ids of the meshes that move.
-        channels: (c, n) eight for each thing as in ``Tracks.places``, six for each camera (eye and target), three for
-            the centre of mass of each walk.
-        finest: (c,) to what each is rounded.
-        ups: which way is up for each camera.
-        seconds: how long the longest walk is.
-        marks: (k, 3) where the metres along the way are numbered: on the near side of all lanes [m].
+        plot: K3D plot with all meshes.
+        mesh_ids: K3D's identifiers of the meshes that move.
+        channels: Values over time, shape (c, n): eight for each mesh (as in ``Tracks.transforms``), six for each camera
+            (eye and target), three for the centre of mass of each walk.
+        resolution: Unit to which each channel is rounded, shape (c,).
+        up_directions: Direction that is up in the picture of each camera.
+        duration: Duration of the longest walk [s].
+        marks: Positions of the distance marks on the ground, on the right side of all lanes [m], shape (k, 3).
     """
 
     plot: Any
-    things: list[int]
+    mesh_ids: list[int]
     channels: Floats
-    finest: Floats
-    ups: dict[Camera, tuple[float, float, float]]
-    seconds: float
+    resolution: Floats
+    up_directions: dict[Camera, tuple[float, float, float]]
+    duration: float
     marks: Floats
 
-    def strike(self) -> None:
-        """Close it: a notebook would keep all meshes as the widgets that they are."""
-        for one in (*self.plot.objects, self.plot):
-            one.layout.close()
-            AnyWidget.close(one)  # K3D's own closes but the outputs of a plot
+    def close(self) -> None:
+        """Close the plot and its meshes, which are widgets; a notebook would keep them in memory."""
+        for widget in (*self.plot.objects, self.plot):
+            widget.layout.close()
+            AnyWidget.close(widget)  # the method of K3D's plot closes only the outputs
 
 
-def set_up(walks: list[Walk], name: str) -> Stage:
-    """Build the stage for one walk, or for several at once on the ground of the first."""
+def build_animation(walks: list[Walk], name: str) -> Animation:
+    """Build the animation of one walk, or of several at the same time on the ground of the first.
+
+    Args:
+        walks: Walks to show, at least one.
+        name: Title of the plot.
+    """
     first = walks[0].scene
-    terrain, time = first.settings.terrain, moments(max(float(walk.rollout.time[-1]) for walk in walks))
-    tracks = [follow(walk.scene, walk.rollout) for walk in walks]
-    aside = [np.array([0, walk.lane, 0]) for walk in walks]
-    paths = [_lasting(track.com, len(time)) + lane for track, lane in zip(tracks, aside, strict=True)]
-    loads = [
-        _lasting(track.load, len(time)) + lane for track, lane in zip(tracks, aside, strict=True) if len(track.load)
-    ]
-    far = float(np.abs(paths).max())
-    plot = meshes.empty_plot(first, name)
-    for mesh in meshes.scenery(first, surfaces(first.model, bodies=False, far=far + PLANE_EXTENT)):
-        plot += mesh
-    edges, metres = edges_of(walks), _metres(paths)
-    plot += meshes.lines(terrain, edges, metres[:1], *meshes.START)
-    plot += meshes.lines(terrain, edges, metres[1:], *meshes.METRE)
-    beside = np.full_like(metres, edges[0] - meshes.BESIDE)
-    things, channels = list[int](), list[Floats]()
+    terrain = first.settings.terrain
+    time = frame_times(max(float(walk.rollout.time[-1]) for walk in walks))
+    tracks = [track_bodies(walk.scene, walk.rollout) for walk in walks]
+    paths: list[Floats] = []
+    load_paths: list[Floats] = []
     for walk, track in zip(walks, tracks, strict=True):
-        for mesh, places in _cast(walk, track):
+        offset = np.array([0, walk.lane, 0])
+        paths.append(_match_length(track.com, len(time)) + offset)
+        if len(track.load):
+            load_paths.append(_match_length(track.load, len(time)) + offset)
+    plot = meshes.create_plot(first, name)
+    far = float(np.abs(paths).max()) + PLANE_EXTENT
+    for mesh in meshes.ground_meshes(first, surfaces(first.model, bodies=False, far=far)):
+        plot += mesh
+    extent = lateral_extent(walks)
+    distances = _marked_distances(paths)
+    plot += meshes.line_mesh(terrain, extent, distances[:1], meshes.START_LINE)
+    plot += meshes.line_mesh(terrain, extent, distances[1:], meshes.METRE_LINE)
+    mesh_ids: list[int] = []
+    channels: list[Floats] = []
+    for walk, track in zip(walks, tracks, strict=True):
+        for mesh, transforms in _walk_meshes(walk, track):
             plot += mesh
-            if places is not None:
-                things.append(mesh.id)
-                channels.append(_lasting(places, len(time)).T)
+            if transforms is not None:
+                mesh_ids.append(mesh.id)
+                channels.append(_match_length(transforms, len(time)).T)
                 channels[-1][1] += walk.lane
     size = max(walk.scene.phenotype.body_length for walk in walks)
-    shots = {camera: aim_camera(camera, time, np.array([*paths, *loads]), size, slope(terrain)) for camera in Camera}
-    for shot in shots.values():
-        channels += [shot.eye.T, shot.target.T]
+    followed = np.array([*paths, *load_paths])
+    camera_tracks = {camera: aim_camera(camera, time, followed, size, slope(terrain)) for camera in Camera}
+    for camera_track in camera_tracks.values():
+        channels += [camera_track.eye.T, camera_track.target.T]
     channels += [path.T for path in paths]
-    return Stage(
+    mark_y = np.full_like(distances, extent[0] - meshes.LINE_OVERHANG)
+    return Animation(
         plot=plot,
-        things=things,
+        mesh_ids=mesh_ids,
         channels=np.concatenate(channels),
-        finest=np.array(len(things) * FINEST + (SEEN,) * (6 * len(Camera) + 3 * len(walks))),
-        ups={camera: shot.up for camera, shot in shots.items()},
-        seconds=float(time[-1]),
-        marks=np.stack([metres, beside, height(terrain, metres, beside) + meshes.LIFT], axis=1),
+        resolution=np.array(
+            len(mesh_ids) * TRANSFORM_RESOLUTION + (POINT_RESOLUTION,) * (6 * len(Camera) + 3 * len(walks))
+        ),
+        up_directions={camera: camera_track.up for camera, camera_track in camera_tracks.items()},
+        duration=float(time[-1]),
+        marks=np.stack([distances, mark_y, height(terrain, distances, mark_y) + meshes.GROUND_CLEARANCE], axis=1),
     )
 
 
-def edges_of(walks: list[Walk]) -> tuple[float, float]:
-    """Return from where to where across the way [m] the walks need room."""
+def lateral_extent(walks: list[Walk]) -> tuple[float, float]:
+    """Return the right and the left edge of all lanes along y [m]."""
     return min(walk.lane - walk.reach for walk in walks), max(walk.lane + walk.reach for walk in walks)
 
 
-def _metres(paths: list[Floats]) -> Floats:
-    """Return the metres along the way that are marked: from the start to beyond the farthest that anyone comes."""
-    return np.arange(0.0, min(max(10, max(float(path[:, 0].max()) for path in paths) + 5), MOST_MARKS))
+def _marked_distances(paths: list[Floats]) -> Floats:
+    """Return the whole metres along x that are marked, from the start to beyond the farthest walk.
+
+    Args:
+        paths: Centre of mass of each walk over time [m], shape (n, 3) each.
+    """
+    farthest = max(float(path[:, 0].max()) for path in paths)
+    return np.arange(0.0, min(max(MIN_MARKED_DISTANCE, farthest + MARKED_BEYOND_WALKS), MAX_MARKED_DISTANCE))
 
 
-def _cast(walk: Walk, tracks: Tracks) -> Iterator[tuple[Any, Floats | None]]:
-    """Yield each mesh of a walk with its track, (n, 8), or None if it stays where it is: bodies, shadows, rope."""
-    model, roots = walk.scene.model, walk.scene.roots
-    parts_of = defaultdict[int, list[Surface]](list)
-    for one in surfaces(model, bodies=True):
-        parts_of[one.body].append(one)
-    for body in range(1, model.nbody):
-        parts = parts_of[body]
-        if not parts or not (walk.loose or model.body_rootid[body] in roots):
+def _walk_meshes(walk: Walk, tracks: Tracks) -> Iterator[tuple[Any, Floats | None]]:
+    """Yield the meshes of a walk: bodies, shadows and rope.
+
+    Yields:
+        Each mesh with its transforms over time, (n, 8), or with None if it does not move.
+    """
+    model = walk.scene.model
+    surfaces_of: defaultdict[int, list[Surface]] = defaultdict(list)
+    for surface in surfaces(model, bodies=True):
+        surfaces_of[surface.body].append(surface)
+    for body in range(1, model.nbody):  # without the world
+        root = model.body_rootid[body]
+        members = surfaces_of[body]
+        if not members or not (walk.shows_obstacles or root in walk.scene.roots):
             continue
-        if walk.colour and model.body_rootid[body] == 1 and "pack" not in model.body(body).name:
-            parts = [meshes.tinted(one, walk.colour) for one in parts]
-        mesh = meshes.mesh(parts, name=f"{walk.label}: {model.body(body).name}")
-        if body in tracks.moving:
-            yield mesh, tracks.places[tracks.moving.index(body)]
+        if walk.colour and root == ROBOT_BODY and "pack" not in model.body(body).name:
+            members = [meshes.tint_surface(surface, walk.colour) for surface in members]
+        mesh = meshes.surface_mesh(members, name=f"{walk.label}: {model.body(body).name}")
+        if body in tracks.moving_bodies:
+            yield mesh, tracks.transforms[tracks.moving_bodies.index(body)]
         else:
-            yield meshes.placed(mesh, tracks.still[body]), None
+            yield meshes.place_mesh(mesh, tracks.start[body]), None
     for number, segment in enumerate(walk.scene.phenotype.segments, start=1):
-        trunk = tracks.moving.index(int(model.geom(f"walker/trunk{number}").bodyid[0]))
-        yield meshes.shadow(segment.length), below(walk.scene, tracks.places[trunk], segment.length)
+        trunk = tracks.moving_bodies.index(int(model.geom(f"walker/trunk{number}").bodyid[0]))
+        transforms = shadow_transforms(walk.scene, tracks.transforms[trunk], segment.length)
+        yield meshes.shadow_mesh(segment.length), transforms
     if len(tracks.rope):
-        yield meshes.rope(walk.scene), tracks.rope
+        yield meshes.rope_mesh(walk.scene), tracks.rope
 
 
-def below(scene: Scene, place: Floats, length: float) -> Floats:
-    """Follow the spot of ground below a segment's middle, turned with it and laid along the slope."""
-    terrain, turns = scene.settings.terrain, place[:, 3:7]
-    x, y, _ = (place[:, :3] + rotate(turns, np.array([-length / 2, 0, 0]))).T
-    ahead = rotate(turns, np.array([1.0, 0, 0]))
-    yaw, pitch = np.arctan2(ahead[:, 1], ahead[:, 0]) / 2, -slope(terrain) / 2
-    lean = [math.sin(pitch) * np.sin(yaw), math.sin(pitch) * np.cos(yaw)]
-    turned = [math.cos(pitch) * np.cos(yaw), *lean, math.cos(pitch) * np.sin(yaw)]
-    return np.stack([x, y, height(terrain, x, y) + meshes.LIFT, *turned, np.ones_like(x)], axis=1)
+def shadow_transforms(scene: Scene, trunk: Floats, length: float) -> Floats:
+    """Compute the transforms of a segment's shadow: on the ground below the segment's middle, parallel to the slope.
+
+    Args:
+        scene: Compiled scene.
+        trunk: Transforms of the segment's body, shape (n, 8).
+        length: Length of the segment [m].
+
+    Returns:
+        Transforms of the shadow, shape (n, 8).
+    """
+    terrain = scene.settings.terrain
+    orientations = trunk[:, ORIENTATION]
+    x, y, _ = (trunk[:, POSITION] + rotate(orientations, np.array([-length / 2, 0, 0]))).T
+    forward = rotate(orientations, np.array([1.0, 0, 0]))
+    half_yaw = np.arctan2(forward[:, 1], forward[:, 0]) / 2
+    half_pitch = -slope(terrain) / 2
+    quaternion = [
+        math.cos(half_pitch) * np.cos(half_yaw),
+        math.sin(half_pitch) * np.sin(half_yaw),
+        math.sin(half_pitch) * np.cos(half_yaw),
+        math.cos(half_pitch) * np.sin(half_yaw),
+    ]
+    z = height(terrain, x, y) + meshes.GROUND_CLEARANCE
+    return np.stack([x, y, z, *quaternion, np.ones_like(x)], axis=1)
 
 
-def _lasting(track: Floats, moments: int) -> Floats:
-    """Hold the last row of a track that ends too soon, and cut one that goes on too long."""
-    return track[np.minimum(np.arange(moments), len(track) - 1)]
+def _match_length(track: Floats, n_times: int) -> Floats:
+    """Repeat the last row of a track that is too short, and cut one that is too long."""
+    return track[np.minimum(np.arange(n_times), len(track) - 1)]

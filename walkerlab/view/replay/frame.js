@@ -1,14 +1,15 @@
-// A picture first; the page with its WebGL when it is clicked; a picture again when it is closed, or another walk comes.
-const MOST = 4; // pages at once, of all replays of a notebook: browsers keep some 16 WebGL contexts
+// Shows the preview image of a replay, and its page with WebGL after a click, until the page is closed or replaced.
+const MAX_OPEN_PAGES = 4; // of all replays in a notebook; browsers allow some 16 WebGL contexts
 const TRIANGLE = '<svg viewBox="0 0 20 20" width="14" height="14" aria-hidden="true"><path d="M4 2 L18 10 L4 18 Z" fill="white"/></svg>';
-const live = (globalThis.walkerlabLive ??= []);
+const PLAY = "Play in 3D", LOADING = "Loading …";
+const openPages = (globalThis.walkerlabOpenPages ??= []);
 
 function render({ model, el }) {
-  const picture = Object.assign(document.createElement("img"), { src: model.get("poster"), alt: model.get("alt") });
+  const picture = Object.assign(document.createElement("img"), { src: model.get("preview"), alt: model.get("alt") });
   const sign = document.createElement("span");
-  const say = (words) => { sign.innerHTML = `${TRIANGLE}${words}`; };
+  const setSign = (text) => { sign.innerHTML = `${TRIANGLE}${text}`; };
   const cover = Object.assign(document.createElement("button"), { type: "button", title: "Play" });
-  cover.dataset.lmSuppressShortcuts = ""; // or a letter typed on it would be the notebook's: x cuts the cell
+  cover.dataset.lmSuppressShortcuts = ""; // otherwise typed letters are shortcuts of the notebook: x cuts the cell
   const box = document.createElement("div");
   box.style.cssText = "position: relative; max-width: 960px; background: white; border-radius: 6px; overflow: hidden";
   cover.style.cssText = "display: block; width: 100%; padding: 0; border: 0; background: none; cursor: pointer";
@@ -19,17 +20,19 @@ function render({ model, el }) {
   box.append(cover);
   el.append(box);
   let frame = null;
+  let isLoading = false;
 
-  function tell(open) { model.set("is_open", open); model.save_changes(); }
+  function setIsOpen(isOpen) { model.set("is_open", isOpen); model.save_changes(); }
 
   function close() {
-    say("Play in 3D");
+    isLoading = false;
+    setSign(PLAY);
     if (!frame) return;
     frame.contentWindow?.walkerlab?.close();
     box.replaceChildren(cover);
     frame = null;
-    tell(false);
-    live.splice(live.findIndex((one) => one.close === close), 1);
+    setIsOpen(false);
+    openPages.splice(openPages.findIndex((page) => page.close === close), 1);
   }
 
   function pause() { frame?.contentWindow?.walkerlab?.pause(); }
@@ -38,37 +41,43 @@ function render({ model, el }) {
     if (frame) return;
     frame = Object.assign(document.createElement("iframe"), { srcdoc: page, title: model.get("alt") });
     frame.style.cssText = "display: block; width: 100%; height: 460px; border: 0";
-    const stop = Object.assign(document.createElement("button"), { type: "button", textContent: "✕",
-      title: "close the replay, back to its picture", ariaLabel: "close the replay", onclick: close });
-    stop.style.cssText = `position: absolute; left: 8px; top: 8px; width: 26px; height: 26px; border: 0; border-radius: 50%;
+    const closeButton = Object.assign(document.createElement("button"), { type: "button", textContent: "✕",
+      title: "Close the replay", ariaLabel: "Close the replay", onclick: close });
+    closeButton.style.cssText = `position: absolute; left: 8px; top: 8px; width: 26px; height: 26px; border: 0; border-radius: 50%;
       background: #ffffffd0; color: #222; cursor: pointer`;
-    box.replaceChildren(frame, stop);
-    tell(true);
-    live.forEach((other) => other.pause()); // one at a time: a slow computer draws no more
-    live.push({ close, pause });
-    while (live.length > MOST) live[0].close();
+    box.replaceChildren(frame, closeButton);
+    setIsOpen(true);
+    openPages.forEach((page) => page.pause()); // only one plays at a time, for slow computers
+    openPages.push({ close, pause });
+    while (openPages.length > MAX_OPEN_PAGES) openPages[0].close();
   }
 
   function open() {
     const page = new TextDecoder().decode(model.get("page"));
-    if (page) show(page);
-    else { say("One moment …"); model.send({ want: "page" }); }
+    if (page) { show(page); return; }
+    isLoading = true;
+    setSign(LOADING);
+    model.send({ request: "page" });
   }
 
-  function renew() { // another walk: what is open is of the one before
+  function showPreview() { // the open page, if any, is of the previous replay
     close();
-    Object.assign(picture, { src: model.get("poster"), alt: model.get("alt") });
-    box.hidden = !model.get("poster");
+    Object.assign(picture, { src: model.get("preview"), alt: model.get("alt") });
+    box.hidden = !model.get("preview");
   }
 
-  const asked = () => sign.textContent.startsWith("One moment");
-  model.on("change:page", () => { if (asked() && model.get("page").byteLength) { say("Play in 3D"); open(); } });
-  model.on("change:poster", renew);
+  model.on("change:page", () => {
+    if (!isLoading || !model.get("page").byteLength) return;
+    isLoading = false;
+    setSign(PLAY);
+    open();
+  });
+  model.on("change:preview", showPreview);
   model.on("msg:custom", (message) => { if (message.play) { close(); open(); } });
-  const watch = new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || pause()); // scrolled away
-  watch.observe(box);
+  const observer = new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || pause()); // pause when scrolled away
+  observer.observe(box);
   cover.onclick = open;
-  renew();
-  return () => { watch.disconnect(); close(); };
+  showPreview();
+  return () => { observer.disconnect(); close(); };
 }
 export default { render };

@@ -1,11 +1,11 @@
-"""What is on the stage, as K3D meshes: the ground and all that is on it, robots, ropes and shadows."""
+"""K3D meshes of a replay: the ground with everything fixed to it, robots, loads, obstacles, ropes and shadows."""
 
 import io
 import math
 from collections.abc import Iterable
 from dataclasses import replace
 from itertools import groupby
-from typing import Any
+from typing import Any, NamedTuple
 
 import k3d
 import numpy as np
@@ -18,130 +18,167 @@ from walkerlab.settings.settings import Terrain
 from walkerlab.world.cameras import FIELD_OF_VIEW
 from walkerlab.world.geometry import Surface, material_image, rotate
 from walkerlab.world.heights import height
-from walkerlab.world.scene import Scene
+from walkerlab.world.scene import ORIENTATION, POSITION, Scene
 
 RGB = tuple[float, float, float]
 
-PATCHES = (1.0, 0.62)  # brightness of the patches of a ball, so that it is seen to roll
-PAINTS = 32  # colours of a painted ground: few, for a small file
+BALL_BRIGHTNESS = (1.0, 0.62)  # of the two kinds of patches on a ball, which make its rolling visible
+MAX_TEXTURE_COLOURS = 32  # few, which keeps the file small
+LIMB_LIGHTENING = 0.45  # share of white that is mixed into the colour of a racer's limbs
 ROPE_RADIUS = 0.006  # m
-SHADE = 0.28  # how dark a shadow is
-LIFT = 0.004  # m of a shadow, or a line, over the ground
-START, METRE = (0.02, 0.85), (0.006, 0.4)  # m of half a line's width, and how opaque it is
-BESIDE = 0.15  # m by which it is longer than the lanes
+ROPE_SIDES = 8
+SHADOW_OPACITY = 0.28
+SHADOW_CORNERS = 24
+GROUND_CLEARANCE = 0.004  # m between the ground and a shadow or a line on it
+LINE_OVERHANG = 0.15  # m by which a line on the ground is longer than the lanes are wide, at both ends
+LINE_POINTS = 24  # along each line, which follow the ground
 
 
-def empty_plot(scene: Scene, name: str) -> Any:
-    """Make a plot with nothing in it but the sky at the horizon."""
+class LineStyle(NamedTuple):
+    """Appearance of lines on the ground.
+
+    Attributes:
+        half_width: Half of the width [m].
+        opacity: Opacity, from 0 to 1.
+    """
+
+    half_width: float
+    opacity: float
+
+
+START_LINE = LineStyle(0.02, 0.85)
+METRE_LINE = LineStyle(0.006, 0.4)
+
+
+def create_plot(scene: Scene, name: str) -> Any:
+    """Create an empty plot with the sky's colour at the horizon as background."""
     return plot(
-        background_color=_packed(scene.model.vis.rgba.haze[np.newaxis, :3])[0], camera_fov=FIELD_OF_VIEW,
+        background_color=_pack_colours(scene.model.vis.rgba.haze[np.newaxis, :3])[0], camera_fov=FIELD_OF_VIEW,
         camera_auto_fit=False, grid_visible=False, menu_visibility=False, axes_helper=0.0, lighting=1.6, name=name,
     )  # fmt: skip
 
 
-def scenery(scene: Scene, ground: Iterable[Surface]) -> list[Any]:
-    """Make the meshes of all that never moves: one for each paint, one of the rest, and each layer of glass alone."""
-    still = sorted(ground, key=lambda one: one.material)
-    meshes = list[Any]()
-    for material, group in groupby(still, key=lambda one: one.material):
-        parts = list(group)
+def ground_meshes(scene: Scene, ground: Iterable[Surface]) -> list[Any]:
+    """Create the meshes of everything that never moves.
+
+    There is one mesh for each textured material, one for the texture pieces, one for all other opaque surfaces, and
+    one for each transparent surface.
+    """
+    by_material = sorted(ground, key=lambda surface: surface.material)
+    meshes: list[Any] = []
+    for material, group in groupby(by_material, key=lambda surface: surface.material):
+        members = list(group)
         if material >= 0:
-            meshes.append(_painted(scene, parts, material))
+            meshes.append(_textured_mesh(scene, members, material))
             continue
-        solid = [one for one in parts if one.colour[3] == 1]
-        if pieces := [one for one in solid if one.is_ball]:
-            meshes.append(_strewn(pieces))
-        if others := [one for one in solid if not one.is_ball]:
-            meshes.append(mesh(others))
-        meshes += [mesh([one], opacity=float(one.colour[3])) for one in parts if one.colour[3] < 1]
+        opaque = [surface for surface in members if surface.colour[3] == 1]
+        if pieces := [surface for surface in opaque if surface.is_ball]:
+            meshes.append(_piece_points(pieces))
+        if others := [surface for surface in opaque if not surface.is_ball]:
+            meshes.append(surface_mesh(others))
+        meshes += [
+            surface_mesh([surface], opacity=float(surface.colour[3])) for surface in members if surface.colour[3] < 1
+        ]
     return meshes
 
 
-def mesh(parts: list[Surface], name: str = "", opacity: float = 1.0) -> Any:
-    """Make one mesh of several parts, each in its colour."""
-    points, triangles = _joined(parts)
-    colours = np.concatenate([np.tile(one.colour[:3], (len(one.points), 1)) for one in parts])
-    if any(one.is_ball for one in parts):
+def surface_mesh(members: list[Surface], name: str = "", opacity: float = 1.0) -> Any:
+    """Create one mesh of several surfaces, each in its colour."""
+    points, triangles = _join_surfaces(members)
+    colours = np.concatenate([np.tile(surface.colour[:3], (len(surface.points), 1)) for surface in members])
+    if any(surface.is_ball for surface in members):
         patch = (np.sign(points[triangles].mean(axis=1)).prod(axis=1) > 0).astype(int)
-        points, colours = points[triangles].reshape(-1, 3), colours[triangles].reshape(-1, 3)
-        colours = colours * np.repeat(np.take(PATCHES, patch), 3)[:, np.newaxis]
+        points = points[triangles].reshape(-1, 3)
+        colours = colours[triangles].reshape(-1, 3) * np.repeat(np.take(BALL_BRIGHTNESS, patch), 3)[:, np.newaxis]
         triangles = np.arange(len(points)).reshape(-1, 3)
     return _mesh(
-        points, triangles, colors=_packed(colours), opacity=opacity, flat_shading=False, roughness=0.6,
+        points, triangles, colors=_pack_colours(colours), opacity=opacity, flat_shading=False, roughness=0.6,
         side="front" if opacity == 1 else "double", name=name,
     )  # fmt: skip
 
 
-def placed(still: Any, place: Floats) -> Any:
-    """Put a mesh to where its body is for good: (7,) position and unit quaternion."""
+def place_mesh(mesh: Any, transform: Floats) -> Any:
+    """Move a mesh to a fixed position [m] and orientation (unit quaternion), shape (7,), and return it."""
     matrix = np.eye(4, dtype=np.float32)
-    matrix[:3, :3] = rotate(np.tile(place[3:], (3, 1)), np.eye(3)).T
-    matrix[:3, 3] = place[:3]
-    still.model_matrix = matrix
-    return still
+    matrix[:3, :3] = rotate(np.tile(transform[ORIENTATION], (3, 1)), np.eye(3)).T
+    matrix[:3, 3] = transform[POSITION]
+    mesh.model_matrix = matrix
+    return mesh
 
 
-def tinted(one: Surface, colour: RGB) -> Surface:
-    """Paint a part in its racer's colour."""
-    return replace(one, colour=tint(one.colour, colour))
+def tint_surface(surface: Surface, colour: RGB) -> Surface:
+    """Return a surface of the robot in the colour of its racer."""
+    return replace(surface, colour=tint(surface.colour, colour))
 
 
 def tint(natural: Floats, colour: RGB) -> Floats:
-    """Turn a natural colour, (4,), into a racer's: limbs, which are blue by nature, get a lighter one."""
-    lift = 0.45 * bool(natural[2] > natural[0])
-    return np.array([*(np.array(colour) * (1 - lift) + lift), natural[3]])
+    """Return the colour in a race of a surface with this natural RGBA colour, (4,); blue limbs become lighter."""
+    red, _, blue, alpha = natural
+    white = LIMB_LIGHTENING if blue > red else 0.0
+    return np.array([*(np.array(colour) * (1 - white) + white), alpha])
 
 
-def rope(scene: Scene) -> Any:
-    """Make a rod of length 1 along z, of the rope's colour."""
-    turn = np.linspace(0, math.tau, 8, endpoint=False)
-    ring = ROPE_RADIUS * np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+def rope_mesh(scene: Scene) -> Any:
+    """Create a rod of length 1 along z in the colour of the rope."""
+    angle = np.linspace(0, math.tau, ROPE_SIDES, endpoint=False)
+    ring = ROPE_RADIUS * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
     points = np.concatenate([ring + np.array([0, 0, end]) for end in (-0.5, 0.5)])
-    i, j = np.arange(8), (np.arange(8) + 1) % 8
-    triangles = np.stack([i, j, j + 8, i, j + 8, i + 8], axis=1).reshape(-1, 3)
-    return _mesh(points, triangles, color=_packed(scene.model.tendon_rgba[:1, :3])[0], flat_shading=False)
+    i = np.arange(ROPE_SIDES)
+    j = (i + 1) % ROPE_SIDES
+    triangles = np.stack([i, j, j + ROPE_SIDES, i, j + ROPE_SIDES, i + ROPE_SIDES], axis=1).reshape(-1, 3)
+    return _mesh(points, triangles, color=_pack_colours(scene.model.tendon_rgba[:1, :3])[0], flat_shading=False)
 
 
-def shadow(length: float) -> Any:
-    """Make a soft dark spot below a segment of this length [m]: it shows how high above the ground it is."""
-    turn = np.linspace(0, math.tau, 24, endpoint=False)
-    long, wide = 0.62 * length, 0.22 * length + 0.04
-    rim = np.stack([long * np.cos(turn), wide * np.sin(turn), 0 * turn], axis=1)
-    triangles = np.stack([0 * turn[2:], np.arange(1, 23), np.arange(2, 24)], axis=1)
-    return _mesh(rim, triangles, color=0x000000, opacity=SHADE, side="double")
+def shadow_mesh(length: float) -> Any:
+    """Create the shadow of a segment of this length [m], which shows how high above the ground the segment is."""
+    angle = np.linspace(0, math.tau, SHADOW_CORNERS, endpoint=False)
+    half_length = 0.62 * length
+    half_width = 0.22 * length + 0.04
+    rim = np.stack([half_length * np.cos(angle), half_width * np.sin(angle), 0 * angle], axis=1)
+    corner = np.arange(1, SHADOW_CORNERS - 1)
+    triangles = np.stack([0 * corner, corner, corner + 1], axis=1)
+    return _mesh(rim, triangles, color=0x000000, opacity=SHADOW_OPACITY, side="double")
 
 
-def lines(terrain: Terrain, edges: tuple[float, float], along: NDArray[Any], half: float, opacity: float) -> Any:
-    """Draw white lines across all lanes, at some places along the way [m], of half a width [m]."""
-    y = np.linspace(edges[0] - BESIDE, edges[1] + BESIDE, 24)
-    x = np.add.outer(along, (-half, half))[:, np.newaxis, :] + 0 * y[:, np.newaxis]  # (lines, 24, 2)
+def line_mesh(terrain: Terrain, extent: tuple[float, float], distances: NDArray[Any], style: LineStyle) -> Any:
+    """Create white lines on the ground, across all lanes.
+
+    Args:
+        terrain: Terrain whose ground the lines follow.
+        extent: Right and left edge of the lanes [m].
+        distances: Positions of the lines along x [m].
+        style: Width and opacity of the lines.
+    """
+    y = np.linspace(extent[0] - LINE_OVERHANG, extent[1] + LINE_OVERHANG, LINE_POINTS)
+    edges = (-style.half_width, style.half_width)
+    x = np.add.outer(distances, edges)[:, np.newaxis, :] + 0 * y[:, np.newaxis]  # (n_lines, LINE_POINTS, 2)
     across = np.broadcast_to(y[:, np.newaxis], x.shape)
-    points = np.stack([x, across, height(terrain, x, across) + LIFT], axis=-1).reshape(-1, 3)
-    i = (2 * np.arange(len(y) - 1) + 2 * len(y) * np.arange(len(along))[:, np.newaxis]).ravel()
+    points = np.stack([x, across, height(terrain, x, across) + GROUND_CLEARANCE], axis=-1).reshape(-1, 3)
+    i = (2 * np.arange(len(y) - 1) + 2 * len(y) * np.arange(len(distances))[:, np.newaxis]).ravel()
     triangles = np.stack([i, i + 1, i + 3, i, i + 3, i + 2], axis=1).reshape(-1, 3)
-    return _mesh(points, triangles, color=0xFFFFFF, opacity=opacity, side="double")
+    return _mesh(points, triangles, color=0xFFFFFF, opacity=style.opacity, side="double")
 
 
-def _strewn(pieces: list[Surface]) -> Any:
-    """Make the pieces of a texture, each the tip of a ball, from one point each: there can be thousands."""
-    middles = np.array([one.points.mean(axis=0) for one in pieces])
-    widths = np.array([np.ptp(one.points[:, 0]) for one in pieces])
-    colours = _packed(np.array([one.colour[:3] for one in pieces]))
+def _piece_points(pieces: list[Surface]) -> Any:
+    """Create the texture pieces as points drawn as balls; there may be thousands of them."""
+    centres = np.array([piece.points.mean(axis=0) for piece in pieces])
+    widths = np.array([np.ptp(piece.points[:, 0]) for piece in pieces])
+    colours = _pack_colours(np.array([piece.colour[:3] for piece in pieces]))
     return k3d.points(
-        middles.astype(np.float32), point_sizes=widths.astype(np.float32), colors=colours, shader="3d"
+        centres.astype(np.float32), point_sizes=widths.astype(np.float32), colors=colours, shader="3d"
     )  # fmt: skip
 
 
-def _painted(scene: Scene, parts: list[Surface], material: int) -> Any:
-    """Make a mesh with the picture of its material repeated over it, in metres of the world."""
-    points, triangles = _joined(parts)
+def _textured_mesh(scene: Scene, members: list[Surface], material: int) -> Any:
+    """Create a mesh with the image of its material repeated over it, at a fixed scale in world coordinates."""
+    points, triangles = _join_surfaces(members)
     corners = points[triangles]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     axes = np.array([(1, 2), (0, 2), (0, 1)])[np.repeat(np.argmax(np.abs(normal), axis=1), 3)]
-    corners = corners.reshape(-1, 3)  # not shared: one between two sides has two places in the picture
-    picture, repeat = material_image(scene.model, material)
+    corners = corners.reshape(-1, 3)  # not shared by faces: each face has its own texture coordinates
+    image, repeat = material_image(scene.model, material)
     file = io.BytesIO()
-    Image.fromarray(picture).quantize(PAINTS).save(file, "png", optimize=True)
+    Image.fromarray(image).quantize(MAX_TEXTURE_COLOURS).save(file, "png", optimize=True)
     return _mesh(
         corners, np.arange(len(corners)), color=0xFFFFFF, side="double", roughness=0.9, flat_shading=False,
         texture=file.getvalue(), texture_file_format="png", texture_wrap="repeat",
@@ -149,16 +186,17 @@ def _painted(scene: Scene, parts: list[Surface], material: int) -> Any:
     )  # fmt: skip
 
 
-def _mesh(points: Floats, triangles: NDArray[Any], **looks: Any) -> Any:
-    return k3d.mesh(points.astype(np.float32), triangles.astype(np.uint32), **looks)
+def _mesh(points: Floats, triangles: NDArray[Any], **appearance: Any) -> Any:
+    return k3d.mesh(points.astype(np.float32), triangles.astype(np.uint32), **appearance)
 
 
-def _joined(parts: list[Surface]) -> tuple[Floats, NDArray[np.intp]]:
-    starts = np.cumsum([0, *(len(one.points) for one in parts[:-1])])
-    triangles = [one.triangles + start for one, start in zip(parts, starts, strict=True)]
-    return np.concatenate([one.points for one in parts]), np.concatenate(triangles)
+def _join_surfaces(members: list[Surface]) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the points, (n, 3), and the triangles, (m, 3), of several surfaces."""
+    starts = np.cumsum([0, *(len(surface.points) for surface in members[:-1])])
+    triangles = [surface.triangles + start for surface, start in zip(members, starts, strict=True)]
+    return np.concatenate([surface.points for surface in members]), np.concatenate(triangles)
 
 
-def _packed(colours: NDArray[Any]) -> list[int]:
-    """Write (n, 3) shares of red, green and blue as one number each."""
-    return (np.rint(255 * np.clip(colours, 0, 1)).astype(int) @ np.array([65536, 256, 1])).tolist()
+def _pack_colours(colours: NDArray[Any]) -> list[int]:
+    """Return colours, (n, 3) from 0 to 1, as integers 0xRRGGBB."""
+    return (np.rint(255 * np.clip(colours, 0, 1)).astype(int) @ np.array([0x10000, 0x100, 1])).tolist()

@@ -1,12 +1,13 @@
-"""The replay: recorded walks as one HTML page that plays offline, in a notebook or on its own.
+"""The replay: recorded walks as one HTML page that plays offline, in a notebook or as a file.
 
-The page is K3D's own snapshot of the stage, with the player (player.js) added. The player is handed the *reel*:
+The page is K3D's snapshot of the plot with the player (player.js), which gets the recording as JSON:
 
-    things, walks, cameras, marks    what moves, who walks, from where it is seen, what is written on the ground
-    channels, finest, seconds        all positions over time, packed by ``tracks.pack``
+    meshes, walks, cameras, marks     moving meshes, facts about each walk, camera names, distance marks on the ground
+    channels, resolution, duration    positions over time, encoded by ``tracks.pack_channels``
+    camera                            camera at the start
 
-In a notebook a picture comes first; pressed, it becomes the page, and a picture again when that is closed, for
-browsers keep few WebGL contexts.
+In a notebook a preview image is shown first. A click replaces it by the page, and closing the page brings the image
+back, because browsers limit the number of WebGL contexts.
 """
 
 import base64
@@ -34,25 +35,25 @@ from walkerlab.simulation.validity import UNSTABLE, VERDICTS
 from walkerlab.system.files import file_path, replacing
 from walkerlab.text.html import Html, join, tag
 from walkerlab.text.numbers import with_unit
-from walkerlab.view.replay.animation import Stage, Walk, set_up
-from walkerlab.view.replay.preview import poster
-from walkerlab.view.replay.tracks import pack
-from walkerlab.view.replay.walkers import line_up
+from walkerlab.view.replay.animation import Animation, Walk, build_animation
+from walkerlab.view.replay.preview import draw_preview
+from walkerlab.view.replay.tracks import pack_channels
+from walkerlab.view.replay.walkers import simulate_walks
 from walkerlab.view.snapshots import LIVE_STYLE, WHITE, HasSnapshot
 
 HERE = Path(__file__).parent
-PRESS = " Press to play."
-NATURAL = "#e69f00"  # the colour of a trunk
+PLAY_HINT = " Press to play."  # at the end of the alternative text of a preview image
+TRUNK_COLOUR = "#e69f00"
 
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """Recorded walks, to be watched from any side. Shown in a notebook if it stands last in a cell.
+    """Recorded walks in 3D. As the last value of a notebook cell, it is displayed.
 
     Attributes:
-        walks: who walks.
-        settings: of the world in which they do.
-        camera: from where they are seen at first.
+        walks: Recorded walks, at least one.
+        settings: Settings of the world.
+        camera: Camera at the start.
     """
 
     walks: tuple[Walk, ...]
@@ -60,46 +61,50 @@ class Replay:
     camera: Camera
 
     def __repr__(self) -> str:
-        """Name the walks."""
+        """Return the labels of the walks and how to show the replay."""
         names = ", ".join(walk.label for walk in self.walks)
         return f"Replay({names}; camera {self.camera.name}; show it in a notebook, or save it with .to_html(path))"
 
     def to_html(self, path: str | Path) -> Path:
-        """Save it as one file that plays offline in any browser with WebGL, on a computer or a phone.
+        """Save the replay as one file that plays offline in any browser with WebGL 2, on a computer or a phone.
 
         Args:
-            path: of the file to be written; what was there is replaced.
+            path: File to write, whose name ends in ``.html``; an existing file is replaced.
+
+        Returns:
+            The path of the file.
 
         Raises:
-            ValueError: if it is not named ``.html``.
-            OSError: if it cannot be written.
+            ValueError: If the name does not end in ``.html``.
+            OSError: If the file cannot be written.
         """
         path = file_path(path)
         if path.suffix.lower() not in (".html", ".htm"):
-            raise ValueError(f"path is {str(path)!r}; it must end in .html: a page, which a browser opens")
+            raise ValueError(f"path is {str(path)!r}; it must end in .html, because a replay is a page for a browser")
         with replacing(path) as part:
             part.write_text(self.page, encoding="utf-8")
         return path
 
     @cached_property
     def page(self) -> str:
-        """The whole page, as HTML."""
-        stage = set_up(list(self.walks), self._title)
+        """The complete page, as HTML."""
+        animation = build_animation(list(self.walks), self._title)
         player = (HERE / "player.js").read_text(encoding="utf-8")
         style = (HERE / "player.css").read_text(encoding="utf-8")
-        reel = json.dumps(self._reel(stage)).replace("<", "\\u003c")  # so that no text can end the script that it is in
-        page: str = stage.plot.get_snapshot(additional_js_code=f"({player.strip()})(K3DInstance, {reel});")
-        stage.strike()
+        recording = json.dumps(self._recording(animation)).replace("<", "\\u003c")  # no text can close the script
+        code = f"({player.strip()})(K3DInstance, {recording});"
+        page: str = animation.plot.get_snapshot(additional_js_code=code)
+        animation.close()
         head = join(tag("meta", name="viewport", content="width=device-width"), tag("title", self._title))
         head += tag("style", Html(style))
         page = re.sub(r"<title>.*?</title>", lambda _: head, page, count=1, flags=re.DOTALL)
-        excuse = (HERE / "unavailable.html").read_text(encoding="utf-8")
-        page = page.replace('<div id="canvasTarget"></div>', f'<div id="canvasTarget"></div>\n{excuse}', 1)
+        unavailable = (HERE / "unavailable.html").read_text(encoding="utf-8")
+        page = page.replace('<div id="canvasTarget"></div>', f'<div id="canvasTarget"></div>\n{unavailable}', 1)
         return page.replace("<html>", '<html lang="en">', 1)
 
     @property
     def widget(self) -> "Frame":
-        """A new widget that shows it in a notebook: a picture first."""
+        """A new widget that shows the replay in a notebook, at first as its preview image."""
         return Frame(self)
 
     def _ipython_display_(self, **_: Any) -> None:
@@ -107,31 +112,34 @@ class Replay:
 
     @property
     def _title(self) -> str:
-        return self.walks[0].label if len(self.walks) == 1 else f"A race of {len(self.walks)}"
+        return self.walks[0].label if len(self.walks) == 1 else f"Race of {len(self.walks)} robots"
 
-    def _reel(self, stage: Stage) -> dict[str, Any]:
+    def _recording(self, animation: Animation) -> dict[str, Any]:
+        """Return what player.js requires, as JSON data."""
+        packed = pack_channels(animation.channels, animation.resolution)
         return {
-            "things": stage.things,
-            "channels": base64.b64encode(pack(stage.channels, stage.finest)).decode("ascii"),
-            "finest": stage.finest.tolist(),
-            "seconds": stage.seconds,
+            "meshes": animation.mesh_ids,
+            "channels": base64.b64encode(packed).decode("ascii"),
+            "resolution": animation.resolution.tolist(),
+            "duration": animation.duration,
             "camera": self.camera.name,
-            "cameras": [{"name": view.name, "up": stage.ups[view]} for view in Camera],
-            "walks": [self._facts(walk) for walk in self.walks],
-            "marks": [{"at": spot, "text": f"{spot[0]:g} m"} for spot in stage.marks.tolist()],
+            "cameras": [{"name": camera.name, "up": animation.up_directions[camera]} for camera in Camera],
+            "walks": [self._walk_facts(walk) for walk in self.walks],
+            "marks": [{"position": mark, "text": f"{mark[0]:g} m"} for mark in animation.marks.tolist()],
         }
 
-    def _facts(self, walk: Walk) -> dict[str, Any]:
-        """What the board says of a walk."""
-        rollout, body = walk.rollout, walk.rollout.phenotype
-        whole = rollout.verdict != UNSTABLE  # or its last numbers are nonsense
+    def _walk_facts(self, walk: Walk) -> dict[str, Any]:
+        """Return what the player's list of walks says about a walk."""
+        rollout = walk.rollout
+        body = rollout.phenotype
+        is_finite = rollout.verdict != UNSTABLE
         facts = [
-            ("way forward", with_unit(rollout.distance, "m") if whole else "–"),
-            ("speed", with_unit(rollout.velocity, "m/s") if whole else "–"),
+            ("distance forward", with_unit(rollout.distance, "m") if is_finite else "–"),
+            ("speed", with_unit(rollout.velocity, "m/s") if is_finite else "–"),
         ]
         name, unit = name_and_unit(self.settings.algorithm.fitness)
         if name not in ("distance", "velocity") and rollout.counts:
-            with suppress(RunFileError):  # of a fitness of the user's own, a run file knows the name only
+            with suppress(RunFileError):  # a loaded run knows only the name of a user function
                 fitness = score(rollout, self.settings.algorithm.fitness)
                 facts.append((name, with_unit(fitness, unit) if rollout.counts else "does not count"))
         facts += [
@@ -139,97 +147,104 @@ class Replay:
             ("length", with_unit(body.body_length, "m")),
             ("weight", with_unit(body.weight, "kg")),
         ]
-        void = f"Does not count: {rollout.verdict}, {rollout.reason}."
+        rejection = f"Does not count: {rollout.verdict}, {rollout.reason}."
         return {
             "label": walk.label,
-            "colour": to_hex(walk.colour) if walk.colour else NATURAL,
+            "colour": to_hex(walk.colour) if walk.colour else TRUNK_COLOUR,
             "counts": rollout.counts,
-            "verdict": VERDICTS["ok"] if rollout.counts else void,
+            "verdict": VERDICTS["ok"] if rollout.counts else rejection,
             "facts": facts,
             "start": float(np.nan_to_num(rollout.com[0, 0])),
         }
 
 
 def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | str | int | None = None) -> Replay:
-    """Let one robot or several walk, and show it in 3D; needs no GL where Python runs, and WebGL where it is seen.
+    """Simulate one robot or several and show their walks in 3D.
 
-    Several are a race: each in a colour of its own, side by side where the ground is the same across the way, and
-    otherwise through one another, for each walked alone; what lies about is then shown as the one that came farthest
-    moved it.
+    Python requires no OpenGL; the browser requires WebGL 2. Several robots are shown as a race, each in its own
+    colour: side by side if the ground is the same everywhere across the direction of travel, and otherwise at the same
+    place, passing through each other, because each was simulated alone. Loose obstacles are then shown as the robot
+    that came farthest moved them.
 
     Args:
-        walkers: a genome, its text, an individual, or a run for its champion; or several, as a list, or by label.
-        settings: of terrain, robot and simulation; the defaults if None.
-        camera: side, front, top, chase or orbit; that of the settings if None.
+        walkers: Genome, its text, an individual, or a run (its champion); or several of these, as a list, or as a dict
+            with labels as keys.
+        settings: Settings of terrain, robot and simulation; the defaults if None.
+        camera: Camera at the start: side, front, top, chase or orbit; that of the settings if None.
 
     Raises:
-        GenomeError: if a text is no genome.
-        SettingsError: if there is no such camera.
-        ValueError: if there is nobody to walk.
+        GenomeError: If a text is not a valid genome.
+        SettingsError: If the camera does not exist.
+        TypeError: If ``walkers`` contains something else.
+        ValueError: If there are no robots.
     """
     settings = Settings() if settings is None or isinstance(walkers, Settings) else require_settings(settings)
     if camera is not None:
         settings = settings.with_(camera=camera)
-    return Replay(line_up(walkers, settings), settings, settings.simulation.camera)
+    return Replay(simulate_walks(walkers, settings), settings, settings.simulation.camera)
 
 
 # ---------------------------------------------------------------------------------------------- in a notebook
 
 
 class Frame(HasSnapshot, anywidget.AnyWidget):
-    """A picture in a notebook; pressed, it becomes the page, and closed it is a picture again.
+    """Widget that shows the preview image of a replay, and its page after a click, until the page is closed.
 
-    Of a replay it has the page from the start, so that it plays while the kernel is busy, or gone. A notebook keeps
-    every widget: this one holds nothing else of the walks.
+    The widget of a replay contains the page from the start, so that it plays while the kernel is busy or stopped. A
+    notebook keeps every widget in memory; therefore a frame holds no references to the walks.
     """
 
     title = "replay"
     _esm = HERE / "frame.js"
     _css = LIVE_STYLE
-    poster = traitlets.Unicode("").tag(sync=True)
-    alt = traitlets.Unicode("").tag(sync=True)
-    page = traitlets.Bytes(b"").tag(sync=True)
-    is_open = traitlets.Bool(False).tag(sync=True)  # whether the page is to be seen
+    preview = traitlets.Unicode("").tag(sync=True)  # data URL of the preview image
+    alt = traitlets.Unicode("").tag(sync=True)  # alternative text of the preview image
+    page = traitlets.Bytes(b"").tag(sync=True)  # page of the replay; empty until it is made
+    is_open = traitlets.Bool(False).tag(sync=True)  # whether the page is displayed
 
     def __init__(self, shown: Replay | None = None) -> None:
-        """Show a replay, or nothing yet."""
+        """Show a replay, or nothing if None."""
         super().__init__()
         self._make: Callable[[], Replay] | None = None
-        self.on_msg(self._hear)
+        self.on_msg(self._handle_message)
         if shown:
-            picture = base64.b64encode(poster(shown.walks, shown.settings)).decode("ascii")
+            picture = base64.b64encode(draw_preview(shown.walks, shown.settings)).decode("ascii")
             walks = "; ".join(f"{walk.label}, {with_unit(walk.rollout.distance, 'm')} forward" for walk in shown.walks)
-            self.alt, self.page = f"Replay of {walks}.{PRESS}", shown.page.encode("utf-8")
-            self.poster = f"data:image/png;base64,{picture}"
+            self.alt = f"Replay of {walks}.{PLAY_HINT}"
+            self.page = shown.page.encode("utf-8")
+            self.preview = f"data:image/png;base64,{picture}"
 
     def offer(self, make: Callable[[], Replay], picture: str, alt: str) -> None:
-        """Offer another replay, which is made when somebody wants to see it.
+        """Show the preview image of another replay, which is made when it is first played.
 
         Args:
-            make: makes it.
-            picture: its poster, as a URL of data.
-            alt: what it shows, in words.
+            make: Function that makes the replay.
+            picture: Data URL of its preview image.
+            alt: Alternative text of the image.
         """
         with self.hold_sync():
-            self._make, self.page, self.alt, self.poster = make, b"", alt, picture
+            self._make = make
+            self.page = b""
+            self.alt = alt
+            self.preview = picture
 
     def __repr__(self) -> str:
-        """Name the walks."""
-        return f"<{self.alt or 'A replay: nothing to be shown yet'}>"
+        """Return the alternative text of the preview image."""
+        return f"<{self.alt or 'A replay without a walk'}>"
 
     def snapshot(self) -> Html:
-        """Write the picture as static HTML."""
-        if not self.poster:
-            return tag("p", "No walk was offered yet.")
-        return tag("img", src=self.poster, alt=self.alt.removesuffix(PRESS), style=WHITE)
+        """Return the preview image as static HTML."""
+        if not self.preview:
+            return tag("p", "No walk to show.")
+        return tag("img", src=self.preview, alt=self.alt.removesuffix(PLAY_HINT), style=WHITE)
 
     def play(self) -> None:
-        """Press it."""
+        """Open the page and play it."""
         self.send({"play": True})
 
-    def _hear(self, _widget: object, message: Any, _buffers: object) -> None:
+    def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
         make = self._make
-        if make and message == {"want": "page"}:
+        if make and message == {"request": "page"}:
             page = make().page.encode("utf-8")
-            if make is self._make:  # and no other walk was offered meanwhile
+            if make is self._make:  # no other replay was offered meanwhile
                 self.page = page

@@ -1,210 +1,240 @@
-// Plays recorded walks on a K3D plot. `reel` is what walkerlab/viewer/replay.py wrote: see its docstring.
-(K3D, reel) => {
+// Plays recorded walks on a K3D plot. `recording` is the JSON data that page.py describes in its docstring.
+(K3D, recording) => {
   "use strict";
+  const TRANSFORM_CHANNELS = 8; // of each mesh: position, unit quaternion (w, x, y, z), scale along z
+  const CAMERA_CHANNELS = 6; // of each camera: eye, target
+  const POINT_CHANNELS = 3; // of each centre of mass
+  const MIN_MARK_SPACING = 28; // pixels between two marks
+  const MAX_NAME_TAGS = 8; // with more walks the tags are dots, which do not hide the robots
+  const TAG_HEIGHT = 0.35; // m above the centre of mass
+  const MIN_ASPECT = 4 / 3; // width over height; in a narrower window the camera moves back until all is visible
+  const MAX_FRAME_TIME = 0.2; // s by which the time advances at most in a frame, for instance after a pause of the browser
+  const KEY_STEP = 0.1; // s, for the arrow keys
+  const PLAY_PATH = "M5 3 L17 10 L5 17 Z", PAUSE_PATH = "M5 3 H8.5 V17 H5 Z M11.5 3 H15 V17 H11.5 Z"; // SVG; fonts may lack them
+
   const world = K3D.getWorld(), target = document.getElementById("canvasTarget");
-  const { channels, moments } = unpack(reel.channels, reel.finest.length);
-  const PLACE = 8, SIGHT = 6; // channels of a thing, and of a camera
-  const NEAR = 28; // pixels between two marks
-  const CROWD = 8; // walks from which on tags are dots, or they would hide the walkers
-  const SHAPE = 4 / 3; // width over height from which on all is in the picture; from narrower ones a camera steps back
-  const firstSight = PLACE * reel.things.length;
-  const firstPath = firstSight + SIGHT * reel.cameras.length;
-  const meshes = reel.things.map((id) => world.ObjectsById[id]);
+  const { channels, nTimes } = unpack(recording.channels, recording.resolution.length);
+  const firstCameraChannel = TRANSFORM_CHANNELS * recording.meshes.length;
+  const firstPathChannel = firstCameraChannel + CAMERA_CHANNELS * recording.cameras.length;
+  const meshes = recording.meshes.map((id) => world.ObjectsById[id]);
   meshes.forEach((mesh) => { mesh.matrixAutoUpdate = false; mesh.frustumCulled = false; });
 
-  const state = { time: 0, playing: false, speed: 1, loop: true, camera: reel.camera, last: null };
+  const state = { time: 0, playing: false, speed: 1, loop: true, camera: recording.camera, lastPoint: null };
 
-  // ------------------------------------------------------------------------------------------------ the numbers
+  // ---------------------------------------------------------------------------------------------------- recording
 
+  // Decodes what tracks.pack_channels has encoded.
   function unpack(text, count) {
     const bytes = fflate.unzlibSync(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)));
-    const head = new Float64Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + 8 * count));
-    const steps = new Int32Array(bytes.buffer.slice(bytes.byteOffset + 8 * count, bytes.byteOffset + bytes.length));
-    const length = steps.length / count;
-    const all = [];
+    const firstValues = new Float64Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + 8 * count));
+    const differences = new Int32Array(bytes.buffer.slice(bytes.byteOffset + 8 * count, bytes.byteOffset + bytes.length));
+    const nDifferences = differences.length / count;
+    const channels = [];
     for (let c = 0; c < count; c++) {
-      const values = new Float64Array(length + 1);
-      const unit = reel.finest[c];
-      let sum = Math.round(head[c] / unit);
+      const values = new Float64Array(nDifferences + 1);
+      const unit = recording.resolution[c];
+      let sum = Math.round(firstValues[c] / unit);
       values[0] = sum * unit;
-      for (let i = 0; i < length; i++) { sum += steps[c * length + i]; values[i + 1] = sum * unit; }
-      all.push(values);
+      for (let i = 0; i < nDifferences; i++) { sum += differences[c * nDifferences + i]; values[i + 1] = sum * unit; }
+      channels.push(values);
     }
-    return { channels: all, moments: length + 1 };
+    return { channels, nTimes: nDifferences + 1 };
   }
 
-  function at(channel, time) {
-    const x = Math.min(Math.max(time / reel.seconds, 0), 1) * (moments - 1);
-    const i = Math.min(Math.floor(x), moments - 2), part = x - i;
-    return channels[channel][i] * (1 - part) + channels[channel][i + 1] * part;
+  function interpolate(channel, time) {
+    const x = Math.min(Math.max(time / recording.duration, 0), 1) * (nTimes - 1);
+    const i = Math.min(Math.floor(x), nTimes - 2), fraction = x - i;
+    return channels[channel][i] * (1 - fraction) + channels[channel][i + 1] * fraction;
   }
 
-  const several = (start, count, time) => Array.from({ length: count }, (_, k) => at(start + k, time));
+  const interpolateAll = (first, count, time) => Array.from({ length: count }, (_, k) => interpolate(first + k, time));
 
-  // ------------------------------------------------------------------------------------------------- the picture
+  const centreOfMass = (walk, time) => interpolateAll(firstPathChannel + POINT_CHANNELS * walk, POINT_CHANNELS, time);
 
-  function place(mesh, [x, y, z, w, i, j, k, stretch]) {
+  // ------------------------------------------------------------------------------------------------------ drawing
+
+  function placeMesh(mesh, [x, y, z, w, i, j, k, scale]) {
     mesh.position.set(x, y, z);
     mesh.quaternion.set(i, j, k, w).normalize();
-    mesh.scale.set(1, 1, stretch);
+    mesh.scale.set(1, 1, scale);
     mesh.updateMatrix();
     mesh.matrixWorldNeedsUpdate = true;
   }
 
-  function aim() {
-    const number = Math.max(reel.cameras.findIndex(({ name }) => name === state.camera), 0);
-    const sight = several(firstSight + SIGHT * number, SIGHT, state.time);
-    if (state.camera !== "free") {
-      const [eye, seen] = [sight.slice(0, 3), sight.slice(3)];
-      const back = Math.max(1, SHAPE * target.clientHeight / target.clientWidth);
-      K3D.setCamera([...eye.map((value, axis) => seen[axis] + back * (value - seen[axis])), ...seen, ...reel.cameras[number].up]);
-    } else { // where the user has turned it to, but going along
-      const spot = several(firstPath, 3, state.time);
-      if (state.last) {
-        const now = world.controls.getCameraArray();
-        const moved = spot.map((value, axis) => value - state.last[axis]);
-        K3D.setCamera(now.map((value, axis) => value + (axis < 6 ? moved[axis % 3] : 0)));
-      }
-      state.last = spot;
+  function aimCamera() {
+    if (state.camera === "free") { followFirstWalk(); return; }
+    const number = Math.max(recording.cameras.findIndex(({ name }) => name === state.camera), 0);
+    const values = interpolateAll(firstCameraChannel + CAMERA_CHANNELS * number, CAMERA_CHANNELS, state.time);
+    const eye = values.slice(0, 3), centre = values.slice(3);
+    const back = Math.max(1, MIN_ASPECT * target.clientHeight / target.clientWidth);
+    const movedEye = eye.map((value, axis) => centre[axis] + back * (value - centre[axis]));
+    K3D.setCamera([...movedEye, ...centre, ...recording.cameras[number].up]);
+  }
+
+  // Moves the free camera as far as the first walk has moved since the last call; the user controls its direction.
+  function followFirstWalk() {
+    const point = centreOfMass(0, state.time);
+    if (state.lastPoint) {
+      const movement = point.map((value, axis) => value - state.lastPoint[axis]);
+      const eyeTargetUp = world.controls.getCameraArray();
+      K3D.setCamera(eyeTargetUp.map((value, axis) => value + (axis < CAMERA_CHANNELS ? movement[axis % 3] : 0)));
     }
+    state.lastPoint = point;
   }
 
   function draw() {
-    meshes.forEach((mesh, number) => place(mesh, several(PLACE * number, PLACE, state.time)));
-    aim();
+    meshes.forEach((mesh, number) =>
+      placeMesh(mesh, interpolateAll(TRANSFORM_CHANNELS * number, TRANSFORM_CHANNELS, state.time)));
+    aimCamera();
     K3D.render();
-    tell();
-    label();
+    updateControls();
+    updateLabels();
   }
 
-  // ------------------------------------------------------------------------------------------------ what is said
+  // ---------------------------------------------------------------------------------------------------- page parts
 
-  const make = (tag, words = {}, ...children) => {
+  const make = (tag, properties = {}, ...children) => {
     const node = document.createElement(tag);
-    for (const [name, value] of Object.entries(words)) {
+    for (const [name, value] of Object.entries(properties)) {
       if (name in node && name !== "list") node[name] = value; else node.setAttribute(name, value);
     }
     node.append(...children);
     return node;
   };
 
-  const tags = reel.walks.map((walk) => {
-    const tag = make("div", { className: reel.walks.length > CROWD ? "tag small" : "tag" }, walk.label);
+  const tags = recording.walks.map((walk) => {
+    const tag = make("div", { className: recording.walks.length > MAX_NAME_TAGS ? "tag small" : "tag" }, walk.label);
     tag.style.setProperty("--colour", walk.colour);
     return tag;
   });
-  const marks = reel.marks.map(({ text }) => make("div", { className: "mark", textContent: text }));
+  const marks = recording.marks.map(({ text }) => make("div", { className: "mark", textContent: text }));
   const overlay = make("div", { className: "overlay", ariaHidden: "true" }, ...marks, ...(tags.length > 1 ? tags : []));
 
-  const ways = reel.walks.map(() => make("b", { className: "way", title: "how far its centre of mass has come; the marks on the " +
-    "ground are metres from where its foremost point stood" }));
-  const rows = reel.walks.map((walk, number) => {
+  const distances = recording.walks.map(() => make("b", { className: "distance", title: "Distance forward of the centre of " +
+    "mass. The marks on the ground are distances from the foremost point of the robot at the start." }));
+  const entries = recording.walks.map((walk, number) => {
     const dot = make("span", { className: "dot" });
     dot.style.setProperty("--colour", walk.colour);
     const facts = make("dl", {}, ...walk.facts.flatMap(([name, value]) => [
       make("dt", { textContent: name }), make("dd", { textContent: value })]));
-    const verdict = make("p", { className: walk.counts ? "verdict" : "verdict void", textContent: walk.verdict });
-    const head = make("summary", {}, dot, make("span", { className: "name", textContent: walk.label }), ways[number],
+    const verdict = make("p", { className: walk.counts ? "verdict" : "verdict rejected", textContent: walk.verdict });
+    const head = make("summary", {}, dot, make("span", { className: "name", textContent: walk.label }), distances[number],
       make("span", { className: "sign", textContent: walk.counts ? "✓" : "✗", title: walk.verdict }));
-    return make("details", { open: reel.walks.length === 1 && innerWidth > 620 }, head, verdict, facts);
+    return make("details", { open: recording.walks.length === 1 && innerWidth > 620 }, head, verdict, facts);
   });
-  const board = make("section", { className: "board", ariaLabel: "the walks" }, ...rows);
+  const walkList = make("section", { className: "walks", ariaLabel: "Walks" }, ...entries);
 
-  const SIGNS = { play: "M5 3 L17 10 L5 17 Z", pause: "M5 3 H8.5 V17 H5 Z M11.5 3 H15 V17 H11.5 Z" }; // fonts may lack them
-  const button = make("button", { className: "play", type: "button" });
-  button.innerHTML = '<svg viewBox="0 0 20 20" width="18" height="18" aria-hidden="true"><path/></svg>';
-  const slider = make("input", { type: "range", min: 0, max: reel.seconds, step: reel.seconds / (moments - 1), value: 0,
-    className: "time", ariaLabel: "time in seconds" });
+  const playButton = make("button", { className: "play", type: "button" });
+  playButton.innerHTML = '<svg viewBox="0 0 20 20" width="18" height="18" aria-hidden="true"><path/></svg>';
+  const slider = make("input", { type: "range", min: 0, max: recording.duration, step: recording.duration / (nTimes - 1),
+    value: 0, className: "time", ariaLabel: "Time in seconds" });
   const clock = make("output", { className: "clock" });
-  const choice = (label, values, chosen) => make("select", { ariaLabel: label, title: label }, ...values.map(
-    ([value, words]) => make("option", { value, textContent: words, selected: value === chosen })));
-  const speeds = choice("speed", [[0.1, "0.1×"], [0.25, "¼×"], [0.5, "½×"], [1, "1×"], [2, "2×"], [4, "4×"]], 1);
-  const cameras = choice("camera", [...reel.cameras.map(({ name }) => [name, name]), ["free", "free"]], state.camera);
-  const loop = make("input", { type: "checkbox", checked: true });
-  const bar = make("div", { className: "bar", role: "group", ariaLabel: "player" }, button, slider, clock, speeds,
-    make("label", { title: "begin again at the end" }, loop, "loop"), cameras);
+  const makeMenu = (label, options, selected) => make("select", { ariaLabel: label, title: label }, ...options.map(
+    ([value, text]) => make("option", { value, textContent: text, selected: value === selected })));
+  const speedMenu = makeMenu("Speed", [[0.1, "0.1×"], [0.25, "¼×"], [0.5, "½×"], [1, "1×"], [2, "2×"], [4, "4×"]], 1);
+  const cameraNames = [...recording.cameras.map(({ name }) => name), "free"];
+  const cameraMenu = makeMenu("Camera", cameraNames.map((name) => [name, name]), state.camera);
+  const loopBox = make("input", { type: "checkbox", checked: true });
+  const controls = make("div", { className: "player-controls", role: "group", ariaLabel: "Player" }, playButton, slider, clock, speedMenu,
+    make("label", { title: "Repeat the walk" }, loopBox, "loop"), cameraMenu);
 
-  // Puts words at a place of the world, unless that is out of sight or too near to where the last words were put.
-  function put(node, [x, y, z], last = null) {
+  // Moves a label to a point of the world and returns its place on the screen. The label is hidden, and `last` returned,
+  // if the point is outside the picture or too near to `last`, the place of the label before it.
+  function placeLabel(node, [x, y, z], last = null) {
     const { x: right, y: up, z: depth } = world.camera.position.clone().set(x, y, z).project(world.camera);
-    const spot = [(right + 1) / 2 * target.clientWidth, (1 - up) / 2 * target.clientHeight];
-    const near = last && Math.hypot(spot[0] - last[0], spot[1] - last[1]) < NEAR;
-    const seen = !near && Math.abs(right) < 1.05 && Math.abs(up) < 1.05 && depth < 1;
-    node.style.display = seen ? "" : "none";
-    if (seen) node.style.translate = `calc(${spot[0]}px - 50%) ${spot[1]}px`;
-    return seen ? spot : last;
+    const place = [(right + 1) / 2 * target.clientWidth, (1 - up) / 2 * target.clientHeight];
+    const isTooNear = last && Math.hypot(place[0] - last[0], place[1] - last[1]) < MIN_MARK_SPACING;
+    const isVisible = !isTooNear && Math.abs(right) < 1.05 && Math.abs(up) < 1.05 && depth < 1;
+    node.style.display = isVisible ? "" : "none";
+    if (isVisible) node.style.translate = `calc(${place[0]}px - 50%) ${place[1]}px`;
+    return isVisible ? place : last;
   }
 
-  function label() {
+  function updateLabels() {
     world.camera.updateMatrixWorld();
-    marks.reduce((last, node, number) => put(node, reel.marks[number].at, last), null);
-    if (tags.length > 1) tags.forEach((tag, number) => {
-      const [x, y, z] = several(firstPath + 3 * number, 3, state.time);
-      put(tag, [x, y, z + 0.35]);
+    marks.reduce((last, node, number) => placeLabel(node, recording.marks[number].position, last), null);
+    if (tags.length === 1) return;
+    tags.forEach((tag, number) => {
+      const [x, y, z] = centreOfMass(number, state.time);
+      placeLabel(tag, [x, y, z + TAG_HEIGHT]);
     });
   }
 
-  function tell() {
-    reel.walks.forEach((walk, number) => {
-      ways[number].textContent = `${(at(firstPath + 3 * number, state.time) - walk.start + 0).toFixed(2).replace(/^-(0\.00)$/, "$1")} m`;
+  function updateControls() {
+    recording.walks.forEach((walk, number) => {
+      const [x] = centreOfMass(number, state.time);
+      distances[number].textContent = `${(x - walk.start).toFixed(2).replace(/^-(0\.00)$/, "$1")} m`;
     });
     slider.value = state.time;
     slider.ariaValueText = clock.textContent = `${state.time.toFixed(2)} s`;
-    button.querySelector("path").setAttribute("d", state.playing ? SIGNS.pause : SIGNS.play);
-    button.ariaLabel = button.title = state.playing ? "pause (space)" : "play (space)";
-    cameras.value = state.camera;
+    playButton.querySelector("path").setAttribute("d", state.playing ? PAUSE_PATH : PLAY_PATH);
+    playButton.ariaLabel = playButton.title = state.playing ? "Pause (space)" : "Play (space)";
+    cameraMenu.value = state.camera;
   }
 
-  // ------------------------------------------------------------------------------------------------ what is done
+  // ---------------------------------------------------------------------------------------------------- user input
 
-  let before = null, next = 0;
-  function frame(now) {
+  let lastFrame = null; // ms
+  let request = 0;
+
+  function advance(now) {
     if (!state.playing) return;
-    state.time += before === null ? 0 : Math.min((now - before) / 1000, 0.2) * state.speed;
-    before = now;
-    if (state.time >= reel.seconds) {
-      if (state.loop) state.time %= reel.seconds;
-      else { state.time = reel.seconds; pause(); }
+    if (lastFrame !== null) state.time += Math.min((now - lastFrame) / 1000, MAX_FRAME_TIME) * state.speed;
+    lastFrame = now;
+    if (state.time >= recording.duration) {
+      if (state.loop) state.time %= recording.duration;
+      else { state.time = recording.duration; pause(); }
     }
     draw();
-    next = requestAnimationFrame(frame);
+    request = requestAnimationFrame(advance);
   }
+
   function play() {
     if (state.playing) return;
-    if (state.time >= reel.seconds) state.time = 0;
+    if (state.time >= recording.duration) state.time = 0;
     state.playing = true;
-    before = null;
-    next = requestAnimationFrame(frame);
+    lastFrame = null;
+    request = requestAnimationFrame(advance);
   }
-  function pause() { state.playing = false; cancelAnimationFrame(next); tell(); }
-  function seek(time) { state.time = Math.min(Math.max(time, 0), reel.seconds); draw(); }
-  function look(camera) { state.camera = camera; state.last = null; draw(); }
-  const free = () => { if (state.camera !== "free") { state.camera = "free"; state.last = several(firstPath, 3, state.time); tell(); } };
 
-  button.onclick = () => (state.playing ? pause() : play());
+  function pause() { state.playing = false; cancelAnimationFrame(request); updateControls(); }
+
+  function seek(time) { state.time = Math.min(Math.max(time, 0), recording.duration); draw(); }
+
+  function setCamera(name) { state.camera = name; state.lastPoint = null; draw(); }
+
+  function freeCamera() {
+    if (state.camera === "free") return;
+    state.camera = "free";
+    state.lastPoint = centreOfMass(0, state.time);
+    updateControls();
+  }
+
+  playButton.onclick = () => (state.playing ? pause() : play());
   slider.oninput = () => { const time = Number(slider.value); pause(); seek(time); };
-  speeds.onchange = () => { state.speed = Number(speeds.value); };
-  cameras.onchange = () => (cameras.value === "free" ? free() : look(cameras.value));
-  loop.onchange = () => { state.loop = loop.checked; };
-  target.addEventListener("pointerdown", (event) => { if (event.target.tagName === "CANVAS") free(); });
-  // In a notebook the wheel scrolls, and zooms only once somebody has taken hold of the view.
+  speedMenu.onchange = () => { state.speed = Number(speedMenu.value); };
+  cameraMenu.onchange = () => (cameraMenu.value === "free" ? freeCamera() : setCamera(cameraMenu.value));
+  loopBox.onchange = () => { state.loop = loopBox.checked; };
+  target.addEventListener("pointerdown", (event) => { if (event.target.tagName === "CANVAS") freeCamera(); });
+  // In a notebook the wheel scrolls; it zooms only when the camera is free or Ctrl is pressed.
   document.addEventListener("wheel", (event) => {
     if (event.target.tagName !== "CANVAS") return;
     if (window !== parent && state.camera !== "free" && !event.ctrlKey) event.stopPropagation();
-    else free();
+    else freeCamera();
   }, { capture: true, passive: true });
-  K3D.on(K3D.events.CAMERA_CHANGE, label);
+  K3D.on(K3D.events.CAMERA_CHANGE, updateLabels);
   document.addEventListener("keydown", (event) => {
-    const { tagName, type } = event.target, typing = ["SELECT", "BUTTON", "SUMMARY"].includes(tagName) || type === "checkbox";
-    if (event.key === " " && !typing) { event.preventDefault(); button.onclick(); }
-    if (typing || tagName === "INPUT") return;
-    if (event.key === "ArrowLeft") { pause(); seek(state.time - 0.1); }
-    if (event.key === "ArrowRight") { pause(); seek(state.time + 0.1); }
+    const { tagName, type } = event.target;
+    const isOnControl = ["SELECT", "BUTTON", "SUMMARY"].includes(tagName) || type === "checkbox"; // which use the keys themselves
+    if (event.key === " " && !isOnControl) { event.preventDefault(); playButton.onclick(); }
+    if (isOnControl || tagName === "INPUT") return;
+    if (event.key === "ArrowLeft") { pause(); seek(state.time - KEY_STEP); }
+    if (event.key === "ArrowRight") { pause(); seek(state.time + KEY_STEP); }
   });
   addEventListener("resize", () => requestAnimationFrame(draw));
 
-  document.body.append(overlay, board, bar);
-  window.walkerlab = { K3D, state, play, pause, seek, look, close: () => { pause(); K3D.disable(); } };
+  document.body.append(overlay, walkList, controls);
+  window.walkerlab = { K3D, state, play, pause, seek, setCamera, close: () => { pause(); K3D.disable(); } };
   draw();
   if (!matchMedia("(prefers-reduced-motion: reduce)").matches) play();
 }

@@ -1,4 +1,4 @@
-"""The picture that comes before a replay: a robot in its stride, or the finish of a race."""
+"""The preview image of a replay: one robot during its walk, or the result of a race."""
 
 import io
 from collections.abc import Sequence
@@ -15,43 +15,49 @@ from walkerlab.view.replay.animation import Walk
 from walkerlab.view.replay.meshes import tint
 from walkerlab.world.geometry import skins, valid_poses
 
-ROWS = 8  # walks of a race that are drawn, the farthest on top
+MAX_RACERS = 8  # drawn of a race, the farthest at the top
 WIDTH = 7.2  # inches
+RESOLUTION = 100  # dots per inch
+ROW_SPACING = 1.25  # of the rows of a race, over the height of the robot
 
 
-def poster(walks: Sequence[Walk], settings: Settings) -> bytes:
-    """Draw what a replay is about, as PNG."""
+def draw_preview(walks: Sequence[Walk], settings: Settings) -> bytes:
+    """Draw the preview image of a replay as PNG."""
     axes = paper(WIDTH, WIDTH)
     with walkerlab_style():
         if len(walks) == 1:
             stride(walks[0].scene.genome, settings, axes)
         else:
-            _finish(axes, walks)
+            _draw_race_result(axes, walks)
         file = io.BytesIO()
         figure = axes.get_figure(root=True)
         assert figure
-        figure.savefig(file, format="png", dpi=100, bbox_inches="tight")
+        figure.savefig(file, format="png", dpi=RESOLUTION, bbox_inches="tight")
     return file.getvalue()
 
 
-def _finish(axes: Axes, walks: Sequence[Walk]) -> None:
-    """Draw every racer where it is at the end, in a row of its own, the farthest on top."""
-    ranked = sorted(walks, key=lambda walk: -np.nan_to_num(walk.rollout.distance, nan=-np.inf))[:ROWS]
-    floor, levels, words = 0.0, list[float](), list[str]()
+def _draw_race_result(axes: Axes, walks: Sequence[Walk]) -> None:
+    """Draw the racers at the end of their walks, one row each, the farthest at the top."""
+    ranked = sorted(walks, key=lambda walk: -np.nan_to_num(walk.rollout.distance, nan=-np.inf))[:MAX_RACERS]
+    floor = 0.0
+    tick_positions: list[float] = []
+    tick_labels: list[str] = []
     for walk in ranked:
+        colour = walk.colour
         parts = skins(walk.scene, valid_poses(walk.scene, walk.rollout.poses)[-1])
-        low, high = (float(end([end(skin[:, 2]) for skin, _ in parts])) for end in (min, max))
-        floor -= 1.25 * (high - low)
-        painted = [(skin, tint(colour, walk.colour)) if walk.colour else (skin, colour) for skin, colour in parts]
-        right = add_body(axes, painted, at=(0.0, floor - low))[1]
-        axes.plot([0, max(right, 0.0)], [floor, floor], lw=1, color=walk.colour, zorder=0)
-        judged = "" if walk.rollout.counts else f"\ndoes not count: {walk.rollout.verdict}"
-        levels.append(floor + (high - low) / 2)
-        words.append(f"{escape_label(walk.label)}\n{with_unit(walk.rollout.distance, 'm')}{judged}")
+        bottom = min(float(skin[:, 2].min()) for skin, _ in parts)
+        top = max(float(skin[:, 2].max()) for skin, _ in parts)
+        floor -= ROW_SPACING * (top - bottom)
+        tinted = [(skin, tint(natural, colour)) for skin, natural in parts] if colour else parts
+        right = add_body(axes, tinted, at=(0.0, floor - bottom))[1]
+        axes.plot([0, max(right, 0.0)], [floor, floor], lw=1, color=colour, zorder=0)
+        verdict = "" if walk.rollout.counts else f"\ndoes not count: {walk.rollout.verdict}"
+        tick_positions.append(floor + (top - bottom) / 2)
+        tick_labels.append(f"{escape_label(walk.label)}\n{with_unit(walk.rollout.distance, 'm')}{verdict}")
     axes.axvline(0, lw=1, ls=":", color="0.4")
     axes.autoscale_view()
     axes.set_aspect("equal")
-    axes.set_yticks(levels, words)
+    axes.set_yticks(tick_positions, tick_labels)
     axes.tick_params(axis="y", length=0)
     axes.set_xlabel("way forward [m]")
     axes.spines[["top", "right", "left"]].set_visible(False)

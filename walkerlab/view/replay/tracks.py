@@ -1,4 +1,4 @@
-"""Recorded walks as numbers for the player: where each moving part is at each moment, small enough to be mailed."""
+"""Positions of the moving bodies of recorded walks over time, in a compact binary format for the player."""
 
 import zlib
 from dataclasses import dataclass
@@ -7,98 +7,132 @@ import numpy as np
 
 from walkerlab.ga.genes import Floats
 from walkerlab.simulation.rollout import Rollout
+from walkerlab.world.assembly import ROBOT_BODY
 from walkerlab.world.geometry import placements, rope_ends, valid_poses
-from walkerlab.world.scene import Scene
+from walkerlab.world.scene import ORIENTATION, Scene
 
-TICK = 0.02  # s from one moment of a replay to the next: that of the gait's clock
-FINEST = (1e-4,) * 3 + (1 / 30000,) * 4 + (1e-4,)  # m, parts of a unit quaternion, m: to what tracks are rounded
-STILL = 5e-4  # m, and parts of a quaternion, within which a part stays all the time
+TIME_STEP = 0.02  # s between two frames of a replay; that of the controls
+TRANSFORM_RESOLUTION = (1e-4,) * 3 + (1 / 30000,) * 4 + (1e-4,)  # position [m], unit quaternion, length [m]
+MOTION_TOLERANCE = 5e-4  # m, or of a quaternion; a body that moves less throughout the walk is at rest
+TIME_TOLERANCE = 1e-9  # s
 
 
 @dataclass(frozen=True, eq=False)
 class Tracks:
-    """Where the parts of one recorded walk are, until its numbers ran away, if they did.
+    """Motion of the bodies of one recorded walk at n times, up to the time at which the physics breaks down, if any.
+
+    A transform is a position [m], a unit quaternion (w, x, y, z) and a scale along z.
 
     Attributes:
-        moving: (k,) the bodies that move, of the scene's model.
-        places: (k, n, 8) where each of them is: position [m], unit quaternion (w, x, y, z), and 1.
-        rope: (n, 8) the rope as a rod: its middle, the turn of its axis from z, its length [m]; (0, 8) without one.
-        still: (nbody, 7) where each body is at the start.
-        com: (n, 3) centre of mass of the robot [m].
-        load: (n, 3) where a sledge is [m]; (0, 3) without one.
+        moving_bodies: Indices of the k bodies that move.
+        transforms: Transforms of these bodies, with scale 1, shape (k, n, 8).
+        rope: Transforms of a rod of length 1 along z that becomes the rope, shape (n, 8); (0, 8) without a rope.
+        start: Position and orientation of each body at the start, shape (nbody, 7).
+        com: Centre of mass of the robot [m], shape (n, 3).
+        load: Position of the sledge [m], shape (n, 3); (0, 3) without a sledge.
     """
 
-    moving: list[int]
-    places: Floats
+    moving_bodies: list[int]
+    transforms: Floats
     rope: Floats
-    still: Floats
+    start: Floats
     com: Floats
     load: Floats
 
 
-def moments(duration: float) -> Floats:
-    """Divide a walk [s] evenly, in steps of a ``TICK`` or nearly so."""
-    return np.linspace(0, duration, round(duration / TICK) + 1)
+def frame_times(duration: float) -> Floats:
+    """Return evenly spaced times from 0 to the duration of a walk [s], about ``TIME_STEP`` apart."""
+    return np.linspace(0, duration, round(duration / TIME_STEP) + 1)
 
 
-def follow(scene: Scene, rollout: Rollout) -> Tracks:
-    """Follow every body of a walk, its rope and its centre of mass, at even moments."""
+def track_bodies(scene: Scene, rollout: Rollout) -> Tracks:
+    """Compute the tracks of all bodies of a walk, of its rope and of its centre of mass.
+
+    Args:
+        scene: Compiled scene of the walk, with or without scenery.
+        rollout: Rollout with its poses.
+    """
     poses = valid_poses(scene, rollout.poses)
-    sound, time = len(poses), rollout.time[: len(poses)]
-    grid = moments(float(rollout.time[-1]))
-    grid = grid[: max(1, int(np.searchsorted(grid, time[-1] + 1e-9)))]
+    n_valid = len(poses)
+    time = rollout.time[:n_valid]
+    grid = frame_times(float(rollout.time[-1]))
+    grid = grid[: max(1, int(np.searchsorted(grid, time[-1] + TIME_TOLERANCE)))]
     placed = placements(scene, poses)
-    for i in range(1, len(placed)):  # a quaternion and its negative are the same turn: take the one nearer to the last
-        placed[i, :, 3:] *= np.where((placed[i, :, 3:] * placed[i - 1, :, 3:]).sum(axis=1) < 0, -1, 1)[:, np.newaxis]
-    ends, placed = (resample(grid, time, track) for track in (rope_ends(scene, placed), placed))
-    placed[:, :, 3:] /= np.linalg.norm(placed[:, :, 3:], axis=2, keepdims=True)
-    moves = np.abs(placed - placed[0]).max(axis=(0, 2)) > STILL
-    moving = np.flatnonzero(moves | (scene.model.body_rootid == 1)).tolist()
-    whole = np.ones((len(moving), len(placed), 1))
+    _align_quaternions(placed)
+    ends = resample(grid, time, rope_ends(scene, placed))
+    placed = resample(grid, time, placed)
+    placed[:, :, ORIENTATION] /= np.linalg.norm(placed[:, :, ORIENTATION], axis=2, keepdims=True)
+    moves = np.abs(placed - placed[0]).max(axis=(0, 2)) > MOTION_TOLERANCE
+    moving = np.flatnonzero(moves | (scene.model.body_rootid == ROBOT_BODY)).tolist()
+    unit_scale = np.ones((len(moving), len(placed), 1))
     return Tracks(
-        moving=moving,
-        places=np.concatenate([placed[:, moving].transpose(1, 0, 2), whole], axis=2),
-        rope=_rod(ends),
-        still=placed[0],
-        com=resample(grid, time, np.nan_to_num(rollout.com[:sound])),
-        load=resample(grid, time, np.nan_to_num(rollout.load[:sound])) if scene.rope_length else np.empty((0, 3)),
+        moving_bodies=moving,
+        transforms=np.concatenate([placed[:, moving].transpose(1, 0, 2), unit_scale], axis=2),
+        rope=_rod_transforms(ends),
+        start=placed[0],
+        com=resample(grid, time, np.nan_to_num(rollout.com[:n_valid])),
+        load=resample(grid, time, np.nan_to_num(rollout.load[:n_valid])) if scene.rope_length else np.empty((0, 3)),
     )
 
 
-def resample(grid: Floats, time: Floats, track: Floats) -> Floats:
-    """Return a track, (n, …) at (n,) times, at the (m,) times of a grid: between two of its rows, what lies between."""
-    if len(time) == 1:
-        return np.repeat(track, len(grid), axis=0)
-    after = np.clip(np.searchsorted(time, grid - 1e-9), 1, len(time) - 1)
-    before = after - 1
-    part = np.clip((grid - time[before]) / (time[after] - time[before]), 0, 1)
-    part = part.reshape(-1, *[1] * (track.ndim - 1))
-    return track[before] * (1 - part) + track[after] * part
-
-
-def pack(channels: Floats, finest: Floats) -> bytes:
-    """Write channels as the player reads them: each as its first number, and its steps in units of its own.
+def _align_quaternions(placed: Floats) -> None:
+    """Choose the sign of each quaternion that is nearer to the one before; both signs are the same rotation.
 
     Args:
-        channels: (c, n).
-        finest: (c,) the unit to which each is rounded.
+        placed: Position and orientation of each body in each pose, shape (n, nbody, 7); changed in place.
+    """
+    orientations = placed[:, :, ORIENTATION]
+    for i in range(1, len(placed)):
+        is_opposite = (orientations[i] * orientations[i - 1]).sum(axis=1) < 0
+        orientations[i] *= np.where(is_opposite, -1, 1)[:, np.newaxis]
+
+
+def resample(grid: Floats, time: Floats, track: Floats) -> Floats:
+    """Interpolate a track linearly at the times of a grid.
+
+    Args:
+        grid: Times at which to interpolate [s], shape (m,).
+        time: Times of the rows of the track [s], shape (n,).
+        track: Values at these times, shape (n, …).
 
     Returns:
-        zlib of c float64 firsts and c × (n - 1) int32 steps, little-endian.
+        Values at the times of the grid, shape (m, …).
     """
-    units = np.rint(channels / finest[:, np.newaxis])
-    steps = np.diff(units, axis=1)
-    firsts = (units[:, 0] * finest).astype("<f8").tobytes()
-    return zlib.compress(firsts + steps.astype("<i4").tobytes(), 9)
+    if len(time) == 1:
+        return np.repeat(track, len(grid), axis=0)
+    after = np.clip(np.searchsorted(time, grid - TIME_TOLERANCE), 1, len(time) - 1)
+    before = after - 1
+    fraction = np.clip((grid - time[before]) / (time[after] - time[before]), 0, 1)
+    fraction = fraction.reshape(-1, *[1] * (track.ndim - 1))
+    return track[before] * (1 - fraction) + track[after] * fraction
 
 
-def _rod(ends: Floats) -> Floats:
-    """Turn (n, 2, 3) ends into the track of a rod of length 1 along z, stretched between them."""
+def pack_channels(channels: Floats, resolution: Floats) -> bytes:
+    """Encode channels for the player, as first values and differences.
+
+    Args:
+        channels: Values of each channel over time, shape (c, n).
+        resolution: Unit to which each channel is rounded, shape (c,).
+
+    Returns:
+        zlib of c first values (float64) and c × (n - 1) differences in units of the resolution (int32), little-endian.
+    """
+    in_units = np.rint(channels / resolution[:, np.newaxis])
+    differences = np.diff(in_units, axis=1)
+    first_values = (in_units[:, 0] * resolution).astype("<f8").tobytes()
+    return zlib.compress(first_values + differences.astype("<i4").tobytes(), 9)
+
+
+def _rod_transforms(ends: Floats) -> Floats:
+    """Return the transforms, (n, 8), of a rod of length 1 along z that is stretched between ends, (n, 2, 3).
+
+    Without ends, (n, 0, 3), the shape is (0, 8).
+    """
     if not ends.shape[1]:
         return np.empty((0, 8))
     along = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(along, axis=1, keepdims=True)
-    way = along / np.maximum(length, 1e-9)
-    turn = np.stack([1 + way[:, 2], -way[:, 1], way[:, 0], 0 * way[:, 0]], axis=1)
-    turn /= np.maximum(np.linalg.norm(turn, axis=1, keepdims=True), 1e-9)
-    return np.concatenate([ends.mean(axis=1), turn, length], axis=1)
+    x, y, z = (along / np.maximum(length, 1e-9)).T
+    rotation = np.stack([1 + z, -y, x, 0 * x], axis=1)
+    rotation /= np.maximum(np.linalg.norm(rotation, axis=1, keepdims=True), 1e-9)
+    return np.concatenate([ends.mean(axis=1), rotation, length], axis=1)

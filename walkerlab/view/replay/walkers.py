@@ -1,4 +1,4 @@
-"""Who walks in a replay: each has a name, a colour and a lane."""
+"""The robots of a replay: simulates each one and gives it a label, a colour and a lane."""
 
 import colorsys
 from collections.abc import Iterable, Mapping, Sequence
@@ -20,87 +20,98 @@ from walkerlab.world.geometry import skins
 from walkerlab.world.heights import arena_bounds
 from walkerlab.world.scene import compile_scene
 
-GAP = 0.35  # m between the lanes of a race
-SHADES = (1.0, 0.6, 1.35)  # brightness of the first, the second and the third round of racers' colours
+LANE_GAP = 0.35  # m between the lanes of a race
+LIGHTNESS_FACTORS = (1.0, 0.6, 1.35)  # by which racers with the same hue differ
+MAX_LIGHTNESS = 0.85
+MAX_NAMED_NUMBERS = 9  # in an error message
 
 
-def line_up(walkers: Any, settings: Settings) -> tuple[Walk, ...]:
-    """Let each walk, and place it: as ``replay`` says.
+def simulate_walks(walkers: Any, settings: Settings) -> tuple[Walk, ...]:
+    """Simulate the robots of a replay and place them in lanes; the arguments are those of ``replay``.
 
     Raises:
-        GenomeError: if a text is no genome.
-        ValueError: if there is nobody to walk.
+        GenomeError: If a text is not a valid genome.
+        TypeError: If ``walkers`` is of another type than ``replay`` accepts.
+        ValueError: If there are no robots.
     """
-    named = list(_named(walkers))
-    if not named:
-        raise ValueError("there is nobody to walk: give replay a genome, or several")
-    scenes = [compile_scene(genome, settings, scenery=True) for _, genome in named]
-    rollouts = [poorest_walk(genome, settings) for _, genome in named]
+    genomes = list(_labelled_genomes(walkers))
+    if not genomes:
+        raise ValueError("there is no robot to replay; pass a genome, or a list of genomes with at least one")
+    scenes = [compile_scene(genome, settings, scenery=True) for _, genome in genomes]
+    rollouts = [poorest_walk(genome, settings) for _, genome in genomes]
     farthest = int(np.argmax([np.nan_to_num(rollout.distance, nan=-np.inf) for rollout in rollouts]))
     reaches = [max(float(np.abs(skin[:, 1]).max()) for skin, _ in skins(scene, scene.start)) for scene in scenes]
     lanes = _lanes(reaches, settings.terrain)
     return tuple(
         Walk(
-            label=name,
+            label=label,
             scene=scene,
             rollout=rollout,
-            colour=_colour(i) if len(named) > 1 else None,
+            colour=_racer_colour(i) if len(genomes) > 1 else None,
             lane=lane,
             reach=reach,
-            loose=i == farthest,
+            shows_obstacles=i == farthest,
         )
-        for i, ((name, _), scene, rollout, lane, reach) in enumerate(
-            zip(named, scenes, rollouts, lanes, reaches, strict=True)
+        for i, ((label, _), scene, rollout, lane, reach) in enumerate(
+            zip(genomes, scenes, rollouts, lanes, reaches, strict=True)
         )
     )
 
 
-def _named(walkers: Any) -> Iterable[tuple[str, Genome]]:
-    """Yield each walker with its name; of two with the same, the second gets a number."""
+def _labelled_genomes(walkers: Any) -> Iterable[tuple[str, Genome]]:
+    """Yield each robot's label and genome; a label that occurs again gets a number."""
     if isinstance(walkers, Settings):
-        raise TypeError("first comes who walks, and then the settings: wl.replay(genome, settings)")
+        raise TypeError("the first argument is the settings; the robots come first: wl.replay(genome, settings)")
     walkers = getattr(walkers, "champion", walkers)  # of a run
     if hasattr(walkers, "columns"):
-        Genome.of(walkers)  # which says how to choose from a table
+        Genome.of(walkers)  # raises an error that explains how to select an individual from a table
     if isinstance(walkers, Mapping):
-        pairs = [(printable(name), one) for name, one in walkers.items()]
+        pairs = [(printable(label), walker) for label, walker in walkers.items()]
     elif isinstance(walkers, str | Genome) or hasattr(walkers, "genome") or getattr(walkers, "ndim", 0) == 1:
-        pairs = [(_name(walkers, ""), walkers)]
+        pairs = [(_default_label(walkers, ""), walkers)]
     elif not isinstance(walkers, Iterable):
-        raise TypeError(f"replay takes a genome, an individual or a run, or several in a list; got {brief(walkers)}")
+        raise TypeError(f"replay takes a genome, an individual or a run, or a list of them; got {brief(walkers)}")
     else:
         walkers = list(cast(Iterable[Any], walkers))
-        if numbers := [one for one in walkers if isinstance(one, int | np.integer)]:
+        if numbers := [walker for walker in walkers if isinstance(walker, int | np.integer)]:
             raise TypeError(
-                f"replay takes genomes, individuals or runs; got the number {numbers[0]}. The champions of generations "
-                f"are shown by run.replay({', '.join(map(str, numbers[:9]))})"
+                f"replay takes genomes, individuals or runs; got the number {numbers[0]}. To replay the champions of "
+                f"generations, call run.replay({', '.join(map(str, numbers[:MAX_NAMED_NUMBERS]))})"
             )
-        pairs = [(_name(one, f" {number}"), one) for number, one in enumerate(walkers, start=1)]
-    seen = dict[str, int]()
-    for name, one in pairs:
-        seen[name] = seen.get(name, 0) + 1
-        yield f"{name} ({seen[name]})" if seen[name] > 1 else name, Genome.of(getattr(one, "genome", one))
+        pairs = [(_default_label(walker, f" {number}"), walker) for number, walker in enumerate(walkers, start=1)]
+    n_uses: dict[str, int] = {}
+    for label, walker in pairs:
+        n_uses[label] = n_uses.get(label, 0) + 1
+        unique_label = f"{label} ({n_uses[label]})" if n_uses[label] > 1 else label
+        yield unique_label, Genome.of(getattr(walker, "genome", walker))
 
 
-def _name(one: Any, number: str) -> str:
-    return f"robot {one.individual}" if hasattr(one, "individual") else f"robot{number}"
+def _default_label(walker: Any, suffix: str) -> str:
+    return f"robot {walker.individual}" if hasattr(walker, "individual") else f"robot{suffix}"
 
 
 def _lanes(reaches: Sequence[float], terrain: Terrain) -> list[float]:
-    """Return how far to the left each walks: side by side if the ground is the same everywhere across the way.
+    """Return the distance to the left [m] by which each walk is moved; the first walk is the leftmost.
 
-    Where the ground is too narrow for all, they come closer to each other.
+    The lanes are side by side if the ground is the same everywhere along y, and all in the middle otherwise. Lanes
+    that are wider together than the ground are moved closer to each other.
+
+    Args:
+        reaches: Greatest distance of each robot's surface to either side at the start [m].
+        terrain: Terrain that all robots walk on.
     """
     if terrain.structure == Structure.rough or terrain.n_pieces or terrain.obstacle:
         return [0.0] * len(reaches)
-    widths = 2 * np.array(reaches) + GAP
+    widths = 2 * np.array(reaches) + LANE_GAP
     middles = np.cumsum(widths) - widths / 2
     (_, right), (_, left) = arena_bounds(terrain)
-    squeeze = min(1.0, (left - right) / float(widths.sum()))
-    return (squeeze * (middles[::-1] - widths.sum() / 2)).tolist()
+    scale = min(1.0, (left - right) / float(widths.sum()))
+    return (scale * (middles[::-1] - widths.sum() / 2)).tolist()
 
 
-def _colour(number: int) -> RGB:
-    """Give each racer a colour; after the last, the first again, darker and then lighter."""
-    hue, light, full = colorsys.rgb_to_hls(*to_rgb(RUN_COLOURS[number % len(RUN_COLOURS)]))
-    return colorsys.hls_to_rgb(hue, min(0.85, light * SHADES[number // len(RUN_COLOURS) % len(SHADES)]), full)
+def _racer_colour(number: int) -> RGB:
+    """Return the colour of a racer: the colours of runs in turn, then darker, then lighter ones."""
+    n_rounds, index = divmod(number, len(RUN_COLOURS))
+    hue, lightness, saturation = colorsys.rgb_to_hls(*to_rgb(RUN_COLOURS[index]))
+    factor = LIGHTNESS_FACTORS[n_rounds % len(LIGHTNESS_FACTORS)]
+    return colorsys.hls_to_rgb(hue, min(MAX_LIGHTNESS, lightness * factor), saturation)

@@ -1,5 +1,5 @@
-"""A run on paper: every picture, every table, and a page that a teacher can read and a student can hand in."""
+"""The report of a run: a page with all pictures and tables, and the display of a run in a notebook."""
 
-from walkerlab.view.report.notebook import panel as panel
-from walkerlab.view.report.page import save as save
-from walkerlab.view.report.page import write as write
+from walkerlab.view.report.notebook import run_html as run_html
+from walkerlab.view.report.page import save_report as save_report
+from walkerlab.view.report.page import write_report as write_report

@@ -1,4 +1,4 @@
-"""The code that repeats a run."""
+"""Python code that repeats a run."""
 
 from functools import partial
 from typing import Any
@@ -12,56 +12,71 @@ from walkerlab.settings.settings import Settings
 from walkerlab.text.html import printable
 
 STEPS = ("fitness", "selection", "crossover", "mutation")
-OURS = ("walkerlab.fitness", "walkerlab.ga.")
+"""Settings of the algorithm that may be functions."""
+
+BUILT_IN_MODULES = ("walkerlab.simulation.fitness", "walkerlab.ga.")
+"""Starts of the names of modules whose functions the code can import."""
 
 
 def as_python(settings: Settings, records: pd.DataFrame | None = None) -> str:
-    """Write the code that repeats a run; a user's own functions are named, and not defined.
+    """Return the code that repeats a run; user functions are named in it but not defined.
 
     Args:
-        settings: of the run.
-        records: its table; with it, the code makes as many generations as there are, and puts into them whatever was
-            put in by hand. Without, it makes as many as the settings say.
+        settings: Settings of the run.
+        records: Table of the run. If given, the code evolves as many generations as the table has and inserts the same
+            genomes by hand. If None, it evolves as many generations as the settings say.
     """
-    by_hand = dict[int, list[str]]()
+    inserted: dict[int, list[str]] = {}
     if records is not None and not records.empty:
         settings = settings.with_(generations=int(records.generation.max()) + 1)
-        born: Any = births(records.loc[records.operators == BY_HAND, :])
-        for row in born.itertuples():
-            by_hand.setdefault(int(row.born), []).append(str(row.genome))
-    imports = {f"from {home} import {name}" for home, name in _functions(settings) if home.startswith(OURS)}
-    imports |= {"from functools import partial"} if any(isinstance(one, partial) for one in _slots(settings)) else set()
-    evolved = ["run = wl.evolve(settings)"] if not by_hand else _evolved_with(by_hand)
-    made = [f"settings = {settings.as_python()}", *evolved]
-    imports |= {"import numpy as np"} if "np." in made[0] else set()
-    return "\n".join([*sorted(imports), "import walkerlab as wl", "", *made])
+        inserted_births: Any = births(records.loc[records.operators == BY_HAND, :])
+        for row in inserted_births.itertuples():
+            inserted.setdefault(int(row.born), []).append(str(row.genome))
+    assignment = f"settings = {settings.as_python()}"
+    imports = {
+        f"from {module} import {name}" for module, name in _functions(settings) if module.startswith(BUILT_IN_MODULES)
+    }
+    if any(isinstance(step, partial) for step in _steps(settings)):
+        imports.add("from functools import partial")
+    if "np." in assignment:
+        imports.add("import numpy as np")
+    evolution = _insertion_lines(inserted) if inserted else ["run = wl.evolve(settings)"]
+    return "\n".join([*sorted(imports), "import walkerlab as wl", "", assignment, *evolution])
 
 
-def _evolved_with(by_hand: dict[int, list[str]]) -> list[str]:
-    """Write the lines that put genomes into the generations of a run, by their numbers."""
-    genomes = (f"    {number}: [{', '.join(map(repr, texts))}]," for number, texts in by_hand.items())
+def _insertion_lines(inserted: dict[int, list[str]]) -> list[str]:
+    """Return the lines of code that evolve a run and insert genomes.
+
+    Args:
+        inserted: Texts of the genomes, by the generation into which each is inserted.
+    """
+    genomes = (f"    {number}: [{', '.join(map(repr, texts))}]," for number, texts in inserted.items())
     return [
-        "by_hand = {",
+        "inserted = {",
         *genomes,
         "}",
         "evolution = wl.Evolution(settings)",
         "for generation in evolution:",
-        "    for genome in by_hand.get(generation.number + 1, []):",
+        "    for genome in inserted.get(generation.number + 1, []):",
         "        evolution.insert(genome)",
         "run = evolution.run",
     ]
 
 
-def own_functions(settings: Settings) -> list[str]:
-    """Name the functions of settings that are somebody's own."""
-    return [printable(name) for home, name in _functions(settings) if not home.startswith(OURS)]
+def user_functions(settings: Settings) -> list[str]:
+    """Return the names of the user functions in the settings."""
+    return [printable(name) for module, name in _functions(settings) if not module.startswith(BUILT_IN_MODULES)]
 
 
 def _functions(settings: Settings) -> list[tuple[str, str]]:
-    """Name the functions in the slots, each with the module that it is from."""
-    inside = (one.func if isinstance(one, partial) else one for one in _slots(settings))
-    return [(str(getattr(one, "__module__", "")), function_name(one)) for one in inside if callable(one)]
+    """Return the module and the name of each function in the settings."""
+    functions = (step.func if isinstance(step, partial) else step for step in _steps(settings))
+    return [
+        (str(getattr(function, "__module__", "")), function_name(function))
+        for function in functions
+        if callable(function)
+    ]
 
 
-def _slots(settings: Settings) -> list[Any]:
-    return [one for slot in STEPS for one in in_turn(getattr(settings.algorithm, slot))]
+def _steps(settings: Settings) -> list[Any]:
+    return [step for name in STEPS for step in in_turn(getattr(settings.algorithm, name))]

@@ -1,4 +1,4 @@
-"""A run as a notebook shows it: a sentence, the curve, the champion, and what to do next."""
+"""The display of a run in a notebook: a sentence, the fitness curve, the champion, and suggested next steps."""
 
 from pathlib import Path
 
@@ -11,39 +11,42 @@ from walkerlab.text.html import Html, join, shown, tag
 from walkerlab.view import plots, summary
 from walkerlab.view.report.pictures import inline
 
-NEXT = (
-    ("run.champion", "the fittest robot, and its gene"),
-    ("run.replay()", "watch it walk, in 3D"),
-    ("run.confirm()", "is it good, or was it lucky?"),
-    ("run.records", "the table of all robots, a row for each in each generation"),
-    ('run.save_report("folder")', "every picture and table, and a page to hand in"),
+PICTURE_SIZE = (6.0, 3.4)  # inches
+
+NEXT_STEPS = (
+    ("run.champion", "the fittest robot and its genome"),
+    ("run.replay()", "its walk in 3D"),
+    ("run.confirm()", "does its fitness depend on luck? It walks again from other starts"),
+    ("run.records", "the table of all robots, one row for each robot in each generation"),
+    ('run.save_report("folder")', "a report with all pictures and tables"),
 )
-"""What may be done with a run, and why one would."""
+"""Code to run next, and what it shows."""
 
 
-def panel(settings: Settings, records: pd.DataFrame, path: Path | None) -> str:
-    """Write what stands below a cell that ends in a run.
+def run_html(settings: Settings, records: pd.DataFrame, path: Path | None) -> str:
+    """Return the HTML of a run that is the last value of a notebook cell.
 
     Args:
-        settings: of the run.
-        records: its table, which may be empty.
-        path: its run file, or None.
+        settings: Settings of the run.
+        records: Table of the run, which may be empty.
+        path: Run file, or None.
     """
-    said = tag("p", tag("strong", summary.describe_result(records, settings.model_dump())))
+    headline = tag("p", tag("strong", summary.describe_result(records, settings.model_dump())))
     if records.empty:
-        return shown(said)
+        return shown(headline)
     best = champion(records)
-    curve = inline(lambda ax: plots.fitness_curve(records, ax), (6.0, 3.4))
-    body = inline(lambda ax: plots.body(best.genome, ax, settings), (6.0, 3.4))
+    curve = inline(lambda ax: plots.fitness_curve(records, ax), PICTURE_SIZE)
+    body = inline(lambda ax: plots.body(best.genome, ax, settings), PICTURE_SIZE)
     caption = "The champion" if best.verdict == "ok" else f"Robot {best.individual}, whose walk does not count"
-    kept = tag("p", "It is kept in ", tag("code", files.shown(path)), ".") if path else Html("")
-    return shown(said, kept, tag("div", _figure(curve, "Fitness"), _figure(body, caption), class_="pictures"), _next())
+    saved = tag("p", "The run is saved in ", tag("code", files.shown(path)), ".") if path else Html("")
+    pictures = tag("div", _figure(curve, "Fitness"), _figure(body, caption), class_="pictures")
+    return shown(headline, saved, pictures, _next_steps())
 
 
 def _figure(picture: Html, caption: str) -> Html:
     return tag("figure", picture, tag("figcaption", caption))
 
 
-def _next() -> Html:
-    items = (tag("li", tag("code", code), " – ", about) for code, about in NEXT)
-    return join(tag("p", "What next? If this run is called ", tag("code", "run"), ":"), tag("ul", *items))
+def _next_steps() -> Html:
+    items = (tag("li", tag("code", code), " – ", about) for code, about in NEXT_STEPS)
+    return join(tag("p", "Next steps, if the variable ", tag("code", "run"), " is this run:"), tag("ul", *items))

@@ -1,4 +1,4 @@
-"""The pictures of a report: what each is called, what it shows, and how a student reads it."""
+"""The pictures of a report, each with a title and a text that explains how to read it."""
 
 from base64 import b64encode
 from collections.abc import Callable, Iterator
@@ -18,15 +18,32 @@ from walkerlab.text.html import Html, inline_svg, tag
 from walkerlab.view import plots, summary
 from walkerlab.view.plots.appearance import paper
 
-KINDS = ("svg", "pdf", "png")
+FORMATS = ("svg", "pdf", "png")
 FOLDER = "pictures"
-HALF, LOW, MIDDLE, WIDE, TALL = (5.2, 3.3), (8.0, 2.3), (8.0, 3.2), (8.0, 4.0), (8.0, 5.6)  # inches
-MOST = 400_000  # characters of an SVG that goes into the page; the PNG of a larger one does
+MAX_SVG_SIZE = 400_000  # characters; a larger picture is shown on the page as PNG
+
+# Sizes of pictures in inches: half the width of the page, or all of it and of a certain height.
+HALF_WIDTH = (5.2, 3.3)
+LOW = (8.0, 2.3)
+MEDIUM = (8.0, 3.2)
+HIGH = (8.0, 4.0)
+VERY_HIGH = (8.0, 5.6)
+
+FAMILY_MARGIN = 1.2  # inches of the height of the family tree that do not depend on the ancestors
+INCHES_PER_ANCESTOR = 0.75
+MAX_ANCESTOR_ROWS = 12
 
 
 @dataclass(frozen=True)
 class Subject:
-    """What there is to draw: a run's settings and table, its champion, and the champion's walk."""
+    """The run that is shown by the pictures.
+
+    Attributes:
+        settings: Settings of the run.
+        records: Table of the run.
+        champion: Champion of the run.
+        rollout: The champion's walk.
+    """
 
     settings: Settings
     records: pd.DataFrame
@@ -35,10 +52,10 @@ class Subject:
 
     @classmethod
     def of(cls, settings: Settings, records: pd.DataFrame) -> "Subject":
-        """Find the champion, and let it walk once more.
+        """Find the champion of a run and simulate its walk.
 
         Raises:
-            ValueError: if the table is empty.
+            ValueError: If the table is empty.
         """
         best = champion(records)
         return cls(settings, records, best, poorest_walk(best.genome, settings))
@@ -46,145 +63,174 @@ class Subject:
 
 @dataclass(frozen=True)
 class Picture:
-    """One picture: its file's name, its title, how to read it, its size [inches], and what draws it.
+    """Description of one picture.
 
-    Where the height follows from what is to be drawn, ``height`` says it.
+    Attributes:
+        name: Name of its files, without ending.
+        title: Title.
+        explanation: How to read it.
+        size: Width and height [inches].
+        draw: Function that draws it on an Axes.
+        height: Function that computes the height [inches] from the run; if None, the height is that of ``size``.
     """
 
     name: str
     title: str
-    reading: str
+    explanation: str
     size: tuple[float, float]
     draw: Callable[[Subject, Axes], object]
     height: Callable[[Subject], float] | None = None
 
     def axes(self, run: Subject) -> Axes:
-        """Open a figure of its size."""
+        """Create a figure of the picture's size and return its Axes."""
         width, height = self.size
         return paper(width, self.height(run) if self.height else height)
 
 
-def _of_a_family(run: Subject) -> float:
+def _family_height(run: Subject) -> float:
+    """Compute the height of the family tree [inches]."""
     line = summary.select_descent(run.records, run.champion.individual)
-    return 1.2 + 0.75 * min(sum(max(1, skipped) for _, skipped in line), 12)
+    n_rows = min(sum(max(1, n_skipped) for _, n_skipped in line), MAX_ANCESTOR_ROWS)
+    return FAMILY_MARGIN + INCHES_PER_ANCESTOR * n_rows
 
 
-def _trait(name: str, title: str, reading: str) -> Picture:
-    return Picture(name, title, reading, HALF, lambda run, ax: plots.trait(run.records, name, ax))
+def _trait(name: str, title: str, explanation: str) -> Picture:
+    return Picture(name, title, explanation, HALF_WIDTH, lambda run, ax: plots.trait(run.records, name, ax))
 
 
 PICTURES = (
     Picture(
         "champion",
-        "The champion on its way",
-        "The robot from the side, to scale, at the start, on its way and at the end; the later, the darker. The arrow "
-        "is how far its centre of mass has come. Look at which legs carry it and which swing forward.",
+        "The champion's walk",
+        "The robot from the side, to scale, at the start, during the walk and at the end; later poses are darker. The "
+        "arrow is the distance covered by its centre of mass. Look at which legs support it and which swing forward.",
         LOW,
         lambda run, ax: plots.stride(run.champion.genome, run.settings, ax),
     ),
     Picture(
         "fitness",
-        "Fitness, generation by generation",
+        "Fitness over the generations",
         "The solid line is the best robot of each generation, the dashed line the median: half of the robots are "
-        "better, half are poorer. Where the median climbs after the best, the best robot's genes have spread. A line "
-        "that has been flat for long says that nothing better is being found: for want of variety, or because there is "
-        "no better.",
-        WIDE,
+        "better, half are worse. Where the median rises after the best, the genes of the best robot have spread. A "
+        "line that stays flat means that evolution finds nothing better: because the robots no longer differ, or "
+        "because nothing better exists.",
+        HIGH,
         lambda run, ax: plots.fitness_curve(run.records, ax),
     ),
     Picture(
         "diversity",
-        "How different the robots still are",
-        "Selection uses variety up and mutation brings some back. When it has nearly gone, crossover only mixes robots "
-        "that are alike, and the fitness curve goes flat.",
-        HALF,
+        "How different the robots are",
+        "Selection reduces the diversity, and mutation increases it. Once it is low, crossover only combines robots "
+        "that are alike, and the fitness no longer rises.",
+        HALF_WIDTH,
         lambda run, ax: plots.diversity(run.records, ax),
     ),
     Picture(
         "verdicts",
         "Which walks count",
-        "A judge looks at each walk, and one that breaks a rule has no fitness. Many that do not count at first are "
-        "chance; many later on mean that evolution is pressing against a rule.",
-        HALF,
+        "Each walk is checked, and a walk that breaks a rule has no fitness. In the first generations, walks that do "
+        "not count are due to chance; many of them later on show that evolution exploits what a rule forbids.",
+        HALF_WIDTH,
         lambda run, ax: plots.verdicts(run.records, ax),
     ),
-    _trait("weight", "Weight", "Does it run against the limit that was set, and stay there? Then the limit decides."),
-    _trait("body_length", "Body length", "Long bodies reach farther with each step, and bend and topple more easily."),
-    _trait("n_segments", "Segments", "Where the middle half is a line, all robots have as many."),
-    _trait("n_legs", "Legs", "They come in pairs; a segment may have none."),
+    _trait("weight", "Weight", "If it stays at one of the limits in the settings, that limit determines the weight."),
+    _trait("body_length", "Body length", "Long bodies take longer steps, but bend and topple more easily."),
+    _trait("n_segments", "Segments", "Where the band of the middle half is a line, all these robots have as many."),
+    _trait("n_legs", "Legs", "Legs come in pairs; a segment may have none."),
     Picture(
         "body",
         "The champion's body",
-        "The body that its gene describes, from the side and to scale; it walks to the right. The light blue legs are "
-        "on the near side, its right; the dark ones on the far side.",
-        MIDDLE,
+        "The body that the genome describes, from the side and to scale; it walks to the right. The light blue legs "
+        "are on its right side, which is nearer; the dark ones are on its left side.",
+        MEDIUM,
         lambda run, ax: plots.body(run.champion.genome, ax, run.settings),
     ),
     Picture(
         "gait",
         "The champion's gait",
-        "Which foot is on the ground, and when. Read it downwards at one moment to see what the robot stands on, "
-        "and along a row to see how long a foot stays down. Rows that alternate are a walk or a trot; rows that are "
-        "alike are a bound.",
-        MIDDLE,
+        "When each foot is on the ground. A column shows which feet support the robot at one moment, a row how long "
+        "a foot stays on the ground. In a walk or a trot the rows alternate; in a bound they are alike.",
+        MEDIUM,
         lambda run, ax: plots.gait(run.champion.genome, run.settings, ax),
     ),
     Picture(
         "distance",
-        "The champion's way, second by second",
-        "How far its centre of mass has come. A straight line is an even pace; a step is a leap or a stumble; where it "
-        "goes level, the robot is stuck.",
-        MIDDLE,
+        "The champion's distance over time",
+        "The distance covered by its centre of mass. A straight line is a constant speed, a step is a leap or a "
+        "stumble, and a level part means that the robot is stuck.",
+        MEDIUM,
         lambda run, ax: plots.distance_over_time(run.rollout, ax),
     ),
     Picture(
         "family",
-        "The champion's family",
-        "Follow the thick arrows: from a random robot of generation 0 down to the champion, through the fitter parent "
-        "of each. Beside it stands the other parent, where there was one. Look for the step at which the body changed, "
-        "and for the one after which the fitness jumped.",
-        WIDE,
+        "The champion's family tree",
+        "The thick arrows lead from a random robot of generation 0 down to the champion, through the fitter parent "
+        "of each robot. The other parent, if there is one, is drawn beside it. Look for the generation in which the "
+        "body changed, and for the one in which the fitness rose most.",
+        HIGH,
         lambda run, ax: plots.family_tree(run.records, ax, run.champion.individual, run.settings),
-        height=_of_a_family,
+        height=_family_height,
     ),
     Picture(
         "genes",
         "The genes of the last generation",
-        "Each row is a robot, the fittest on top, and each column a gene. A column of one colour is a gene on which "
-        "all agree: it has been decided. A motley one matters little. Hatched genes are carried, and not grown.",
-        TALL,
+        "Each row is a robot, the fittest at the top, and each column a gene. If a column has one colour, all robots "
+        "have the same value of that gene: selection or chance has fixed it. A column of many colours has little "
+        "effect on fitness. Hatched genes are inherited but not expressed.",
+        VERY_HIGH,
         lambda run, ax: plots.genes(run.records, ax),
     ),
 )
-"""Every picture, in the order in which it is drawn."""
+"""All pictures, in the order in which they are drawn."""
 
 
 def draw_all(run: Subject, folder: Path | None) -> Iterator[tuple[Picture, Html]]:
-    """Draw every picture once, save it in every format if there is a folder, and yield it with what shows it."""
-    with TemporaryDirectory() as passing:
-        place, kinds = (folder / FOLDER, KINDS) if folder else (Path(passing), KINDS[:1])
-        place.mkdir(parents=True, exist_ok=True)
+    """Draw all pictures.
+
+    Args:
+        run: Run to show.
+        folder: Folder of the report, in which each picture is saved in every format; no files are saved if None.
+
+    Yields:
+        Each picture and the HTML that shows it.
+    """
+    with TemporaryDirectory() as temporary:
+        picture_folder = folder / FOLDER if folder else Path(temporary)
+        formats = FORMATS if folder else ("svg",)
+        picture_folder.mkdir(parents=True, exist_ok=True)
         for picture in PICTURES:
             axes = picture.axes(run)
             picture.draw(run, axes)
-            plots.save(axes, *(place / f"{picture.name}.{kind}" for kind in kinds))
-            yield picture, _shown(axes, place / f"{picture.name}.svg", picture.name)
+            plots.save(axes, *(picture_folder / f"{picture.name}.{ending}" for ending in formats))
+            yield picture, _picture_html(axes, picture_folder / f"{picture.name}.svg", picture.name)
 
 
 def inline(draw: Callable[[Axes], object], size: tuple[float, float]) -> Html:
-    """Draw a picture for a notebook, and keep no file of it."""
+    """Draw a picture for a notebook without saving it.
+
+    Args:
+        draw: Function that draws on an Axes.
+        size: Width and height [inches].
+    """
     axes = paper(*size)
     draw(axes)
-    with TemporaryDirectory() as passing:
-        path = Path(passing) / "picture.svg"
+    with TemporaryDirectory() as temporary:
+        path = Path(temporary) / "picture.svg"
         plots.save(axes, path)
-        return _shown(axes, path, f"p{crc32(path.read_bytes()):08x}")
+        return _picture_html(axes, path, f"p{crc32(path.read_bytes()):08x}")
 
 
-def _shown(axes: Axes, svg: Path, name: str) -> Html:
-    """Put a saved picture into a page: as SVG, whose text can be searched, or as PNG if that would be too large."""
-    alt, text = plots.alt_text(axes), svg.read_text(encoding="utf-8")
-    if len(text) <= MOST:
+def _picture_html(axes: Axes, svg: Path, name: str) -> Html:
+    """Return the HTML of a saved picture: SVG, whose text can be searched, or PNG if the SVG is too large.
+
+    Args:
+        axes: Axes of the picture.
+        svg: Saved SVG file.
+        name: Prefix of the identifiers in the SVG, unique on the page.
+    """
+    alt = plots.alt_text(axes)
+    text = svg.read_text(encoding="utf-8")
+    if len(text) <= MAX_SVG_SIZE:
         return inline_svg(text, name, alt)
     png = svg.with_suffix(".png")
     plots.save(axes, png)
