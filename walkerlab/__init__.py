@@ -38,7 +38,7 @@ _ROOMS = {
     "evolution.run": ("Run", "load", "rescue"),
     "simulation.export": ("export_mjcf",),
     "ga.crossover": ("Children",),
-    "ga.slots": ("OperatorError",),
+    "ga.user_functions": ("OperatorError",),
     "genome.genome": ("Genome", "GenomeError"),
     "genome.repair": ("gene_table",),
     "genome.phenotype": ("Phenotype", "express"),
@@ -74,7 +74,7 @@ if TYPE_CHECKING:
     from walkerlab.evolution.run import load as load
     from walkerlab.evolution.run import rescue as rescue
     from walkerlab.ga.crossover import Children as Children
-    from walkerlab.ga.slots import OperatorError as OperatorError
+    from walkerlab.ga.user_functions import OperatorError as OperatorError
     from walkerlab.genome.genome import Genome as Genome
     from walkerlab.genome.genome import GenomeError as GenomeError
     from walkerlab.genome.phenotype import Phenotype as Phenotype

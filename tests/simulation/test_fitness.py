@@ -100,8 +100,8 @@ class TestTriedBeforeAnyPhysics:
             (lambda rollout: signal.signal(signal.SIGINT, signal.SIG_IGN), "thread of their own"),
             (lambda rollout: np.complex128(1), "one finite number"),
             (lambda rollout: np.random.default_rng().random(), "the same walk"),
-            (lambda rollout: rollout.com.sort(), r"wrote into what is read-only \(line .*com = rollout.com.copy"),
-            (lambda rollout: setattr(rollout, "com", 0), "wrote into what is read-only"),
+            (lambda rollout: rollout.com.sort(), r"must not modify its arguments.* \(line .*com = rollout.com.copy"),
+            (lambda rollout: setattr(rollout, "com", 0), "must not modify its arguments"),
             (
                 lambda rollout: float("nan"),
                 r"it returned nan, when .*\. Is something divided.*To exclude a robot, return -np.inf",
@@ -132,7 +132,7 @@ def test_a_walk_that_is_rated_cannot_be_written_into_wherever_it_comes_from():
         return rollout.distance
 
     walk = pickle.loads(pickle.dumps(walked(TIME)))
-    with pytest.raises(OperatorError, match="'puts_itself_first' must leave what it is given as it was"):
+    with pytest.raises(OperatorError, match="'puts_itself_first' must not modify its arguments"):
         fitness.score(walk, puts_itself_first)
     assert walk.distance == 9
 

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from pandas.api.types import is_numeric_dtype
 
-from walkerlab.ga.loop import NOT_COUNTED, Population
+from walkerlab.ga.population import NOT_COUNTED, Population
 from walkerlab.genome.genome import Genome, in_words
 from walkerlab.settings.fields import brief
 from walkerlab.simulation.evaluation import Evaluation

@@ -173,7 +173,7 @@ def _rate(place: int, genome: Genome, rollouts: Sequence[Rollout], settings: Set
     try:
         rated = [measures.rate(rollout, settings.algorithm.fitness) for rollout in rollouts]
     except OperatorError as error:
-        error.place, error.genome, error.where = place, genome, f"for robot {place} of those given"
+        error.robot_index, error.genome, error.context = place, genome, f"for robot {place} of those given"
         raise
     fitness, rollout = measures.poorest(rated)
     phenotype = rollout.phenotype

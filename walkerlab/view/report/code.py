@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from walkerlab.breeding import in_turn
+from walkerlab.breeding import slot_entries
 from walkerlab.runfile.records import BY_HAND, births
 from walkerlab.settings.fields import function_name
 from walkerlab.settings.settings import Settings
@@ -64,4 +64,4 @@ def _functions(settings: Settings) -> list[tuple[str, str]]:
 
 
 def _slots(settings: Settings) -> list[Any]:
-    return [one for slot in STEPS for one in in_turn(getattr(settings.algorithm, slot))]
+    return [one for slot in STEPS for one in slot_entries(getattr(settings.algorithm, slot))]
