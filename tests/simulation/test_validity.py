@@ -9,7 +9,7 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.genome.phenotype import Legs, Phenotype, Segment, Swing
-from walkerlab.genome.repair import FREQUENCY
+from walkerlab.genome.repair import FREQUENCY_RANGE
 from walkerlab.randomness import stream
 from walkerlab.settings.settings import Guard, Obstacle, Structure, Texture
 from walkerlab.simulation import validity as judging
@@ -343,7 +343,7 @@ def test_who_stands_still_gets_nowhere_on_any_slope():
 def test_no_gene_drives_a_leg_so_fast_that_it_jitters_however_short_the_walk(duration):
     for number in range(10):
         values = wl.Genome.random(wl.Robot(), rng=stream(9, "check", number)).values.copy()
-        values[1] = FREQUENCY[1]
+        values[1] = FREQUENCY_RANGE[1]
         settings = wl.Settings().with_(duration=duration)
         assert wl.simulate(wl.Genome(values), settings, poses=False).verdict != "jittering"
 

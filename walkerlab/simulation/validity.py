@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.phenotype import Phenotype
-from walkerlab.genome.repair import FREQUENCY
+from walkerlab.genome.repair import FREQUENCY_RANGE
 from walkerlab.settings.choices import Guard, Structure
 from walkerlab.settings.settings import Settings
 from walkerlab.world.heights import arena_bounds, height
 
 OVERLAP = 0.001  # m that a body may be inside another at the start
 CREEP = 0.05  # m/s at which a body may still move when it has had its time to come to rest: 0.4 m of a walk of 8 s
-BAND = 1.1 * FREQUENCY[1]  # Hz, up to which legs may be driven: a little over the fastest gene
+BAND = 1.1 * FREQUENCY_RANGE[1]  # Hz, up to which legs may be driven: a little over the fastest gene
 RISE = 0.5  # body lengths by which the centre of mass may rise above where it was at rest; gallops reach 0.15
 DROP = 0.4  # of its height at rest, under which the centre of mass may not sink; gaits keep 0.6 and more
 DOWN = 0.5  # s that it may be so low: whoever gets up again has not fallen

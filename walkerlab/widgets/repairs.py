@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import GRID, PART, WHOLE, genes_of
+from walkerlab.genome.repair import GRID_DECIMALS, PART, WHOLE, genes_of
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.settings import Robot
 
-ROUNDED = 0.51 * 10.0**-GRID  # a change that is no more than the rounding to the grid, and is not spoken of
+ROUNDED = 0.51 * 10.0**-GRID_DECIMALS  # a change that is no more than the rounding to the grid, and is not spoken of
 
 
 def laid_out(genome: Genome) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from walkerlab.genome import genome
+from walkerlab.genome.display import genome_html
 from walkerlab.runfile import provenance, store
 from walkerlab.runfile.records import COLUMNS, births, champion
 from walkerlab.runfile.store import RunFileError
@@ -226,7 +226,7 @@ def _came(run: Subject, drawn: Mapping[str, Html], files: bool) -> Html:
 def _champion(run: Subject, drawn: Mapping[str, Html]) -> Html:
     return join(
         drawn["body"],
-        genome.in_words(run.champion.genome),
+        genome_html(run.champion.genome.values),
         drawn["gait"],
         drawn["distance"],
         _confirmed(run),
