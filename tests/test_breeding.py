@@ -1,4 +1,4 @@
-"""The slots' names become functions, and the sliders reach whoever asks for them."""
+"""Settings are resolved to operators, and the public functions perform the steps of one generation."""
 
 from functools import partial
 

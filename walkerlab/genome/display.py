@@ -53,7 +53,7 @@ def genome_html(values: Floats) -> Html:
         classes=row_classes,
     )
     note = tag("p", "Segments that are not grown are inherited and mutated too.", class_="faint")
-    text = details("Gene as text, to copy and edit", code(format_text(values.tolist())))
+    text = details("Genome as text, to copy and edit", code(format_text(values.tolist())))
     return join(tag("div", body, gait, class_="beside"), note if n_grown < n_segments else "", text)
 
 

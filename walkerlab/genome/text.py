@@ -56,7 +56,7 @@ def parse_text(text: str) -> list[float]:
         raise GenomeError(f"a genome is read from its text, a str; got {brief(text)}")
     if len(text) > MAX_TEXT_LENGTH:
         raise GenomeError(f"a genome's text has at most {MAX_TEXT_LENGTH} characters; this one has {len(text)}")
-    pattern, in_gene_order = _decimal_form(_limited(text.count("| seg ")))
+    pattern, in_gene_order = _decimal_form(_clip_n_segments(text.count("| seg ")))
     if match := pattern.fullmatch(text):
         return [LEGS_VALUES[word] if word in LEGS_VALUES else float(word) for word in in_gene_order(match.groups())]
     return _parse_word_by_word(text)
@@ -65,7 +65,7 @@ def parse_text(text: str) -> list[float]:
 def _parse_word_by_word(text: str) -> list[float]:
     """Return the gene values in a text form that may have been edited; see ``parse_text``."""
     words = [(match.group(), match.start()) for match in re.finditer(r"\||[^\s|]+", text)]
-    n_segments = _limited(sum(word == "seg" for word, _ in words))
+    n_segments = _clip_n_segments(sum(word == "seg" for word, _ in words))
     layout = _layout(n_segments)
     values = [0.0] * (len(WHOLE) + n_segments * len(PART))
     for position, (token, index) in enumerate(layout):
@@ -90,8 +90,8 @@ def _parse_word_by_word(text: str) -> list[float]:
     return values
 
 
-def _limited(n_segments: int) -> int:
-    """Return the number of segments that a genome with this many, if allowed, can describe."""
+def _clip_n_segments(n_segments: int) -> int:
+    """Limit the number of segments counted in a text to the range that a genome can have."""
     return min(max(n_segments, 1), int(MAX_SEGMENTS))
 
 
