@@ -38,8 +38,9 @@ _PUBLIC_NAMES = {
     "evolution.run": ("Run", "load", "rescue"),
     "simulation.export": ("export_mjcf",),
     "ga.crossover": ("Children",),
-    "ga.slots": ("OperatorError",),
-    "genome.genome": ("Genome", "GenomeError"),
+    "ga.user_functions": ("OperatorError",),
+    "genome.genome": ("Genome",),
+    "genome.text": ("GenomeError",),
     "genome.repair": ("gene_table",),
     "genome.phenotype": ("Phenotype", "express"),
     "settings.fields": ("SettingsError",),
@@ -76,10 +77,10 @@ if TYPE_CHECKING:
     from walkerlab.ga.crossover import Children as Children
     from walkerlab.ga.user_functions import OperatorError as OperatorError
     from walkerlab.genome.genome import Genome as Genome
-    from walkerlab.genome.genome import GenomeError as GenomeError
     from walkerlab.genome.phenotype import Phenotype as Phenotype
     from walkerlab.genome.phenotype import express as express
     from walkerlab.genome.repair import gene_table as gene_table
+    from walkerlab.genome.text import GenomeError as GenomeError
     from walkerlab.runfile.opening import RunFileError as RunFileError
     from walkerlab.settings.choices import Camera as Camera
     from walkerlab.settings.choices import Crossover as Crossover

@@ -1,6 +1,6 @@
-"""The algorithm's settings filled in: each slot's names become functions, with their parameters bound.
+"""The steps of one generation, and the operators that the settings of an algorithm name, with parameters bound.
 
-The functions at the end are the steps of one generation, under the names of the design of 2017.
+The public functions at the end keep the names of the design of 2017.
 """
 
 import inspect
@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 from walkerlab.ga import checks, crossover, mutation, selection
 from walkerlab.ga.crossover import Children
 from walkerlab.ga.genes import Floats, Genes, Indices
-from walkerlab.ga.loop import NOT_COUNTED, Operators, cross_in_turn, mutate_in_turn, select_in_turn
+from walkerlab.ga.operators import Operators, cross_in_turn, mutate_in_turn, select_in_turn
+from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
 from walkerlab.ga.selection import require_finite
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.repair import genes_of, repair
@@ -27,67 +28,73 @@ from walkerlab.settings.fields import Choice, brief, function_name
 from walkerlab.settings.settings import Algorithm, Robot
 from walkerlab.text.numbers import significant
 
-MIN_COUNTED = 8  # individuals, below which chance alone can put the median close to the best
 MIN_LEAD = 0.05  # of the best fitness over the median, as a share of the larger of their absolute values
+MIN_COUNTED = 8  # individuals; with fewer, the median can be close to the best by coincidence
+
+GENERATION_MEANING = "the number of the generation that is created"
 
 Operator = Callable[..., Any]
 
 Individuals: TypeAlias = Iterable[Genome | str | ArrayLike]
-"""Genomes, their texts, or an (n, n_genes) array."""
+"""Genomes, their text forms, or an array of shape (n, n_genes)."""
 
-ROOMS: dict[type[Choice], ModuleType] = {Selection: selection, Crossover: crossover, Mutation: mutation}
-"""Where the functions of each kind live, each under the name of its choice."""
+OPERATOR_MODULES: dict[type[Choice], ModuleType] = {
+    Selection: selection,
+    Crossover: crossover,
+    Mutation: mutation,
+}
+"""Module of each kind of operator; each function has the name of its choice."""
 
 
-def operators(algorithm: Algorithm) -> Operators:
-    """Turn the settings' slots into functions.
+def resolve_operators(algorithm: Algorithm) -> Operators:
+    """Return the functions in each slot of an algorithm.
 
-    A mutation is given those of ``rate``, ``scale`` and ``favored`` that it takes as keywords and that are not bound
-    already: so the sliders reach a student's own as soon as it asks for them.
+    Those of ``rate``, ``scale`` and ``favored`` that a mutation has as keywords, and that are not bound already, are
+    bound to the settings. The settings therefore also control user functions that have these keywords.
     """
     require_algorithm(algorithm)
-    offered = {
+    mutation_settings = {
         "rate": algorithm.mutation_rate,
         "scale": algorithm.mutation_scale,
         "favored": algorithm.favored_gene.name,
     }
 
-    def function(operator: Choice | Operator) -> Operator:
-        return getattr(ROOMS[type(operator)], operator.name) if isinstance(operator, Choice) else operator
+    def resolve(operator: Choice | Operator) -> Operator:
+        return getattr(OPERATOR_MODULES[type(operator)], operator.name) if isinstance(operator, Choice) else operator
 
-    def with_sliders(mutate: Operator) -> Operator:
-        wanted = _open_keywords(mutate)
-        given = {name: value for name, value in offered.items() if name in wanted}
-        return partial(mutate, **given) if given else mutate
+    def bind_settings(mutate: Operator) -> Operator:
+        keywords = _unbound_keywords(mutate)
+        values = {name: value for name, value in mutation_settings.items() if name in keywords}
+        return partial(mutate, **values) if values else mutate
 
     slots = (algorithm.selection, algorithm.crossover, algorithm.mutation)
-    select, cross, mutate = (tuple(map(function, in_turn(slot))) for slot in slots)
-    return Operators(select=select, cross=cross, mutate=tuple(map(with_sliders, mutate)))
+    select, cross, mutate = (tuple(map(resolve, slot_entries(slot))) for slot in slots)
+    return Operators(select=select, cross=cross, mutate=tuple(map(bind_settings, mutate)))
 
 
-def _open_keywords(operator: Operator) -> set[str]:
-    """Name the keywords that an operator takes and that are not bound already; none if it does not say."""
+def _unbound_keywords(operator: Operator) -> set[str]:
+    """Return the parameters of an operator that are not bound by name; empty if it has no signature."""
     try:
-        wanted = inspect.signature(operator).parameters
-    except (TypeError, ValueError):  # whatever is wrong with it, the check knows the words
+        parameters = inspect.signature(operator).parameters
+    except (TypeError, ValueError):  # reported by the check of user operators
         return set()
-    return wanted.keys() - (operator.keywords if isinstance(operator, partial) else {})
+    return parameters.keys() - (operator.keywords if isinstance(operator, partial) else {})
 
 
-def in_turn(slot: Any) -> tuple[Choice | Operator, ...]:
-    """Return what fills a slot as a tuple, be it one operator or several."""
+def slot_entries(slot: Any) -> tuple[Choice | Operator, ...]:
+    """Return the operators in a slot as a tuple, whether the setting holds one or several."""
     return slot if isinstance(slot, tuple) else (slot,)
 
 
-def slot_names(algorithm: Algorithm) -> str:
-    """Name the operators behind a child: ``gradient > paired > randomized``; several in one slot joined by ``+``."""
+def describe_operators(algorithm: Algorithm) -> str:
+    """Return the names of all operators: ``gradient > paired > randomized``, with ``+`` between those of one slot."""
     return " > ".join(
-        "+".join(one.name if isinstance(one, Choice) else function_name(one) for one in in_turn(slot))
+        "+".join(entry.name if isinstance(entry, Choice) else function_name(entry) for entry in slot_entries(slot))
         for slot in (algorithm.selection, algorithm.crossover, algorithm.mutation)
     )
 
 
-def lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
+def explain_lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
     """Explain why ``gradient`` hardly prefers the best of a generation, and how to fix it; "" if it does prefer it.
 
     The measure is ``selection.pressure``: the pressure is lost below ``MIN_PRESSURE`` if the best fitness exceeds the
@@ -96,9 +103,12 @@ def lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
     Args:
         fitness: Fitness of each individual of a generation, shape (n,).
         algorithm: Settings of the algorithm.
+
+    Returns:
+        Explanation, or "".
     """
     counted = fitness[fitness != NOT_COUNTED]
-    if operators(algorithm).select[0] is not selection.gradient or len(counted) < MIN_COUNTED:
+    if resolve_operators(algorithm).select[0] is not selection.gradient or len(counted) < MIN_COUNTED:
         return ""
     worst, median, best = np.quantile(counted, [0, 0.5, 1])
     pressure = selection.pressure(selection.gradient_probabilities(counted))
@@ -112,85 +122,139 @@ def lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
     )
 
 
-def check_own_operators(algorithm: Algorithm, genes: Genes) -> None:
-    """Try each operator of the user's own once, before any physics runs.
+def check_user_operators(algorithm: Algorithm, genes: Genes) -> None:
+    """Check each user operator of an algorithm on a trial population, before any simulation.
 
     Raises:
-        OperatorError: naming the operator, what was expected, what came, and the mend.
+        OperatorError: If one does not work; the message names it, what is expected, what it did, and how to fix it.
     """
-    filled = operators(algorithm)
+    resolved = resolve_operators(algorithm)
     slots: tuple[tuple[Any, tuple[Operator, ...], Callable[[Operator], None]], ...] = (
-        (algorithm.selection, filled.select, lambda select: checks.check_select(select)),
-        (algorithm.crossover, filled.cross, lambda cross: checks.check_cross(cross, genes)),
-        (algorithm.mutation, filled.mutate, lambda mutate: checks.check_mutate(mutate, genes)),
+        (algorithm.selection, resolved.select, lambda select: checks.check_select(select)),
+        (algorithm.crossover, resolved.cross, lambda cross: checks.check_cross(cross, genes)),
+        (algorithm.mutation, resolved.mutate, lambda mutate: checks.check_mutate(mutate, genes)),
     )
-    for given, made, try_out in slots:
-        for choice, function in zip(in_turn(given), made, strict=True):
-            if not isinstance(choice, Choice):
-                try_out(function)
+    for slot, functions, check in slots:
+        for entry, function in zip(slot_entries(slot), functions, strict=True):
+            if not isinstance(entry, Choice):
+                check(function)
 
 
-# -------------------------------------------------------------------------------------- the steps, one by one
+# ------------------------------------------------------------------------------------------ the steps of a generation
 
 
 def generate_robot_gene(robot: Robot, *, rng: Generator) -> Genome:
-    """Draw one random genome within the limits."""
+    """Return a random genome within the limits.
+
+    Args:
+        robot: Limits of the robots.
+        rng: Random generator.
+    """
     return Genome.random(robot, rng=rng)
 
 
 def generate_robot_population(robot: Robot, size: int, *, seed: int) -> Floats:
-    """Draw the (size, n_genes) genomes of generation 0, each from a stream of its own.
+    """Return the genomes of generation 0, each from its own random generator.
+
+    Args:
+        robot: Limits of the robots.
+        size: Number of genomes.
+        seed: Seed of the run.
+
+    Returns:
+        Genomes, shape (size, n_genes).
 
     Raises:
-        ValueError: if ``size`` is under 1.
+        ValueError: If ``size`` is less than 1.
     """
-    size = require_count(size, "size", "how many robots the population has")
+    size = require_count(size, "size", "the number of robots in the population")
     seed = require_count(seed, "seed", "the seed of the random generator", low=0)
     return np.array([generate_robot_gene(robot, rng=stream(seed, "population", 0, i)).values for i in range(size)])
 
 
 def select_from_population(fitness: ArrayLike, n_parents: int, algorithm: Algorithm, *, generation: int) -> Indices:
-    """Choose (n_parents,) indices into (n,) fitness, as this generation's step does."""
-    select, numbers = operators(algorithm).select, _fitness(fitness)
-    if not len(numbers):
+    """Select parents with the selections of an algorithm.
+
+    Args:
+        fitness: Fitness of each individual, shape (n,); higher is better, -inf if it does not count.
+        n_parents: Number of parents to select.
+        algorithm: Settings of the algorithm.
+        generation: Number of the generation that is created, which determines the random numbers.
+
+    Returns:
+        Indices into ``fitness``, shape (n_parents,).
+
+    Raises:
+        ValueError: If ``fitness`` is empty or not a row of numbers, or one is NaN or +inf.
+    """
+    select = resolve_operators(algorithm).select
+    values = _as_fitness(fitness)
+    if not len(values):
         raise ValueError("fitness is empty; it must have a number for each individual to select from")
-    require_count(n_parents, "n_parents", "how many parents to select")
-    require_count(generation, "generation", "the number of the generation that is being made", low=0)
-    return select_in_turn(select, numbers, n_parents, seed=algorithm.seed, generation=generation)
+    require_count(n_parents, "n_parents", "the number of parents to select")
+    require_count(generation, "generation", GENERATION_MEANING, low=0)
+    return select_in_turn(select, values, n_parents, seed=algorithm.seed, generation=generation)
 
 
 def crossover_population(
     parents: Individuals, fitness: ArrayLike, n_children: int, robot: Robot, algorithm: Algorithm, *, generation: int
 ) -> Children:
-    """Cross parents, whose (n_parents,) fitness is given, into children, with their parents' indices.
+    """Produce children with the crossovers of an algorithm.
+
+    Args:
+        parents: Genomes of the parents.
+        fitness: Fitness of each parent, shape (n_parents,); -inf, if it does not count, is treated as 0.
+        n_children: Number of children.
+        robot: Limits of the robots.
+        algorithm: Settings of the algorithm.
+        generation: Number of the generation that is created, which determines the random numbers.
+
+    Returns:
+        Children, with the indices of their parents.
 
     Raises:
-        ValueError: if there is not one fitness for each parent, or one is NaN or +inf.
+        ValueError: If there is not one fitness for each parent, or one is NaN or +inf.
     """
-    cross, genes, table = operators(algorithm).cross, genes_of(robot), _table(parents, robot)
-    fitness = _fitness(fitness)
-    if not len(table):
-        raise ValueError("parents is empty; it must have one genome or more")
-    require_count(n_children, "n_children", "how many children to make")
-    require_count(generation, "generation", "the number of the generation that is being made", low=0)
-    if fitness.shape != (len(table),):
+    cross = resolve_operators(algorithm).cross
+    genes = genes_of(robot)
+    genomes = _as_table(parents, robot)
+    fitness = _as_fitness(fitness)
+    if not len(genomes):
+        raise ValueError("parents is empty; it must have at least one genome")
+    require_count(n_children, "n_children", "the number of children")
+    require_count(generation, "generation", GENERATION_MEANING, low=0)
+    if fitness.shape != (len(genomes),):
         raise ValueError(
-            f"fitness must have the shape ({len(table)},), a number for each of the parents; got {fitness.shape}. "
-            "Of those that were chosen it is fitness[chosen]."
+            f"fitness must have the shape ({len(genomes)},), a number for each of the parents; got {fitness.shape}. "
+            "For selected parents, that is fitness[selected]."
         )
-    counted = np.where(fitness == NOT_COUNTED, 0.0, fitness)
-    require_finite(counted)
-    return cross_in_turn(cross, table, counted, n_children, genes=genes, seed=algorithm.seed, generation=generation)
+    comparable = fitness_for_comparison(fitness)
+    require_finite(comparable)
+    return cross_in_turn(
+        cross, genomes, comparable, n_children, genes=genes, seed=algorithm.seed, generation=generation
+    )
 
 
 def mutate_population(genomes: Individuals, robot: Robot, algorithm: Algorithm, *, generation: int) -> Floats:
-    """Mutate genomes, and repair them so that every robot obeys the limits: (n, n_genes)."""
-    mutate, genes, table = operators(algorithm).mutate, genes_of(robot), _table(genomes, robot)
-    require_count(generation, "generation", "the number of the generation that is being made", low=0)
+    """Mutate genomes with the mutations of an algorithm, and repair them so that every robot obeys the limits.
+
+    Args:
+        genomes: Genomes.
+        robot: Limits of the robots.
+        algorithm: Settings of the algorithm.
+        generation: Number of the generation that is created, which determines the random numbers.
+
+    Returns:
+        Mutated genomes, shape (n, n_genes).
+    """
+    mutate = resolve_operators(algorithm).mutate
+    genes = genes_of(robot)
+    table = _as_table(genomes, robot)
+    require_count(generation, "generation", GENERATION_MEANING, low=0)
     return repair(mutate_in_turn(mutate, table, genes, seed=algorithm.seed, generation=generation), robot)
 
 
-def _fitness(given: ArrayLike) -> Floats:
+def _as_fitness(given: ArrayLike) -> Floats:
     """Return fitness as an (n,) array of floats.
 
     Raises:
@@ -205,13 +269,17 @@ def _fitness(given: ArrayLike) -> Floats:
     return fitness
 
 
-def _table(genomes: Individuals, robot: Robot) -> Floats:
-    """Return genomes as an (n, n_genes) array, or say of the first that has another length how to mend it."""
-    rows, n_genes = [genome.values for genome in read_genomes(genomes)], len(genes_of(robot))
+def _as_table(genomes: Individuals, robot: Robot) -> Floats:
+    """Return genomes as an array of shape (n, n_genes).
+
+    Raises:
+        ValueError: If one has a different length; the message explains how to fix it.
+    """
+    rows = [genome.values for genome in read_genomes(genomes)]
+    n_genes = len(genes_of(robot))
     for i, row in enumerate(rows):
         if len(row) != n_genes:
             raise ValueError(
-                f"genome {i} has {len(row)} genes; for these limits it must have {n_genes}. "
-                "genome.within(robot) brings it there."
+                f"genome {i} has {len(row)} genes; for these limits it must have {n_genes}. Use genome.within(robot)."
             )
     return np.array(rows).reshape(-1, n_genes)

@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 import walkerlab as wl
-from walkerlab.breeding import lost_pressure
+from walkerlab.breeding import explain_lost_pressure
 from walkerlab.ga import crossover, mutation, selection
 from walkerlab.runfile import provenance, store
 from walkerlab.settings.choices import Crossover, Fitness, Mutation, Selection
@@ -118,7 +118,7 @@ class TestRepeatable:
         populations = [wl.generate_robot_population(settings.robot, 12, seed=seed) for seed in range(5)]
         walked = wl.evaluate(np.concatenate(populations), settings, threads)
         for fitness in np.array([one.fitness for one in walked]).reshape(5, 12):
-            assert not lost_pressure(fitness, settings.algorithm)
+            assert not explain_lost_pressure(fitness, settings.algorithm)
 
     def test_another_seed_is_another_evolution(self, run, threads):
         assert evolve(threads, seed=6).records.genome.iloc[0] != run.records.genome.iloc[0]

@@ -18,7 +18,8 @@ from hypothesis import strategies as st
 from tests.faults import mutants, number
 from tests.genome.test_genome import obeys_every_limit
 from tests.strategies import all_settings
-from walkerlab.genome.genome import Genome, GenomeError
+from walkerlab.genome.genome import Genome
+from walkerlab.genome.text import GenomeError
 from walkerlab.settings.fields import SettingsError
 from walkerlab.settings.settings import Robot, Settings
 

@@ -85,7 +85,7 @@ MESSAGES = {
     raises: r" raised IndexError: none left \(line \d+\)",
     misshapes: r" must .*; it returned an array",
     knows_nothing: r" must .*; it returned (nan|an array of shape \(\d+,\), float64)",
-    writes: r" must leave what it is given as it was; it wrote into what is read-only \(line \d+\)",
+    writes: r" must not modify its arguments, which are read-only; it tried to \(line \d+\)",
     gambles: " used np.random, which all of Python shares",
     hangs: r" had not returned after 0\.\d s \(line \d+\)",
 }
@@ -248,7 +248,7 @@ def test_walks_from_other_processes_are_read_only(tmp_path):
     path = tmp_path / "run.walk"
     faulty = create_function("fitness", writes, lambda walk: evolution.n_generations == 2 if path.exists() else False)
     evolution = wl.Evolution(REAL.with_(fitness=faulty), path)
-    with pytest.raises(wl.OperatorError, match=r"wrote into what is read-only .* of generation 2"):
+    with pytest.raises(wl.OperatorError, match=r"must not modify its arguments.* of generation 2"):
         list(evolution)
     resumed = wl.resume(path, progress=False, fitness=create_function("fitness")).records
     same(resumed, wl.evolve(REAL.with_(fitness=create_function("fitness")), progress=False).records)

@@ -1,4 +1,4 @@
-"""Gene tables and populations to try operators on."""
+"""Gene tables and populations for tests of operators."""
 
 from functools import partial
 
@@ -27,12 +27,12 @@ def reals(n, low=0.0, high=1.0):
     return genes_of(["real"] * n, [low] * n, [high] * n)
 
 
-def body(n_parts=5, fewest=1):
-    """Three whole-body genes, then a length, an angle and a whole number for each part."""
+def body(n_parts=5, min_parts=1):
+    """Return a table of three genes of the whole body, then a length, an angle and a whole number for each part."""
     names = ("parts", "frequency", "phase")
     names += tuple(f"p{i}.{feature}" for i in range(n_parts) for feature in ("length", "angle", "teeth"))
     kinds = ["count", "real", "cyclic"] + ["real", "cyclic", "count"] * n_parts
-    low = [fewest, 0.5, 0.0] + [-1.0, -np.pi, 2] * n_parts
+    low = [min_parts, 0.5, 0.0] + [-1.0, -np.pi, 2] * n_parts
     high = [n_parts, 3.0, 2 * np.pi] + [1.0, np.pi, 9] * n_parts
     return genes_of(kinds, low, high, names, n_parts=n_parts, n_whole=3, count=0)
 

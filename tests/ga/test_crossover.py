@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from walkerlab.ga.crossover import none, one_point, paired, randomized, uniform, weighted
 
-from .laws import linkage, links_neighbours
+from .laws import linkage, links_genes_by_distance
 from .tables import body, genes_of, random_genomes, reals, rng
 
 N_PARTS = 5
@@ -17,7 +17,7 @@ BODY = body(N_PARTS)
 
 
 def couple_of(n_mother, n_father):
-    """A couple whose every number is unlike every other."""
+    """Return a couple with these numbers of grown parts, whose other values are all different."""
     couple = np.arange(2.0 * len(BODY)).reshape(2, -1) + 100
     couple[:, 0] = n_mother, n_father
     return couple
@@ -31,7 +31,7 @@ counts = st.integers(1, N_PARTS)
 
 
 @given(counts, counts)
-def test_paired_gives_every_part_of_both_parents_to_exactly_one_child(a, b):
+def test_paired_passes_every_part_of_both_parents_to_exactly_one_child(a, b):
     couple = couple_of(a, b)
     children, _ = paired(couple, np.zeros(2), 2, rng=rng(), genes=BODY)
     assert sorted(blocks(children)) == sorted(blocks(couple))
@@ -44,16 +44,18 @@ def test_paired_gives_every_part_of_both_parents_to_exactly_one_child(a, b):
             for part in genome[:n]
         )
 
-    assert grown(children) == grown(couple), "what is grown stays grown, and what is not does not"
+    assert grown(children) == grown(couple), "grown parts stay grown, and unexpressed ones unexpressed"
     assert np.all((children[:, 0] >= min(a, b)) & (children[:, 0] <= max(a, b)))
 
 
 @given(counts, counts)
 def test_paired_joins_front_to_rear(a, b):
     couple = couple_of(a, b)
-    (mother, father), ((one, two), parents) = couple, paired(couple, np.zeros(2), 2, rng=rng(), genes=BODY)
+    mother, father = couple
+    (one, two), parents = paired(couple, np.zeros(2), 2, rng=rng(), genes=BODY)
     mother_parts, father_parts, one_parts, two_parts = (BODY.parts(g[None])[0] for g in (mother, father, one, two))
-    half_a, half_b = (a + 1) // 2, (b + 1) // 2
+    half_a = (a + 1) // 2
+    half_b = (b + 1) // 2
     n_one, n_two = BODY.n_grown(np.stack([one, two]))
     assert np.array_equal(one_parts[:n_one], [*mother_parts[:half_a], *father_parts[half_b:b]])
     assert np.array_equal(two_parts[:n_two], [*father_parts[:half_b], *mother_parts[half_a:a]])
@@ -62,14 +64,14 @@ def test_paired_joins_front_to_rear(a, b):
     assert parents.tolist() == [[0, 1], [1, 0]]
 
 
-def test_paired_is_what_randomized_is_not_to_short_bodies():
-    """Counting halves over all genes, short bodies would swap only what they have not grown."""
+def test_paired_exchanges_grown_parts_of_short_bodies():
+    """If halves were counted over all genes, short bodies would exchange only unexpressed genes."""
     couple = couple_of(2, 2)
     one = paired(couple, np.zeros(2), 2, rng=rng(), genes=BODY).genomes[0]
     assert np.array_equal(BODY.parts(one[None])[0, 1], BODY.parts(couple[1:])[0, 1])
 
 
-def test_couples_go_round_as_often_as_needed():
+def test_couples_cycle_as_needed():
     parents = np.arange(3.0)[:, None] * np.ones(4)
     for cross in (paired, one_point, uniform):
         assert cross(parents, np.zeros(3), 7, rng=rng()).parents.tolist() == [
@@ -80,7 +82,7 @@ def test_couples_go_round_as_often_as_needed():
 @pytest.mark.parametrize("cross", [paired, one_point, uniform])
 @given(n_couples=st.integers(1, 5), n_genes=st.integers(1, 9), seed=st.integers(0, 99))
 @settings(max_examples=30)
-def test_what_one_child_lacks_the_other_has(cross, n_couples, n_genes, seed):
+def test_two_children_together_have_all_genes_of_their_parents(cross, n_couples, n_genes, seed):
     parents = random_genomes(reals(n_genes), 2 * n_couples, seed)
     children = cross(parents, np.zeros(2 * n_couples), 2 * n_couples, rng=rng(seed)).genomes
     pools = [np.sort(g.reshape(n_couples, 2, n_genes), axis=1) for g in (parents, children)]
@@ -103,10 +105,10 @@ def test_uniform_links_no_genes():
 
 
 def test_one_point_links_genes_by_their_distance():
-    links_neighbours(one_point)
+    links_genes_by_distance(one_point)
 
 
-def test_none_links_all_and_copies_the_parents_in_turn():
+def test_none_copies_the_parents_in_turn():
     parents = random_genomes(reals(4), 3)
     children, origins = none(parents, np.zeros(3), 5, rng=rng())
     assert np.array_equal(children, parents[[0, 1, 2, 0, 1]])
@@ -114,7 +116,7 @@ def test_none_links_all_and_copies_the_parents_in_turn():
 
 
 def from_deap(mate):
-    """A DEAP crossover, which swaps in place two lists, as one of ours."""
+    """Return a DEAP crossover, which exchanges values of two lists in place, as one with our signature."""
 
     def cross(parents, fitness, n_children, *, rng):
         one, two = (list(parent) for parent in parents)
@@ -134,23 +136,23 @@ def test_linkage_agrees_with_deap(ours, theirs, monkeypatch):
 
 
 @given(gaps=st.lists(st.floats(0, 1), min_size=2, max_size=8), base=st.floats(-100, 100))
-def test_weighted_moves_the_poorer_by_its_share_of_the_gap(gaps, base):
+def test_weighted_moves_the_less_fit_by_its_fraction_of_the_fitness_range(gaps, base):
     fitness = base + np.array([0.0, 1.0, *np.ravel([(0.0, gap) for gap in gaps])])
     parents = np.where(np.arange(len(fitness)) % 2, 10.0, 0.0)[:, None] * np.ones(3)
     children, origins = weighted(parents, fitness, len(fitness), rng=rng())
-    moved = children[::2, 0]  # of the couples (0, 1), (2, 3), …; odd children have the couples between
+    moved = children[::2, 0]  # couples (0, 1), (2, 3), …; odd children come from the couples in between
     assert np.allclose(moved, 10 * np.array([1.0, *gaps]), atol=1e-9)
-    assert np.all(np.diff(moved[np.argsort([1.0, *gaps])]) >= -1e-9), "the larger the gap, the further"
+    assert np.all(np.diff(moved[np.argsort([1.0, *gaps])]) >= -1e-9), "the larger the difference, the further"
     assert np.all(fitness[origins[:, 0]] <= fitness[origins[:, 1]])
 
 
-def test_weighted_leaves_equals_alone():
+def test_weighted_does_not_change_equals():
     parents = random_genomes(BODY, 4)
     children, _ = weighted(parents, np.full(4, 2.0), 4, rng=rng(), genes=BODY)
     assert np.array_equal(children, parents)
 
 
-def test_weighted_takes_the_shorter_way_round_and_keeps_counts_whole():
+def test_weighted_takes_the_shorter_way_for_cyclic_genes_and_rounds_counts():
     table = genes_of(["cyclic", "cyclic", "count", "real"], [0, -180, 1, 0], [360, 180, 9, 1])
     parents = np.array([[350.0, -170.0, 2.0, 0.2], [20.0, 160.0, 5.0, 0.4], [0.0, 0.0, 1.0, 0.0]])
     child = weighted(parents, np.array([1.0, 2.0, 0.0]), 1, rng=rng(), genes=table).genomes[0]

@@ -10,15 +10,24 @@ from hypothesis import strategies as st
 from scipy.stats import chisquare, ks_2samp, kstest
 
 from walkerlab.ga import mutation
-from walkerlab.ga.mutation import FAVOR, MICRO, UPHEAVAL, favored, gaussian, macro, micro, randomized
+from walkerlab.ga.mutation import (
+    FAVORED_RATE_FACTOR,
+    MICRO_STEP_FACTOR,
+    PART_RATE_FACTOR,
+    favored,
+    gaussian,
+    macro,
+    micro,
+    randomized,
+)
 
-from .laws import SURE, changes_binomially
+from .laws import MIN_P_VALUE, changes_binomially
 from .tables import bits, body, genes_of, random_genomes, reals, rng
 
 
 @pytest.mark.parametrize("mutate", [randomized, gaussian, macro])
 @pytest.mark.parametrize("rate", [0.02, 0.08, 0.5])
-def test_as_many_genes_change_as_so_many_coins_show_heads(mutate, rate):
+def test_the_number_of_changed_genes_is_binomial(mutate, rate):
     kinds = ["real", "count", "cyclic"] * 8
     table = genes_of(kinds, [0, 0, -np.pi] * 8, [5, 1, np.pi] * 8)
     genomes = random_genomes(table, 3000)
@@ -31,104 +40,104 @@ def test_the_number_of_changes_agrees_with_deap(monkeypatch):
     genomes = np.zeros((n, 20))
     theirs = np.array([tools.mutGaussian([0.0] * 20, 0, 1.0, 0.1)[0] for _ in range(n)])
     ours = gaussian(genomes, table, rate=0.1, scale=0.01, rng=rng())
-    assert ks_2samp((ours != 0).sum(axis=1), (theirs != 0).sum(axis=1)).pvalue > SURE
-    assert ks_2samp(ours[ours != 0], theirs[theirs != 0]).pvalue > SURE
+    assert ks_2samp((ours != 0).sum(axis=1), (theirs != 0).sum(axis=1)).pvalue > MIN_P_VALUE
+    assert ks_2samp(ours[ours != 0], theirs[theirs != 0]).pvalue > MIN_P_VALUE
 
 
-def test_a_randomized_step_is_relative_to_the_value_and_never_stuck_at_zero():
+def test_a_randomized_step_is_relative_to_the_value_and_a_zero_can_change():
     table = reals(4, -1e3, 1e3)
     genomes = np.tile([0.0, 100.0, -400.0, 800.0], (4000, 1))
     step = randomized(genomes, table, rate=1.0, scale=0.01, rng=rng()) - genomes
     for column, size in zip(step.T, (200.0, 200.0, 400.0, 800.0), strict=True):
-        assert kstest(column / (0.01 * size), "norm").pvalue > SURE
+        assert kstest(column / (0.01 * size), "norm").pvalue > MIN_P_VALUE
 
 
 def test_a_micro_step_is_a_fifth_of_a_randomized_one():
     table = reals(3, -1e3, 1e3)
     genomes = np.full((4000, 3), 500.0)
     large, small = (mutate(genomes, table, rate=1.0, scale=0.01, rng=rng()) - genomes for mutate in (randomized, micro))
-    assert np.allclose(small, MICRO * large)
+    assert np.allclose(small, MICRO_STEP_FACTOR * large)
 
 
-def test_micro_never_touches_a_count():
+def test_micro_never_changes_a_count():
     table = body()
     genomes = random_genomes(table, 300)
     mutated = micro(genomes, table, rate=1.0, rng=rng())
     assert np.array_equal(mutated != genomes, np.broadcast_to(~table.is_count, genomes.shape))
 
 
-@given(low=st.integers(-5, 5), room=st.integers(1, 6), scale=st.floats(0, 50), seed=st.integers(0, 99))
+@given(low=st.integers(-5, 5), width=st.integers(1, 6), scale=st.floats(0, 50), seed=st.integers(0, 99))
 @settings(max_examples=100)
 @pytest.mark.parametrize("mutate", [randomized, gaussian, macro])
-def test_a_count_that_is_hit_really_changes(mutate, low, room, scale, seed):
-    table = genes_of(["count"], [low], [low + room])
-    genomes = np.repeat(np.arange(low, low + room + 1.0), 20)[:, None]
+def test_a_mutated_count_always_changes(mutate, low, width, scale, seed):
+    table = genes_of(["count"], [low], [low + width])
+    genomes = np.repeat(np.arange(low, low + width + 1.0), 20)[:, None]
     mutated = mutate(genomes, table, rate=1.0, scale=scale, rng=rng(seed))
     assert np.all(mutated != genomes)
-    assert np.all((mutated >= low) & (mutated <= low + room))
+    assert np.all((mutated >= low) & (mutated <= low + width))
     assert np.all(mutated % 1 == 0)
 
 
-def test_a_gene_without_room_stays():
+def test_a_gene_with_an_empty_range_does_not_change():
     table = genes_of(["real", "count", "cyclic"], [2, 2, 2], [2, 2, 2])
     genomes = np.full((50, 3), 2.0)
     for mutate in (randomized, micro, macro, gaussian):
         assert np.array_equal(mutate(genomes, table, rate=1.0, rng=rng()), genomes)
 
 
-def test_a_cyclic_gene_goes_round():
+def test_a_cyclic_gene_wraps_around():
     table = genes_of(["cyclic"], [-np.pi], [np.pi])
     at_the_end = np.full((2000, 1), np.pi - 1e-3)
     mutated = gaussian(at_the_end, table, rate=1.0, scale=0.02, rng=rng())
     turned = np.angle(np.exp(1j * (mutated - at_the_end))) / (0.02 * 2 * np.pi)
-    assert kstest(turned[:, 0], "norm").pvalue > SURE
+    assert kstest(turned[:, 0], "norm").pvalue > MIN_P_VALUE
     assert 0.4 < np.mean(mutated < 0) < 0.6
 
 
-def test_the_favored_feature_is_far_likelier_to_change():
+def test_the_favored_feature_changes_more_often():
     table, rate = body(), 0.03
     genomes = random_genomes(table, 4000)
     changed = np.mean(favored(genomes, table, favored="length", rate=rate, rng=rng()) != genomes, axis=0)
     expected = np.full(len(table), rate)
-    expected[table.find("length")] = FAVOR * rate
+    expected[table.find("length")] = FAVORED_RATE_FACTOR * rate
     assert np.allclose(changed, expected, atol=0.03)
 
 
-def test_favoring_what_there_is_not_names_what_there_is():
+def test_an_unknown_favored_gene_is_rejected_with_the_allowed_names():
     table = body()
-    with pytest.raises(ValueError, match="no gene is called 'wings'; there are parts, frequency, phase, length"):
+    with pytest.raises(ValueError, match="there is no gene 'wings'; allowed are parts, frequency, phase, length"):
         favored(random_genomes(table, 2), table, favored="wings", rng=rng())
 
 
 def test_macro_draws_from_the_whole_range():
     table = reals(1, -3, 7)
     mutated = macro(np.full((4000, 1), 6.5), table, rate=1.0, rng=rng())
-    assert kstest(mutated[:, 0], "uniform", args=(-3, 10)).pvalue > SURE
+    assert kstest(mutated[:, 0], "uniform", args=(-3, 10)).pvalue > MIN_P_VALUE
 
 
-def test_macro_draws_a_count_from_the_whole_range_but_never_the_same():
+def test_macro_draws_a_count_from_the_whole_range_except_its_old_value():
     table, n = genes_of(["count"], [1], [9]), 9000
     mutated = macro(np.full((n, 1), 5.0), table, rate=1.0, rng=rng())[:, 0].astype(int)
     expected = np.full(9, n / 9)
-    expected[[3, 4, 5]] = n / 6, 0, n / 6  # who would stay at 5 moves by one
+    expected[[3, 4, 5]] = n / 6, 0, n / 6  # where 5 is drawn, the count changes by one
     seen = np.bincount(mutated - 1, minlength=9)
     assert not seen[4]
-    assert chisquare(np.delete(seen, 4), np.delete(expected, 4)).pvalue > SURE
+    assert chisquare(np.delete(seen, 4), np.delete(expected, 4)).pvalue > MIN_P_VALUE
 
 
-def only_upheaval(genomes, table, *address):
-    """Macro's coming and going of parts alone: it happens to every genome, and no gene is ever hit."""
-    with patch.object(mutation, "UPHEAVAL", np.inf):
+def macro_of_parts_only(genomes, table, *address):
+    """Apply ``macro`` so that each genome has a part duplicated or dropped, and no gene is changed by itself."""
+    with patch.object(mutation, "PART_RATE_FACTOR", np.inf):
         return macro(genomes, table, rate=1e-12, rng=rng(*address))
 
 
 @given(n_grown=st.integers(1, 5), seed=st.integers(0, 300))
 @settings(max_examples=150)
-def test_macro_doubles_a_grown_part_beside_itself_or_drops_one(n_grown, seed):
+def test_macro_duplicates_a_grown_part_next_to_itself_or_drops_one(n_grown, seed):
     table = body(5)
     genome = random_genomes(table, 1, seed)
     genome[0, 0] = n_grown
-    changed = only_upheaval(genome, table, seed)
+    changed = macro_of_parts_only(genome, table, seed)
     before, after = (table.parts(g)[0].tolist() for g in (genome, changed))
     n_after = int(changed[0, 0])
     assert np.array_equal(changed[0, 1:3], genome[0, 1:3])
@@ -140,28 +149,28 @@ def test_macro_doubles_a_grown_part_beside_itself_or_drops_one(n_grown, seed):
     assert 1 <= n_after <= 5
 
 
-def test_parts_come_and_go_equally_often_and_alike():
+def test_all_parts_are_duplicated_and_dropped_equally_often():
     table = body(5)
     genome = random_genomes(table, 1)
     genome[0, 0] = 3
     before = table.parts(genome)[0].tolist()
-    seen = {}
+    seen: dict[str, int] = {}
     for i in range(1200):
-        after = table.parts(only_upheaval(genome, table, i))[0].tolist()
+        after = table.parts(macro_of_parts_only(genome, table, i))[0].tolist()
         seen[str(after)] = seen.get(str(after), 0) + 1
     assert len(seen) == 6
-    assert str(before) in seen, "to drop the last grown part only takes it out of the count"
-    assert chisquare(list(seen.values())).pvalue > SURE
+    assert str(before) in seen, "dropping the last grown part changes only the count"
+    assert chisquare(list(seen.values())).pvalue > MIN_P_VALUE
 
 
-def test_macro_upheaves_at_its_stated_rate():
+def test_macro_duplicates_or_drops_parts_at_the_stated_rate():
     table, rate, n = body(5), 0.04, 4000
     genomes = random_genomes(table, n)
     genomes[:, 0] = 3
     lengths = table.find("length")
     moved = macro(genomes, table, rate=rate, rng=rng())[:, lengths] != genomes[:, lengths]
-    upheaved = np.mean(moved.sum(axis=1) >= 2)  # 2/6 of upheavals move fewer than two; few single hits do as much
-    assert 0.6 * UPHEAVAL * rate < upheaved < UPHEAVAL * rate
+    rate_seen = np.mean(moved.sum(axis=1) >= 2)  # 2/6 of the cases move fewer than two; few single mutations move two
+    assert 0.6 * PART_RATE_FACTOR * rate < rate_seen < PART_RATE_FACTOR * rate
 
 
 def test_bits_flip():

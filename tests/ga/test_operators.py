@@ -1,4 +1,4 @@
-"""Laws of all operators, and of the historical bugs that broke them."""
+"""All operators obey the laws of operators; known bugs of other libraries break them."""
 
 import inspect
 from functools import partial
@@ -15,17 +15,17 @@ FITNESS = np.array([-2.0, 3.5, 3.5, -7.0, 0.0, 11.0, 0.25])
 
 
 @pytest.mark.parametrize("select", SELECTIONS.values(), ids=SELECTIONS)
-def test_selection_is_pure_and_never_shrinks(select):
+def test_selection_is_pure_and_returns_as_many_as_requested(select):
     laws.is_pure(select, FITNESS, 9)
-    laws.never_shrinks(select, FITNESS)
-    laws.never_shrinks(select, FITNESS[:1])
-    laws.bears_any_zero(select, FITNESS)
+    laws.selects_as_many_as_requested(select, FITNESS)
+    laws.selects_as_many_as_requested(select, FITNESS[:1])
+    laws.does_not_depend_on_the_scale(select, FITNESS)
     check_select(select)
 
 
 @pytest.mark.parametrize("table", [reals(6), body()], ids=["plain", "body"])
 @pytest.mark.parametrize("cross", CROSSOVERS.values(), ids=CROSSOVERS)
-def test_crossover_is_pure_and_makes_as_many_as_asked(cross, table):
+def test_crossover_is_pure_and_returns_as_many_as_requested(cross, table):
     keywords = {"genes": table} if "genes" in inspect.signature(cross).parameters else {}
     parents = random_genomes(table, len(FITNESS))
     for n_children in (1, 2, 7, 20):
@@ -34,7 +34,7 @@ def test_crossover_is_pure_and_makes_as_many_as_asked(cross, table):
         assert genomes.shape == (n_children, len(table))
         assert len(origins) == n_children
     one = cross(parents[:1], FITNESS[:1], 3, rng=rng(), **keywords)
-    assert np.array_equal(one.genomes, parents[[0, 0, 0]]), "one parent alone has copies for children"
+    assert np.array_equal(one.genomes, parents[[0, 0, 0]]), "the children of a single parent are copies"
     check_cross(cross, table)
 
 
@@ -49,7 +49,7 @@ def test_mutation_is_pure_and_obeys_ranges(mutate):
 
 
 @pytest.mark.parametrize("mutate", MUTATIONS.values(), ids=MUTATIONS)
-def test_a_rate_of_zero_changes_nothing_and_a_rate_in_percent_is_refused(mutate):
+def test_a_rate_of_zero_changes_nothing_and_a_rate_in_percent_is_rejected(mutate):
     table = body()
     genomes = random_genomes(table, 50)
     assert np.array_equal(mutate(genomes, table, rate=0.0, rng=rng()), genomes)
@@ -57,23 +57,23 @@ def test_a_rate_of_zero_changes_nothing_and_a_rate_in_percent_is_refused(mutate)
         mutate(genomes, table, rate=8, rng=rng())
 
 
-# Planted bugs: each has been shipped by a well-known library, and is caught by the law that ours obey.
+# Bugs of well-known libraries, each of which breaks a law that our operators obey.
 
 
 def roulette_from_zero(fitness, n_parents, *, rng):
-    """Spin from zero upward (DEAP, inspyred): with negative fitness the wheel turns backwards."""
+    """Select with probabilities that start from zero (DEAP, inspyred), so that negative fitness gives negative ones."""
     wheel = np.cumsum(fitness)
     spins = rng.random(n_parents) * wheel[-1]
     return np.minimum(np.searchsorted(wheel, spins), len(fitness) - 1)
 
 
-def truncation_that_shrinks(fitness, n_parents, *, rng):
-    """Return the best there are, however many were asked for (DEAP's selBest)."""
+def truncation_that_returns_too_few(fitness, n_parents, *, rng):
+    """Return at most as many parents as there are individuals (DEAP's selBest)."""
     return np.argsort(-fitness)[:n_parents]
 
 
 def n_point_of_single_genes(parents, fitness, n_children, *, rng):
-    """Swap single genes and call it a cut (inspyred)."""
+    """Exchange single genes instead of the ends behind a cut (inspyred)."""
     children = parents[:2].copy()
     swapped = rng.choice(parents.shape[1], size=1)
     children[:, swapped] = children[::-1, swapped]
@@ -81,34 +81,34 @@ def n_point_of_single_genes(parents, fitness, n_children, *, rng):
 
 
 def mutation_in_place(genomes, genes, *, rng):
-    """Write into the population (DEAP)."""
+    """Modify the population in place (DEAP)."""
     genomes += rng.normal(0, 0.1, genomes.shape)
     return np.clip(genomes, genes.low, genes.high, out=genomes)
 
 
-def test_roulette_that_starts_from_zero_is_caught():
+def test_roulette_selection_from_zero_breaks_the_laws():
     for law in (
-        laws.bears_any_zero,
-        partial(laws.draws_with, chances=selection.gradient_probabilities(FITNESS)),
+        laws.does_not_depend_on_the_scale,
+        partial(laws.selects_with_probabilities, probabilities=selection.gradient_probabilities(FITNESS)),
     ):
         law(selection.gradient, FITNESS)
         with pytest.raises(AssertionError):
             law(roulette_from_zero, FITNESS)
 
 
-def test_truncation_that_shrinks_is_caught():
-    laws.never_shrinks(selection.top_half, FITNESS)
+def test_truncation_that_returns_too_few_breaks_the_law():
+    laws.selects_as_many_as_requested(selection.top_half, FITNESS)
     with pytest.raises(AssertionError):
-        laws.never_shrinks(truncation_that_shrinks, FITNESS)
+        laws.selects_as_many_as_requested(truncation_that_returns_too_few, FITNESS)
 
 
-def test_n_point_crossover_of_single_genes_is_caught():
-    laws.links_neighbours(crossover.one_point)
+def test_n_point_crossover_of_single_genes_breaks_the_law():
+    laws.links_genes_by_distance(crossover.one_point)
     with pytest.raises(AssertionError):
-        laws.links_neighbours(n_point_of_single_genes)
+        laws.links_genes_by_distance(n_point_of_single_genes)
 
 
-def test_mutation_in_place_is_caught():
+def test_mutation_in_place_breaks_the_law():
     table = reals(6)
     genomes = random_genomes(table, 20)
     laws.is_pure(mutation.gaussian, genomes.copy(), table)

@@ -14,16 +14,17 @@ from hypothesis import strategies as st
 from tests.strategies import finite, genomes, robots, tables
 from walkerlab.breeding import crossover_population, generate_robot_population, mutate_population
 from walkerlab.evolution.run import Run
-from walkerlab.genome.genome import Genome, GenomeError, read_genomes
+from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.phenotype import express
 from walkerlab.genome.repair import gene_table, genes_of, repair
+from walkerlab.genome.text import GenomeError
 from walkerlab.runfile import records
 from walkerlab.settings.choices import Crossover, Feature, Mutation
 from walkerlab.settings.settings import Algorithm, Robot, Settings
 from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.simulation.rollout import simulate
 
-NEARLY = 1e-9
+TOLERANCE = 1e-9
 
 
 def rng(*seed):
@@ -32,11 +33,11 @@ def rng(*seed):
 
 def in_range(value, limits):
     low, high = limits
-    return low - NEARLY * abs(low) <= value <= high + NEARLY * abs(high)
+    return low - TOLERANCE * abs(low) <= value <= high + TOLERANCE * abs(high)
 
 
 def obeys_every_limit(values, robot):
-    """Look at the robot that (n_genes,) values express."""
+    """Assert that the robot that (n_genes,) values express obeys every limit."""
     body = express(Genome(values))
     assert robot.segments[0] <= len(body.segments) <= robot.segments[1]
     assert robot.legs[0] <= body.n_legs <= robot.legs[1]
@@ -52,8 +53,8 @@ def obeys_every_limit(values, robot):
     return True
 
 
-def lies_in_its_ranges(population, robot):
-    """Look at the genes of (n, n_genes), grown or not."""
+def is_in_its_ranges(population, robot):
+    """Assert that all genes of (n, n_genes) genomes, grown or not, are in their ranges."""
     table = gene_table(robot)
     is_count, is_cyclic = (table.kind == "count").to_numpy(), (table.kind == "cyclic").to_numpy()
     assert population.shape[1] == len(table)
@@ -82,9 +83,9 @@ def test_the_gene_table_has_a_row_for_each_gene_and_its_ranges_are_the_limits(ro
     assert robot.segments[0] <= table.low["segments"] <= table.high["segments"] <= robot.segments[1]
 
 
-def test_a_gene_table_is_made_from_the_limits():
+def test_a_gene_table_requires_limits():
     for make in (gene_table, genes_of, lambda robot: generate_robot_population(robot, 2, seed=0)):
-        with pytest.raises(ValueError, match=r"takes the limits, a Robot such as settings\.robot; got a Settings"):
+        with pytest.raises(ValueError, match=r"must be a Robot such as settings\.robot; got a Settings"):
             make(Settings())
 
 
@@ -98,7 +99,7 @@ def test_every_feature_can_be_favored():
 # ------------------------------------------------------------------------------------------------------ genomes
 
 
-def test_a_genome_is_read_only_and_its_own():
+def test_a_genome_is_read_only_and_independent_of_the_array_given():
     given_values = Genome.random(Robot(), rng=rng(0)).values.copy()
     genome = Genome(given_values)
     given_values[0] = 99
@@ -119,13 +120,13 @@ def test_genomes_are_equal_when_their_values_are(one, other):
     assert one != str(one)
 
 
-def test_zero_and_minus_zero_are_one_gene():
+def test_zero_and_minus_zero_are_the_same_gene():
     plus, minus = Genome(np.zeros(14)), Genome(-np.zeros(14))
     assert plus == minus
     assert (hash(plus), str(plus)) == (hash(minus), str(minus))
 
 
-def test_what_is_no_genome_is_refused():
+def test_values_that_are_not_a_genome_are_rejected():
     good = Genome.random(Robot(), rng=rng(0)).values
     for bad in (good[:-1], good[:2], [], good[np.newaxis], np.zeros(2 + 12 * 9), 3.0):
         with pytest.raises(ValueError, match="a genome has 2 genes and 12 more for each of 1 to 8 segments"):
@@ -145,16 +146,16 @@ def test_a_genome_is_the_same_as_its_text_and_its_values(genome):
     assert read_genomes(np.array([str(genome)], dtype=object)) == [genome]
 
 
-def test_what_is_not_even_numbers_is_refused_in_words():
+def test_objects_that_are_not_numbers_are_rejected_with_an_explanation():
     for bad in ({}, object(), b"wl1", [None], "wl1".split, [[1], [2, 3]], [10**400] * 14):
-        with pytest.raises(ValueError, match=r"^a genome('s values are a row of numbers| has 2 genes)|finite number"):
+        with pytest.raises(ValueError, match=r"must be a row of numbers|a genome has 2 genes|finite number"):
             Genome.of(bad)
     for bad in (None, 3, b"wl1", Genome.random(Robot(), rng=rng(0))):
         with pytest.raises(GenomeError, match="a genome is read from its text, a str; got "):
             Genome.parse(bad)
 
 
-def test_an_individual_stands_for_its_genome():
+def test_an_individual_is_accepted_in_place_of_its_genome():
     genome = Genome.random(Robot(), rng=rng(0))
     run = run_of_one(genome)
     evaluation = evaluation_of(genome)
@@ -167,10 +168,10 @@ def test_an_individual_stands_for_its_genome():
 
 
 @pytest.mark.parametrize("read", [Genome.of, read_genomes])
-def test_what_is_given_in_place_of_a_genome_is_told_the_mend(read):
+def test_a_common_mistake_in_place_of_a_genome_is_explained(read):
     run = run_of_one(Genome.random(Robot(), rng=rng(0)))
     one = read == Genome.of
-    for wrong, mend in (
+    for wrong, message in (
         (run, r"^this is a run, .*; give run\.champion$" if one else r"several genomes.* run\.records\.genome$"),
         (
             run.records,
@@ -179,9 +180,9 @@ def test_what_is_given_in_place_of_a_genome_is_told_the_mend(read):
             else r"several genomes.* table\.genome$",
         ),
         (run.records[["fitness"]], "^this is a table" if one else "several genomes"),
-        (Settings(), "^these are settings, .*it comes first"),
+        (Settings(), "^these are settings, .*give the genome first"),
     ):
-        with pytest.raises(TypeError, match=mend):
+        with pytest.raises(TypeError, match=message):
             read(wrong)
 
 
@@ -193,29 +194,29 @@ def evaluation_of(genome):
 
 
 def run_of_one(genome):
-    """Make a run in which one robot walked."""
+    """Return a run of one robot."""
     row = {"generation": 0, "individual": 1, "born": 0, "parents": "", "operators": "random"}
     table = pd.DataFrame([{**row, **vars(evaluation_of(genome)), "genome": str(genome)}])
     return Run(Settings(), records.tidy(table))
 
 
-def test_a_single_genome_is_not_taken_for_several():
+def test_a_single_genome_is_rejected_where_several_are_expected():
     genome = Genome.random(Robot(), rng=rng(0))
     for single in (genome, str(genome), genome.values, run_of_one(genome).champion):
         with pytest.raises(ValueError, match="put it in a list"):
             read_genomes(single)
-    for nobody in ([], (), np.array([]), np.empty((0, 50))):
-        assert read_genomes(nobody) == []
+    for empty in ([], (), np.array([]), np.empty((0, 50))):
+        assert read_genomes(empty) == []
 
 
 @given(robots(), st.integers(0, 2**32 - 1))
-def test_a_random_genome_is_made_from_rng_alone_and_obeys(robot, seed):
+def test_a_random_genome_depends_on_rng_only_and_obeys_the_limits(robot, seed):
     state, numpys = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
     genome = Genome.random(robot, rng=rng(seed))
     assert genome == Genome.random(robot, rng=rng(seed))
     assert (random.getstate(), np.random.get_state()[1].tolist()) == (state, numpys)  # noqa: NPY002
     assert obeys_every_limit(genome.values, robot)
-    assert lies_in_its_ranges(genome.values[np.newaxis], robot)
+    assert is_in_its_ranges(genome.values[np.newaxis], robot)
     assert np.array_equal(repair(genome.values[np.newaxis], robot)[0], genome.values)
 
 
@@ -239,7 +240,7 @@ VARIED = [
 ]
 
 
-def test_ten_thousand_random_genomes_come_back_from_their_text():
+def test_ten_thousand_random_genomes_survive_the_text_form():
     for robot in VARIED:
         genes = genes_of(robot)
         drawn = rng(len(genes)).uniform(genes.low, genes.high, (2000, len(genes)))
@@ -249,18 +250,18 @@ def test_ten_thousand_random_genomes_come_back_from_their_text():
 
 
 @given(genomes())
-def test_any_finite_numbers_come_back_from_their_text(genome):
+def test_any_finite_numbers_survive_the_text_form(genome):
     assert Genome.parse(str(genome)) == genome
     word_by_word = str(genome).replace(" | ", "|\n")
     assert Genome.parse(word_by_word) == genome
 
 
-def test_the_text_is_short_as_repair_leaves_no_long_numbers():
+def test_numbers_of_repaired_genomes_have_at_most_three_decimals():
     for values in generate_robot_population(Robot(), 50, seed=3):
         assert all(len(number) <= 3 for number in re.findall(r"\.(\d+)", str(Genome(values))))
 
 
-def test_the_text_reads_in_the_order_of_the_body():
+def test_the_text_follows_the_order_of_the_body():
     text = str(Genome.random(Robot(segments=(2, 2)), rng=rng(0)))
     number = r"-?\d+(\.\d+)?"
     segment = rf"\| seg length={number} mass={number} (no)?legs length={number} force={number}"
@@ -269,7 +270,7 @@ def test_the_text_reads_in_the_order_of_the_body():
     assert re.fullmatch(rf"wl1 segments=2 {segment} {segment} \| gait frequency={number} {step} {step}", text)
 
 
-def test_a_text_may_be_edited_by_hand():
+def test_a_text_may_be_edited():
     text = str(Genome.random(Robot(), rng=rng(0)))
     genome = Genome.parse(text)
     assert Genome.parse(text.replace(" ", "\n\t  ")) == genome
@@ -280,15 +281,15 @@ def test_a_text_may_be_edited_by_hand():
     assert np.count_nonzero(edited.values != genome.values) <= 1
 
 
-def complaint(text):
+def error_message(text):
     with pytest.raises(GenomeError) as caught:
         Genome.parse(text)
     return str(caught.value)
 
 
 def points_at(text, place):
-    """Make sure that a text is refused, and that the number and the caret point at this place in it."""
-    message = complaint(text)
+    """Assert that a text is rejected with a number and a caret at this position; return the first line."""
+    message = error_message(text)
     head, shown, caret = message.split("\n")
     assert int(re.search(r"at character (\d+) expected", head).group(1)) == place + 1
     assert caret.strip() == "^"
@@ -338,20 +339,20 @@ def test_each_corrupt_word_is_pointed_at():
             for number in ("", "nan", "inf", "1e999", "1e9999", "0x1", "1_0", "1,5", "--1", "1.2.3", "１", "١٢")
         ]
         for corrupt in bad:
-            if "|" in corrupt:  # a bar is a word by itself, wherever it stands
+            if "|" in corrupt:  # a bar is always a word by itself
                 continue
             words = [*tokens[:i], corrupt, *tokens[i + 1 :]]
             assert f"got {corrupt!r}" in points_at(" ".join(words), starts(words)[i])
 
 
 @pytest.mark.parametrize("blank", [" ", "\n", "\t", "\r\n", "  \n  ", "\v", "\u2028", "\u3000"])
-def test_the_caret_stands_under_the_place_whatever_the_blanks(blank):
+def test_the_caret_points_at_the_position_for_any_white_space(blank):
     tokens = SHORT.replace("frequency", "freqency").split()
     text = blank.join(tokens)
     assert "expected 'frequency=' and a number" in points_at(text, text.index("freqency"))
 
 
-def test_more_segments_than_there_can_be_are_told_so():
+def test_too_many_segments_are_reported():
     most = str(Genome(np.zeros(2 + 12 * 8)))
     one_more = most.replace("| gait", "| seg length=0 mass=0 nolegs length=0 force=0 | gait")
     head = points_at(one_more, one_more.rindex("seg "))
@@ -372,13 +373,13 @@ def test_more_segments_than_there_can_be_are_told_so():
         "wl1 segments=2 | seg length=1e" + "9" * 19_000,
     ],
 )
-def test_huge_texts_are_refused_quickly_and_briefly(text):
+def test_huge_texts_are_rejected_quickly_with_a_short_message(text):
     begun = time.perf_counter()
-    assert len(complaint(text)) < 400
+    assert len(error_message(text)) < 400
     assert time.perf_counter() - begun < 0.5
 
 
-def is_genome_or_complaint(text):
+def is_genome_or_rejected(text):
     try:
         genome = Genome.parse(text)
     except GenomeError as error:
@@ -387,9 +388,9 @@ def is_genome_or_complaint(text):
 
 
 @given(st.text())
-def test_any_text_is_a_genome_or_a_complaint(text):
-    assert is_genome_or_complaint(text)
-    assert is_genome_or_complaint("wl1 segments=" + text)
+def test_any_text_is_a_genome_or_rejected(text):
+    assert is_genome_or_rejected(text)
+    assert is_genome_or_rejected("wl1 segments=" + text)
 
 
 words = st.sampled_from([*dict.fromkeys(SHORT.split()), "legs=0.5", "length=-1", "length=.", "|seg", "12", "١٢", "²"])
@@ -397,16 +398,16 @@ words = st.sampled_from([*dict.fromkeys(SHORT.split()), "legs=0.5", "length=-1",
 
 @hypothesis_settings(max_examples=200)
 @given(st.lists(st.tuples(st.integers(0, len(SHORT)), st.integers(0, 9), st.text(max_size=4) | words), max_size=4))
-def test_a_mutated_text_is_a_genome_or_a_complaint(edits):
+def test_a_mutated_text_is_a_genome_or_rejected(edits):
     text = SHORT
     for start, n_lost, new in edits:
         text = text[:start] + new + text[start + n_lost :]
-    assert is_genome_or_complaint(text)
+    assert is_genome_or_rejected(text)
 
 
 @given(st.lists(words, max_size=60))
-def test_words_in_any_order_are_a_genome_or_a_complaint(several):
-    assert is_genome_or_complaint(" ".join(["wl1", "segments=1", "|", *several]))
+def test_words_in_any_order_are_a_genome_or_rejected(several):
+    assert is_genome_or_rejected(" ".join(["wl1", "segments=1", "|", *several]))
 
 
 # --------------------------------------------------------------------------------------------------- the limits
@@ -420,20 +421,20 @@ def limits_and_tables(draw):
 
 @hypothesis_settings(max_examples=200)
 @given(limits_and_tables())
-def test_repair_makes_anything_obey_and_leaves_alone_what_does(drawn):
+def test_repaired_genomes_obey_every_limit_and_are_not_changed_again(drawn):
     robot, anything = drawn
     before = anything.copy()
     repaired = repair(anything, robot)
     assert np.array_equal(anything, before)
     assert repaired is not anything
-    assert lies_in_its_ranges(repaired, robot)
+    assert is_in_its_ranges(repaired, robot)
     assert all(obeys_every_limit(values, robot) for values in repaired)
     assert repair(repaired, robot).tobytes() == repaired.tobytes()
 
 
 @hypothesis_settings(max_examples=25)
 @given(limits_and_tables())
-def test_repair_treats_each_genome_by_itself(drawn):
+def test_repair_treats_each_genome_separately(drawn):
     robot, anything = drawn
     alone = [repair(row[np.newaxis], robot)[0] for row in anything]
     assert np.array_equal(repair(anything, robot), alone)
@@ -442,7 +443,7 @@ def test_repair_treats_each_genome_by_itself(drawn):
 
 @hypothesis_settings(max_examples=25)
 @given(st.integers(0, 2**32 - 1))
-def test_repair_changes_no_more_than_it_must(seed):
+def test_repair_changes_only_lengths_masses_and_legs_of_grown_segments(seed):
     robot = Robot()
     genes = genes_of(robot)
     inside = np.round(rng(seed).uniform(genes.low, genes.high, (20, len(genes))), 3)
@@ -454,7 +455,7 @@ def test_repair_changes_no_more_than_it_must(seed):
     assert np.array_equal(genes.parts(repaired)[unexpressed], genes.parts(values)[unexpressed])
 
 
-def test_repair_refuses_what_is_no_table_of_numbers():
+def test_repair_rejects_other_shapes_and_infinite_values():
     robot = Robot()
     good = generate_robot_population(robot, 3, seed=0)
     for bad in (good[0], good[:, :-1], good[np.newaxis], np.zeros((3, 0))):
@@ -472,7 +473,7 @@ def test_repair_refuses_what_is_no_table_of_numbers():
 def test_any_genome_can_be_brought_within_any_limits(genome, robot):
     fitted = genome.within(robot)
     assert obeys_every_limit(fitted.values, robot)
-    assert lies_in_its_ranges(fitted.values[np.newaxis], robot)
+    assert is_in_its_ranges(fitted.values[np.newaxis], robot)
     assert fitted.within(robot) == fitted
 
 
@@ -498,7 +499,7 @@ def test_a_genome_within_wider_limits_keeps_its_robot(narrow, wide, seed):
 
 @hypothesis_settings(max_examples=40)
 @given(robots(), st.lists(finite, min_size=1))
-def test_what_is_expressed_are_the_grown_segments_alone(robot, noise):
+def test_only_grown_segments_are_expressed(robot, noise):
     values = generate_robot_population(robot, 1, seed=len(noise))[0]
     n_grown = int(values[0])
     other = np.where(np.arange(len(values)) < 2 + 12 * n_grown, values, np.resize(noise, len(values)))
@@ -525,5 +526,5 @@ def test_every_robot_obeys_every_limit_after_any_operator(crossover, mutation, d
     for generation in (1, 2):
         children = crossover_population(population, fitness, 6, robot, algorithm, generation=generation)
         population = mutate_population(children.genomes, robot, algorithm, generation=generation)
-        assert lies_in_its_ranges(population, robot)
+        assert is_in_its_ranges(population, robot)
         assert all(obeys_every_limit(values, robot) for values in population)

@@ -102,8 +102,8 @@ class TestCheckBeforeAnySimulation:
             (lambda rollout: signal.signal(signal.SIGINT, signal.SIG_IGN), "separate thread"),
             (lambda rollout: np.complex128(1), "one finite number"),
             (lambda rollout: np.random.default_rng().random(), "the same walk"),
-            (lambda rollout: rollout.com.sort(), r"wrote into what is read-only \(line .*com = rollout.com.copy"),
-            (lambda rollout: setattr(rollout, "com", 0), "wrote into what is read-only"),
+            (lambda rollout: rollout.com.sort(), r"must not modify its arguments.* \(line .*com = rollout.com.copy"),
+            (lambda rollout: setattr(rollout, "com", 0), "must not modify its arguments"),
             (
                 lambda rollout: float("nan"),
                 r"it returned nan, when .*\. Is something divided.*To exclude a robot, return -np.inf",
@@ -134,7 +134,7 @@ def test_a_function_cannot_change_the_walk_even_after_pickling():
         return rollout.distance
 
     walk = pickle.loads(pickle.dumps(walked(TIME)))
-    with pytest.raises(OperatorError, match="'changes_the_walk' must leave what it is given as it was"):
+    with pytest.raises(OperatorError, match="'changes_the_walk' must not modify its arguments"):
         fitness.score(walk, changes_the_walk)
     assert walk.distance == 9
 

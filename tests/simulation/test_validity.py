@@ -9,7 +9,7 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.genome.phenotype import Legs, Phenotype, Segment, Swing
-from walkerlab.genome.repair import FREQUENCY
+from walkerlab.genome.repair import FREQUENCY_RANGE
 from walkerlab.randomness import stream
 from walkerlab.settings.choices import Guard, Obstacle, Structure, Texture
 from walkerlab.simulation import validity
@@ -347,7 +347,7 @@ def test_standing_still_gives_no_distance_on_any_slope():
 def test_the_greatest_gait_frequency_is_not_jittering_for_any_duration(duration):
     for number in range(10):
         values = wl.Genome.random(wl.Robot(), rng=stream(9, "check", number)).values.copy()
-        values[1] = FREQUENCY[1]
+        values[1] = FREQUENCY_RANGE[1]
         settings = wl.Settings().with_(duration=duration)
         assert wl.simulate(wl.Genome(values), settings, poses=False).verdict != "jittering"
 

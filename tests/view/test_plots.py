@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import StepPatch
 
 import walkerlab as wl
-from walkerlab.breeding import generate_robot_population, operators
+from walkerlab.breeding import generate_robot_population, resolve_operators
 from walkerlab.ga.loop import first_population, next_population
 from walkerlab.genome.repair import genes_of, repair
 from walkerlab.runfile.records import (
@@ -83,7 +83,7 @@ def evolved_table(generations=6, size=10, *, void=0.2, **changes):
     tables = [tabulate(population, "")]
     for _ in range(generations - 1):
         population = next_population(
-            population, operators(settings.algorithm), genes, evaluate,
+            population, resolve_operators(settings.algorithm), genes, evaluate,
             repair=lambda genomes: repair(genomes, settings.robot), n_elites=settings.algorithm.n_elites, seed=0,
         )  # fmt: skip
         tables.append(tabulate(population, ""))

@@ -13,8 +13,8 @@ import walkerlab as wl
 from tests.strategies import robots, terrains
 from tests.text.test_html import HOSTILE, Seen
 from walkerlab.commands.worlds import GENOME, WORLDS
-from walkerlab.genome.genome import GenomeError
 from walkerlab.genome.phenotype import express
+from walkerlab.genome.text import GenomeError
 from walkerlab.settings.choices import Obstacle, Texture
 from walkerlab.view import sketch
 from walkerlab.view.sketch.description import describe_world

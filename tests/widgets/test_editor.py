@@ -11,7 +11,7 @@ import walkerlab as wl
 from tests.strategies import genomes, robots
 from tests.text.test_html import HOSTILE
 from walkerlab.commands.worlds import GENOME
-from walkerlab.genome.genome import GenomeError
+from walkerlab.genome.text import GenomeError
 from walkerlab.view import sketch
 from walkerlab.widgets.editor import MAX_NOTES, SIZE, Editor
 from walkerlab.widgets.repairs import describe_repairs, find_fault, format_genome

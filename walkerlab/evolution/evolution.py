@@ -13,11 +13,18 @@ import numpy as np
 import pandas as pd
 from tqdm.auto import tqdm
 
-from walkerlab.breeding import check_own_operators, generate_robot_population, lost_pressure, operators, slot_names
+from walkerlab.breeding import (
+    check_user_operators,
+    describe_operators,
+    explain_lost_pressure,
+    generate_robot_population,
+    resolve_operators,
+)
 from walkerlab.evolution.rerating import Recorded, changed_operators, confirm_ratings, function_facts
 from walkerlab.evolution.run import Run, check_storable, load, own_slots, with_functions
 from walkerlab.ga.genes import Floats
-from walkerlab.ga.loop import Population, first_population, next_population
+from walkerlab.ga.loop import first_population, next_population
+from walkerlab.ga.population import Population
 from walkerlab.ga.user_functions import OperatorError
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.repair import genes_of, repair
@@ -104,7 +111,7 @@ class Evolution(ReadOnlyProperties):
         """
         _reject_unknown("Evolution", unknown)
         require_settings(settings)
-        check_own_operators(settings.algorithm, genes_of(settings.robot))
+        check_user_operators(settings.algorithm, genes_of(settings.robot))
         fitness.check_user_function(settings.algorithm.fitness)
         workers.check_executor(executor)
         workers.check_open(executor)
@@ -212,7 +219,7 @@ class Evolution(ReadOnlyProperties):
         while self._population is None or self._population.generation + 1 < algorithm.generations:
             try:
                 population = self._next()
-                table = records.tabulate(population, slot_names(algorithm))
+                table = records.tabulate(population, describe_operators(algorithm))
                 records.name_fitness(table, *fitness.name_and_unit(algorithm.fitness))
                 with interrupts_held():  # what is stored and what is in hand must not part
                     self._archive.add(table, self._functions)
@@ -234,7 +241,7 @@ class Evolution(ReadOnlyProperties):
                 f"{population.evaluations[0].reason} for every robot, so that parents are random. Is a return missing?"
             )
         else:
-            why = lost_pressure(population.fitness, self.settings.algorithm)
+            why = explain_lost_pressure(population.fitness, self.settings.algorithm)
         if why:
             self._is_warned = True
             warnings.warn(f"In generation {population.generation}, {why}", stacklevel=2)
@@ -280,13 +287,13 @@ class Evolution(ReadOnlyProperties):
         try:
             return next_population(
                 self._population,
-                operators(algorithm),
+                resolve_operators(algorithm),
                 genes_of(robot),
                 self._walk,
                 repair=partial(repair, robot=robot),
                 n_elites=algorithm.n_elites,
                 seed=algorithm.seed,
-                guests=np.array([genome.values for genome in guests]) if guests else None,
+                inserted=np.array([genome.values for genome in guests]) if guests else None,
             )
         except BaseException:  # as Ctrl-C while they walk: it will be bred anew, and guests wait for that
             with self._breeding:
@@ -303,8 +310,8 @@ class Evolution(ReadOnlyProperties):
             try:
                 evaluations = self._evaluate(genomes[rows])
             except OperatorError as error:
-                individual = rows[error.place] + (self._population.n_born if self._population else 0)
-                error.where = f"for individual {individual} of generation {self.n_generations}"
+                individual = rows[error.robot_index] + (self._population.n_born if self._population else 0)
+                error.context = f"for individual {individual} of generation {self.n_generations}"
                 raise
             known |= {text: Walked.of(one, text) for text, one in zip(fresh, evaluations, strict=True)}
         if len(fresh) < len(texts):

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import numpy as np
 
-from walkerlab.breeding import in_turn
+from walkerlab.breeding import slot_entries
 from walkerlab.evolution.run import own_slots
 from walkerlab.ga.genes import Floats
-from walkerlab.ga.loop import Population
+from walkerlab.ga.population import Population
 from walkerlab.ga.user_functions import OperatorError
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.provenance import UNKNOWN, source_digest
@@ -26,7 +26,7 @@ def function_facts(settings: Settings) -> dict[str, str]:
     return {
         f"{slot} function": ", ".join(
             f"{function_name(one)} (source {source_digest(one) or UNKNOWN})"
-            for one in in_turn(getattr(settings.algorithm, slot))
+            for one in slot_entries(getattr(settings.algorithm, slot))
             if callable(one)
         )
         for slot in own_slots(settings)
@@ -104,8 +104,8 @@ def _rate(population: Population[Walked], evaluate: Callable[[Floats], Sequence[
     try:
         evaluations = evaluate(population.genomes[list(rows.values())])
     except OperatorError as error:
-        individual = population.individuals[list(rows.values())[error.place]]
-        error.where = f"for individual {individual} of generation {population.generation}, rated again to resume"
+        individual = population.individuals[list(rows.values())[error.robot_index]]
+        error.context = f"for individual {individual} of generation {population.generation}, rated again to resume"
         raise
     rated = {text: Walked.of(one, text) for text, one in zip(rows, evaluations, strict=True)}
     return replace(population, evaluations=[rated[text] for text in texts])

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import pandas as pd
 
-from walkerlab.breeding import ROOMS, in_turn
+from walkerlab.breeding import OPERATOR_MODULES, slot_entries
 from walkerlab.ga.user_functions import name_of
 from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.runfile import provenance, records, store
@@ -31,7 +31,7 @@ from walkerlab.text.numbers import with_unit
 if TYPE_CHECKING:
     from walkerlab.view.replay import Replay
 
-_OURS = {"fitness": fitness} | {kind.__name__.lower(): room for kind, room in ROOMS.items()}
+_OURS = {"fitness": fitness} | {kind.__name__.lower(): room for kind, room in OPERATOR_MODULES.items()}
 """Each slot that can hold a function, and the room of our own functions for it."""
 
 
@@ -281,7 +281,7 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
     Raises:
         RunFileError: if one is still missing, or something else was given than the run was made with.
     """
-    recorded = {slot: in_turn(getattr(run.settings.algorithm, slot)) for slot in _OURS}
+    recorded = {slot: slot_entries(getattr(run.settings.algorithm, slot)) for slot in _OURS}
     own = own_slots(run.settings)
     for slot in functions.keys() - own.keys():
         known = f"it was {_recipe(recorded[slot])}" if slot in recorded else f"there are {', '.join(recorded)}"
@@ -292,8 +292,8 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
     wrong = [
         f"{slot}={recipe}"
         for slot, recipe in own.items()
-        if not _are_the_same(in_turn(getattr(settings.algorithm, slot)), recorded[slot], slot)
-        or any(map(_is_missing, in_turn(getattr(settings.algorithm, slot))))
+        if not _are_the_same(slot_entries(getattr(settings.algorithm, slot)), recorded[slot], slot)
+        or any(map(_is_missing, slot_entries(getattr(settings.algorithm, slot))))
     ]
     if wrong:
         given = ", ".join(wrong)
@@ -307,7 +307,7 @@ def with_functions(run: Run, functions: dict[str, Any]) -> Run:
 
 def own_slots(settings: Settings) -> dict[str, str]:
     """Name the slots that hold a function of the user's own, and write what fills each as Python."""
-    filled = {slot: in_turn(getattr(settings.algorithm, slot)) for slot in _OURS}
+    filled = {slot: slot_entries(getattr(settings.algorithm, slot)) for slot in _OURS}
     return {slot: _recipe(fill) for slot, fill in filled.items() if any(_is_own(one, slot) for one in fill)}
 
 
@@ -372,7 +372,7 @@ def _restored(written: Any, slot: str) -> Any:
 
 
 def _choices(slot: str) -> set[str]:
-    kinds: dict[str, type[Choice]] = {kind.__name__.lower(): kind for kind in (Fitness, *ROOMS)}
+    kinds: dict[str, type[Choice]] = {kind.__name__.lower(): kind for kind in (Fitness, *OPERATOR_MODULES)}
     return set(kinds[slot].__members__)
 
 

@@ -1,7 +1,7 @@
-"""The genetic algorithm: who breeds, how parents are mixed, how children vary, and the loop around it.
+"""The genetic algorithm: selection, crossover, mutation, and the steps from one generation to the next.
 
-It works on tables of numbers and knows no robot: a gene table says what the numbers are, and an ``evaluate``
-that it is handed says how good they are. Operators are plain functions without state, in three slots:
+It works on tables of numbers and does not depend on the robot: the gene table describes the numbers, and a function
+``evaluate`` returns the fitness of each genome. Operators are functions without state, in three slots:
 
     select(fitness, n_parents, *, rng) -> (n_parents,) indices              selection.py
     cross(parents, fitness, n_children, *, rng) -> children, their parents  crossover.py
@@ -11,7 +11,9 @@ that it is handed says how good they are. Operators are plain functions without 
 from walkerlab.ga import crossover, mutation, selection
 from walkerlab.ga.checks import check_cross, check_mutate, check_select
 from walkerlab.ga.crossover import Children
-from walkerlab.ga.loop import NOT_COUNTED, Operators, Population, first_population, next_population
+from walkerlab.ga.loop import first_population, next_population
+from walkerlab.ga.operators import Operators
+from walkerlab.ga.population import NOT_COUNTED, Population
 from walkerlab.ga.user_functions import OperatorError, name_of
 
 __all__ = [

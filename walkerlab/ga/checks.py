@@ -1,4 +1,4 @@
-"""Try a new operator on a trial population before anything costly runs."""
+"""Checks of operators on a trial population, before any simulation."""
 
 import inspect
 from collections.abc import Callable
@@ -8,99 +8,119 @@ import numpy as np
 
 from walkerlab.ga.genes import Floats, Genes
 from walkerlab.ga.slots import CROSSOVER, MUTATION, SELECTION, Cross, Mutate, Select, run_cross, run_mutate, run_select
-from walkerlab.ga.user_functions import IN_A_CHECK, OperatorError, Slot, name_of
+from walkerlab.ga.user_functions import CHECK_TIME_LIMIT, OperatorError, Slot, name_of
 from walkerlab.randomness import stream
 
-N = 20
-"""Individuals in the trial population."""
+TRIAL_SIZE = 20
+"""Number of individuals in the trial population."""
 
-NEGATIVE_AND_TIED = np.array([-3.0, -3.0, -1.5, 0.0, 0.5, 0.5, 0.5, 2.0, 7.25, -0.25] * 2)
-EQUAL = np.full(N, -1.0)
+MIXED_FITNESS = np.array([-3.0, -3.0, -1.5, 0.0, 0.5, 0.5, 0.5, 2.0, 7.25, -0.25] * 2)  # negative and tied values
+EQUAL_FITNESS = np.full(TRIAL_SIZE, -1.0)
 
 
 def check_select(select: Select) -> None:
-    """Make sure that a selection can be used.
+    """Check that a selection works on a trial population.
 
     Args:
         select: ``select(fitness, n_parents, *, rng)``.
 
     Raises:
-        OperatorError: if it cannot; the message names it, what is expected, what it did, and the mend.
+        OperatorError: If it does not; the message names it, what is expected, what it did, and how to fix it.
     """
-    for fitness in (NEGATIVE_AND_TIED, EQUAL):
-        for n_parents in (N - 2, 10 * N):  # more than there are: so it is where some individuals do not count
-            _check(SELECTION, select, run_select, fitness, n_parents)
+    for fitness in (MIXED_FITNESS, EQUAL_FITNESS):
+        for n_parents in (TRIAL_SIZE - 2, 10 * TRIAL_SIZE):  # more parents than individuals, as if few of them count
+            _check_operator(SELECTION, select, run_select, fitness, n_parents)
 
 
 def check_cross(cross: Cross, genes: Genes) -> None:
-    """Make sure that a crossover can be used.
+    """Check that a crossover works on a trial population.
 
     Args:
         cross: ``cross(parents, fitness, n_children, *, rng)``.
-        genes: the gene table of the genomes that it will get.
+        genes: Gene table of the run.
 
     Raises:
-        OperatorError: if it cannot; the message names it, what is expected, what it did, and the mend.
+        OperatorError: If it does not; the message names it, what is expected, what it did, and how to fix it.
     """
-    for fitness in (NEGATIVE_AND_TIED, EQUAL):
-        for n_children in (N, N - 1):
-            _check(CROSSOVER, cross, run_cross, _toy(genes), fitness, n_children, genes=genes)
+    for fitness in (MIXED_FITNESS, EQUAL_FITNESS):
+        for n_children in (TRIAL_SIZE, TRIAL_SIZE - 1):
+            _check_operator(CROSSOVER, cross, run_cross, _trial_genomes(genes), fitness, n_children, genes=genes)
 
 
 def check_mutate(mutate: Mutate, genes: Genes) -> None:
-    """Make sure that a mutation can be used.
+    """Check that a mutation works on a trial population.
 
     Args:
         mutate: ``mutate(genomes, genes, *, rng)``.
-        genes: the gene table of the genomes that it will get.
+        genes: Gene table of the run.
 
     Raises:
-        OperatorError: if it cannot; the message names it, what is expected, what it did, and the mend.
+        OperatorError: If it does not; the message names it, what is expected, what it did, and how to fix it.
     """
-    _check(MUTATION, mutate, run_mutate, _toy(genes), genes)
+    _check_operator(MUTATION, mutate, run_mutate, _trial_genomes(genes), genes)
 
 
-def _toy(genes: Genes) -> Floats:
-    values = genes.low + (genes.high - genes.low) * stream(0, "check").random((N, len(genes)))
+def _trial_genomes(genes: Genes) -> Floats:
+    """Return random genomes within the ranges, shape (TRIAL_SIZE, n_genes)."""
+    values = genes.low + (genes.high - genes.low) * stream(0, "check").random((TRIAL_SIZE, len(genes)))
     return np.where(genes.is_count, np.rint(values), values)
 
 
-def _check(
+def _check_operator(
     slot: Slot, operator: Callable[..., Any], run: Callable[..., Any], *arguments: object, **keywords: object
 ) -> None:
-    """Call an operator twice with the same arguments and the same chance."""
+    """Call an operator twice with the same arguments and random numbers, and compare the results.
+
+    Args:
+        slot: Slot of the operator.
+        operator: Operator to check.
+        run: Function that calls the operator and checks its result.
+        *arguments: Arguments of the operator.
+        **keywords: Keywords of the operator; ``rng`` is added.
+
+    Raises:
+        OperatorError: If the operator cannot be called, fails a check, or returns two different results.
+    """
     if not callable(operator):
-        must = f"must be a function, {slot.signature}"
-        raise OperatorError(f"{slot.kind} {operator!r} {must}; it is a {type(operator).__name__}")
+        raise OperatorError(
+            f"{slot.kind} {operator!r} must be a function, {slot.signature}; it is a {type(operator).__name__}"
+        )
     _check_signature(operator, slot, arguments, keywords)
-    trial = f"a trial population of {N} individuals" + ("" if slot is MUTATION else " with negative and equal fitness")
     try:
         first, second = (
-            run(operator, *arguments, rng=stream(0, "check", 1), seconds=IN_A_CHECK, **keywords) for _ in range(2)
+            run(operator, *arguments, rng=stream(0, "check", 1), time_limit=CHECK_TIME_LIMIT, **keywords)
+            for _ in range(2)
         )
         if not all(map(np.array_equal, first, second)):
-            must = "must give the same answer for the same rng, or no run can be repeated"
             raise OperatorError(
-                f"{slot.who(operator)} {must}; it gave two", f"{slot.chance} And let it remember nothing."
+                f"{slot.label(operator)} must return the same result for the same rng, or the run could not be "
+                "repeated; it returned two different ones",
+                f"{slot.repeatability_advice} Do not store anything between calls.",
             )
     except OperatorError as error:
-        error.where = f"when tried on {trial}"
+        fitness = "" if slot is MUTATION else " with negative and equal fitness"
+        error.context = f"when tried on a trial population of {TRIAL_SIZE} individuals{fitness}"
         raise
 
 
 def _check_signature(
     operator: Callable[..., Any], slot: Slot, arguments: tuple[object, ...], keywords: dict[str, object]
 ) -> None:
-    """Refuse a function that cannot be called as its slot calls it."""
+    """Check that a function accepts the arguments with which its slot calls it.
+
+    Raises:
+        OperatorError: If it does not.
+    """
     try:
-        takes = inspect.signature(operator)
-    except ValueError:  # a function of a C library may not say what it takes
+        signature = inspect.signature(operator)
+    except ValueError:  # functions of C libraries may have no signature
         return
-    handed = {name: value for name, value in keywords.items() if name in takes.parameters}
+    accepted = {name: value for name, value in keywords.items() if name in signature.parameters}
     try:
-        takes.bind(*arguments, rng=None, **handed)
+        signature.bind(*arguments, rng=None, **accepted)
     except TypeError as error:
         raise OperatorError(
-            f"{slot.who(operator)} must be a function {slot.signature}; it is {name_of(operator)}{takes}: {error}",
-            "Other parameters need a default, or functools.partial to bind them.",
+            f"{slot.label(operator)} must be a function {slot.signature}; it is {name_of(operator)}{signature}: "
+            f"{error}",
+            "Give all other parameters a default, or bind them with functools.partial.",
         ) from error

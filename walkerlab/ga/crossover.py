@@ -1,6 +1,6 @@
-"""How parents are mixed: ``cross(parents, fitness, n_children, *, rng)`` makes children and says whose they are.
+"""Crossover operators: ``cross(parents, fitness, n_children, *, rng)`` returns children and their parents' indices.
 
-A function that also takes a keyword ``genes`` is handed the gene table.
+A function that also takes a keyword ``genes`` receives the gene table.
 """
 
 from typing import NamedTuple
@@ -14,12 +14,12 @@ from walkerlab.ga.ranges import wrap
 
 
 class Children(NamedTuple):
-    """What a crossover hands back; any plain pair will do.
+    """Result of a crossover, for which a plain pair can be returned as well.
 
     Attributes:
-        genomes: (n_children, n_genes).
-        parents: (n_children, k) each child's parents, as indices into the parents given; k is free, and one
-            parent may be named several times.
+        genomes: Genomes of the children, shape (n_children, n_genes).
+        parents: Parents of each child as indices into the parents given, shape (n_children, k); any k, and a parent may
+            occur several times.
     """
 
     genomes: Floats
@@ -29,44 +29,45 @@ class Children(NamedTuple):
 def paired(
     parents: Floats, fitness: Floats, n_children: int, *, rng: Generator, genes: Genes | None = None
 ) -> Children:
-    """Give one child half of each parent's genes, and what is left to a second child.
+    """Give one child half of each parent's genes, and the other halves to a second child.
 
-    Couples are 0 and 1, 2 and 3, and so on, round again as often as needed. Where bodies have parts, halves
-    are counted in grown parts, so that short bodies do not merely swap genes they have not grown: the first
-    child is the mother's front half (the larger, of an odd number) and the father's rear half, the second
-    the father's front and the mother's rear. Each part of either parent goes to exactly one child: unexpressed
-    ones fill the children's tails, the first child's first. Whole-body genes come with the front. Both
-    counts stay within the range of the parents' own: ceil(a/2) + floor(b/2) lies between a and b.
+    Couples are parents 0 and 1, 2 and 3, and so on, cycling as needed. Where bodies have parts, halves are counted in
+    grown parts, so that short bodies do not just exchange unexpressed genes: the first child has the mother's front
+    half (the larger one of an odd number) and the father's rear half, the second the father's front and the mother's
+    rear.
+    Each part of either parent goes to exactly one child: unexpressed parts fill up the first child, then the second.
+    Genes of the whole body come with the front. Both counts lie within the range of the parents' counts, because
+    ceil(a/2) + floor(b/2) lies between a and b.
 
     Args:
-        parents: (n_parents, n_genes) in the order in which they couple.
-        fitness: (n_parents,) not looked at.
-        n_children: how many; if odd, the last couple has one child.
-        rng: not needed.
-        genes: the gene table; without it, or without parts, a half is half of the gene positions.
+        parents: Genomes, shape (n_parents, n_genes), in the order of the couples.
+        fitness: Fitness of each parent, shape (n_parents,); unused.
+        n_children: Number of children; if odd, the last couple has one child.
+        rng: Random generator; unused.
+        genes: Gene table; without it, or without parts, a half is half of the gene positions.
 
     Returns:
-        Children with (n_children, 2) parents, the one that gave the front first.
+        Children with (n_children, 2) parents; the first is the one that gave the front.
     """
     couples = _couples(len(parents), n_children)
     if genes is None or not genes.n_parts:
         n_genes = parents.shape[1]
         front = np.arange(n_genes, dtype=np.intp) < n_genes / 2
-        return _litters(_exchange(parents[couples], front), couples, n_children)
-    litters = np.stack([_exchange_grown_halves(couple, genes) for couple in parents[couples]])
-    return _litters(litters, couples, n_children)
+        return _children_of_couples(_exchange(parents[couples], front), couples, n_children)
+    genomes = np.stack([_exchange_grown_halves(couple, genes) for couple in parents[couples]])
+    return _children_of_couples(genomes, couples, n_children)
 
 
 def randomized(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator) -> Children:
-    """Take each gene of each child from a parent drawn afresh from the whole pool (gene pool recombination).
+    """Take each gene of each child from a parent drawn from all parents (gene pool recombination).
 
     After Mühlenbein & Voigt 1996, Meta-Heuristics: Theory and Applications.
 
     Args:
-        parents: (n_parents, n_genes).
-        fitness: (n_parents,) not looked at.
-        n_children: how many.
-        rng: the only source of chance.
+        parents: Genomes, shape (n_parents, n_genes).
+        fitness: Fitness of each parent, shape (n_parents,); unused.
+        n_children: Number of children.
+        rng: Random generator.
 
     Returns:
         Children with (n_children, n_genes) parents, one for each gene.
@@ -79,34 +80,34 @@ def randomized(parents: Floats, fitness: Floats, n_children: int, *, rng: Genera
 def weighted(
     parents: Floats, fitness: Floats, n_children: int, *, rng: Generator, genes: Genes | None = None
 ) -> Children:
-    """Move the poorer of two parents towards the better, the more so the larger the gap between them.
+    """Move the less fit of two parents towards the fitter one, the further the larger their fitness difference is.
 
-    The child stands at the share gap / (best - worst of the pool) of the way; between equals it is the
-    first parent unchanged. Couples are 0 and 1, 1 and 2, and so on round the pool. (Heuristic crossover,
-    Wright 1991, FOGA 1, but inside the couple instead of beyond the better one, and with fitness as the share.)
+    The fraction is the fitness difference over the fitness range of all parents; a child of equals is the first parent
+    unchanged. Couples are parents 0 and 1, 1 and 2, and so on, cycling. (Heuristic crossover, Wright 1991, FOGA 1, but
+    between the parents instead of beyond the fitter one, and with the fraction given by fitness.)
 
     Args:
-        parents: (n_parents, n_genes).
-        fitness: (n_parents,) higher is better.
-        n_children: how many.
-        rng: not needed.
-        genes: the gene table; with it counts are rounded, and cyclic genes take the shorter way round.
+        parents: Genomes, shape (n_parents, n_genes).
+        fitness: Fitness of each parent, shape (n_parents,); higher is better.
+        n_children: Number of children.
+        rng: Random generator; unused.
+        genes: Gene table; with it counts are rounded, and cyclic genes change in the direction of the shorter distance.
 
     Returns:
-        Children with (n_children, 2) parents, the poorer first.
+        Children with (n_children, 2) parents, the less fit first.
     """
     first = np.arange(n_children)
     neighbours = np.stack([first, first + 1], axis=1) % len(parents)
-    poorer_first = np.argsort(fitness[neighbours], axis=1, kind="stable")
-    couples = np.take_along_axis(neighbours, poorer_first, axis=1)
-    poorer, better = couples.T
-    spread = np.ptp(fitness)
-    share = (fitness[better] - fitness[poorer]) / (spread if spread > 0 else 1.0)
-    way = parents[better] - parents[poorer]
+    less_fit_first = np.argsort(fitness[neighbours], axis=1, kind="stable")
+    couples = np.take_along_axis(neighbours, less_fit_first, axis=1)
+    less_fit, fitter = couples.T
+    fitness_range = np.ptp(fitness)
+    fraction = (fitness[fitter] - fitness[less_fit]) / (fitness_range if fitness_range > 0 else 1.0)
+    difference = parents[fitter] - parents[less_fit]
     if genes is not None:
-        half_round = (genes.high - genes.low) / 2
-        way = np.where(genes.is_cyclic, wrap(way, -half_round, half_round), way)
-    children = parents[poorer] + share[:, None] * way
+        half_turn = (genes.high - genes.low) / 2
+        difference = np.where(genes.is_cyclic, wrap(difference, -half_turn, half_turn), difference)
+    children = parents[less_fit] + fraction[:, None] * difference
     if genes is not None:
         children = np.where(genes.is_cyclic, wrap(children, genes.low, genes.high), children)
         children = np.where(genes.is_count, np.rint(children), children)
@@ -114,49 +115,49 @@ def weighted(
 
 
 def one_point(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator) -> Children:
-    """Cut both parents at one place drawn by chance, and join the ends crosswise (Holland 1975).
+    """Cut both parents at one random position, and exchange the ends (Holland 1975).
 
     Args:
-        parents: (n_parents, n_genes) couples are 0 and 1, 2 and 3, and so on, round again as often as needed.
-        fitness: (n_parents,) not looked at.
-        n_children: how many; if odd, the last couple has one child.
-        rng: the only source of chance.
+        parents: Genomes, shape (n_parents, n_genes); couples are 0 and 1, 2 and 3, and so on, cycling as needed.
+        fitness: Fitness of each parent, shape (n_parents,); unused.
+        n_children: Number of children; if odd, the last couple has one child.
+        rng: Random generator.
 
     Returns:
-        Children with (n_children, 2) parents, the one that gave the front first.
+        Children with (n_children, 2) parents; the first is the one that gave the front.
     """
     couples = _couples(len(parents), n_children)
     n_genes = parents.shape[1]
     cuts = rng.integers(1, max(n_genes, 2), size=(len(couples), 1))
     front = np.arange(n_genes, dtype=np.intp) < cuts
-    return _litters(_exchange(parents[couples], front), couples, n_children)
+    return _children_of_couples(_exchange(parents[couples], front), couples, n_children)
 
 
 def uniform(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator) -> Children:
-    """Toss a coin for each gene: which of two children gets which parent's (Syswerda 1989, ICGA 3).
+    """Decide at random for each gene which of two children inherits it from which parent (Syswerda 1989, ICGA 3).
 
     Args:
-        parents: (n_parents, n_genes) couples are 0 and 1, 2 and 3, and so on, round again as often as needed.
-        fitness: (n_parents,) not looked at.
-        n_children: how many; if odd, the last couple has one child.
-        rng: the only source of chance.
+        parents: Genomes, shape (n_parents, n_genes); couples are 0 and 1, 2 and 3, and so on, cycling as needed.
+        fitness: Fitness of each parent, shape (n_parents,); unused.
+        n_children: Number of children; if odd, the last couple has one child.
+        rng: Random generator.
 
     Returns:
         Children with (n_children, 2) parents.
     """
     couples = _couples(len(parents), n_children)
-    heads = rng.random((len(couples), parents.shape[1])) < 1 / 2
-    return _litters(_exchange(parents[couples], heads), couples, n_children)
+    from_mother = rng.random((len(couples), parents.shape[1])) < 1 / 2
+    return _children_of_couples(_exchange(parents[couples], from_mother), couples, n_children)
 
 
 def none(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator) -> Children:
-    """Let the children be copies of the parents, in turn: no crossover, so that mutation stands alone.
+    """Copy the parents in turn: no crossover, so that children vary by mutation alone.
 
     Args:
-        parents: (n_parents, n_genes).
-        fitness: (n_parents,) not looked at.
-        n_children: how many.
-        rng: not needed.
+        parents: Genomes, shape (n_parents, n_genes).
+        fitness: Fitness of each parent, shape (n_parents,); unused.
+        n_children: Number of children.
+        rng: Random generator; unused.
 
     Returns:
         Children with (n_children, 1) parents.
@@ -166,35 +167,40 @@ def none(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator) -
 
 
 def _couples(n_parents: int, n_children: int) -> Indices:
-    """(n_couples, 2) mother and father of every two children: 0 and 1, 2 and 3, round and round."""
+    """Return mother and father of every two children, shape (n_couples, 2): 0 and 1, 2 and 3, and so on, cycling."""
     n_couples = -(-n_children // 2)
     return np.arange(2 * n_couples).reshape(n_couples, 2) % n_parents
 
 
-def _litters(litters: Floats, couples: Indices, n_children: int) -> Children:
-    """Line up (n_couples, 2, n_genes) children; the second one's first parent is the father."""
+def _children_of_couples(genomes: Floats, couples: Indices, n_children: int) -> Children:
+    """Flatten the (n_couples, 2, n_genes) children of couples; the second child of a couple has the father first."""
     parents = np.stack([couples, couples[:, ::-1]], axis=1)
-    return Children(litters.reshape(-1, litters.shape[-1])[:n_children], parents.reshape(-1, 2)[:n_children])
+    return Children(genomes.reshape(-1, genomes.shape[-1])[:n_children], parents.reshape(-1, 2)[:n_children])
 
 
-def _exchange(couples: Floats, kept: NDArray[np.bool_]) -> Floats:
-    """Give the first child the mother's genes where ``kept`` and the father's elsewhere, the second the reverse."""
-    mothers, fathers = couples[:, 0], couples[:, 1]
-    return np.stack([np.where(kept, mothers, fathers), np.where(kept, fathers, mothers)], axis=1)
+def _exchange(couples: Floats, from_mother: NDArray[np.bool_]) -> Floats:
+    """Return two children of each couple: one with the mother's genes where ``from_mother``, one with the others."""
+    mothers = couples[:, 0]
+    fathers = couples[:, 1]
+    return np.stack([np.where(from_mother, mothers, fathers), np.where(from_mother, fathers, mothers)], axis=1)
 
 
 def _exchange_grown_halves(couple: Floats, genes: Genes) -> Floats:
-    """Make the two children (2, n_genes) of a (2, n_genes) couple whose bodies have parts; see ``paired``."""
+    """Return the (2, n_genes) children of a (2, n_genes) couple whose bodies have parts; see ``paired``."""
     mother, father = genes.parts(couple)
     n_mother, n_father = genes.n_grown(couple)
-    half_mother, half_father = -(-n_mother // 2), -(-n_father // 2)
+    half_mother = -(-n_mother // 2)  # rounded up
+    half_father = -(-n_father // 2)
     first = np.concatenate([mother[:half_mother], father[half_father:n_father]])
     second = np.concatenate([father[:half_father], mother[half_mother:n_mother]])
-    spare = np.concatenate([mother[n_mother:], father[n_father:]])
-    room = genes.n_parts - len(first)
+    unexpressed = np.concatenate([mother[n_mother:], father[n_father:]])
+    n_missing = genes.n_parts - len(first)
 
     children = couple.copy()
-    genes.parts(children)[:] = [np.concatenate([first, spare[:room]]), np.concatenate([second, spare[room:]])]
+    genes.parts(children)[:] = [
+        np.concatenate([first, unexpressed[:n_missing]]),
+        np.concatenate([second, unexpressed[n_missing:]]),
+    ]
     if genes.count is not None:
         children[:, genes.count] = len(first), len(second)
     return children

@@ -1,8 +1,8 @@
-"""How children vary: ``mutate(genomes, genes, *, rng)`` changes a few genes, within their ranges.
+"""Mutation operators: ``mutate(genomes, genes, *, rng)`` changes a few genes within their ranges.
 
-A real gene that would leave its range is reflected back into it, a cyclic one goes round. A count that is
-hit moves by whole steps, at least one; at an end of its range it turns round. So a hit gene really changes,
-wherever its range leaves room.
+A real gene that would leave its range is reflected at its end; a cyclic gene wraps around. A count changes by whole
+steps, at least one, and at an end of its range in the direction that leads inside. A gene selected for mutation
+therefore always changes, unless its range is a single value.
 """
 
 import numpy as np
@@ -11,34 +11,34 @@ from numpy.random import Generator
 from walkerlab.ga.genes import Floats, Genes
 from walkerlab.ga.ranges import reflect, wrap
 
-FLOOR = 0.1
-"""Least size that a step is measured by, as a part of the gene's range: without it a zero would stay a zero."""
+MIN_STEP_REFERENCE = 0.1
+"""Minimum value to which a relative step refers, as a fraction of the gene's range, so that a zero can change."""
 
-FAVOR = 10.0
-"""How many times likelier the favored feature is to change."""
+FAVORED_RATE_FACTOR = 10.0
+"""Ratio of the favored feature's mutation rate to that of the other genes."""
 
-MICRO = 0.2
-"""The size of a micro step, as a part of a randomized one."""
+MICRO_STEP_FACTOR = 0.2
+"""Ratio of a step of ``micro`` to one of ``randomized``."""
 
-UPHEAVAL = 5.0
-"""How many times likelier a part is to come or go in a genome, under ``macro``, than one gene is to change."""
+PART_RATE_FACTOR = 5.0
+"""Ratio of the probability that ``macro`` duplicates or drops a part of a genome to the mutation rate of a gene."""
 
 
 def randomized(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0.2, rng: Generator) -> Floats:
-    """Give each gene the same chance to change, by an amount relative to its value.
+    """Change each gene with the same probability, by an amount relative to its value.
 
     Args:
-        genomes: (n, n_genes).
-        genes: the gene table.
-        rate: each gene's chance to change, 0 to 1.
-        scale: the standard deviation of a step, as a part of the value (or of a tenth of the range, if larger).
-        rng: the only source of chance.
+        genomes: Genomes, shape (n, n_genes).
+        genes: Gene table.
+        rate: Probability of each gene to change, 0 to 1.
+        scale: Standard deviation of a step, relative to the value (or to a tenth of the range, if larger).
+        rng: Random generator.
 
     Returns:
-        (n, n_genes)
+        Mutated genomes, shape (n, n_genes).
 
     Raises:
-        ValueError: if ``rate`` is outside 0 to 1.
+        ValueError: If ``rate`` is outside 0 to 1.
     """
     return _change(genomes, genes, _relative_step(genomes, genes, scale, rng), rate=rate, rng=rng)
 
@@ -52,136 +52,137 @@ def favored(
     scale: float = 0.2,
     rng: Generator,
 ) -> Floats:
-    """Change as ``randomized`` does, but one named feature ``FAVOR`` times likelier.
+    """Change genes as ``randomized`` does, but one feature with ``FAVORED_RATE_FACTOR`` times the rate.
 
     Args:
-        genomes: (n, n_genes).
-        genes: the gene table.
-        favored: a gene, or a feature of every part.
-        rate: each other gene's chance to change, 0 to 1.
-        scale: the standard deviation of a step, as a part of the value (or of a tenth of the range, if larger).
-        rng: the only source of chance.
+        genomes: Genomes, shape (n, n_genes).
+        genes: Gene table.
+        favored: Name of a gene, or of a feature of every part.
+        rate: Probability of each other gene to change, 0 to 1.
+        scale: Standard deviation of a step, relative to the value (or to a tenth of the range, if larger).
+        rng: Random generator.
 
     Returns:
-        (n, n_genes)
+        Mutated genomes, shape (n, n_genes).
 
     Raises:
-        ValueError: if no gene is called ``favored``, or ``rate`` is outside 0 to 1.
+        ValueError: If there is no gene named ``favored``, or ``rate`` is outside 0 to 1.
     """
     rates = np.full(len(genes), rate)
-    rates[genes.find(favored)] = min(1.0, FAVOR * rate)
+    rates[genes.find(favored)] = min(1.0, FAVORED_RATE_FACTOR * rate)
     return _change(genomes, genes, _relative_step(genomes, genes, scale, rng), rate=rates, rng=rng)
 
 
 def micro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0.2, rng: Generator) -> Floats:
-    """Change as ``randomized`` does, by steps a fifth as large; counts stay, as a whole number has no small step.
+    """Change genes as ``randomized`` does, by steps a fifth as large; counts, which have no small steps, do not change.
 
     Args:
-        genomes: (n, n_genes).
-        genes: the gene table.
-        rate: the chance to change of each gene that is not a count, 0 to 1.
-        scale: as for ``randomized``, of which each step is a fifth.
-        rng: the only source of chance.
+        genomes: Genomes, shape (n, n_genes).
+        genes: Gene table.
+        rate: Probability of each gene that is not a count to change, 0 to 1.
+        scale: Standard deviation of a step of ``randomized``, of which these steps are a fifth.
+        rng: Random generator.
 
     Returns:
-        (n, n_genes)
+        Mutated genomes, shape (n, n_genes).
 
     Raises:
-        ValueError: if ``rate`` is outside 0 to 1.
+        ValueError: If ``rate`` is outside 0 to 1.
     """
     rates = np.where(genes.is_count, 0.0, rate)
-    return _change(genomes, genes, _relative_step(genomes, genes, MICRO * scale, rng), rate=rates, rng=rng)
+    return _change(genomes, genes, _relative_step(genomes, genes, MICRO_STEP_FACTOR * scale, rng), rate=rates, rng=rng)
 
 
 def macro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0.2, rng: Generator) -> Floats:
-    """Draw the genes that are hit anew from their whole range, and let whole parts come and go.
+    """Draw genes from their whole range, and duplicate or drop whole parts.
 
-    With a chance of ``UPHEAVAL`` times the rate, one grown part of a genome, any of them alike, is doubled
-    beside itself (the last unexpressed part is lost for it) or dropped (it becomes the first of the unexpressed
-    ones); the count follows, within its range. A copy is free to vary (gene duplication: Ohno 1970).
+    With a probability of ``PART_RATE_FACTOR`` times the rate, one grown part of a genome, all with the same
+    probability, is duplicated next to itself (the last unexpressed part is lost) or dropped (it becomes the first
+    unexpressed part); the count changes accordingly, within its range. A copy can then evolve independently (gene
+    duplication: Ohno 1970).
 
     Args:
-        genomes: (n, n_genes).
-        genes: the gene table.
-        rate: each gene's chance to be drawn anew, 0 to 1; a count drawn as it was moves by one.
-        scale: not needed, as a value drawn anew forgets the old one.
-        rng: the only source of chance.
+        genomes: Genomes, shape (n, n_genes).
+        genes: Gene table.
+        rate: Probability of each gene to be drawn, 0 to 1; a count for which its old value is drawn changes by one.
+        scale: Unused, because the drawn value does not depend on the old one.
+        rng: Random generator.
 
     Returns:
-        (n, n_genes)
+        Mutated genomes, shape (n, n_genes).
 
     Raises:
-        ValueError: if ``rate`` is outside 0 to 1.
+        ValueError: If ``rate`` is outside 0 to 1.
     """
-    whole = genes.is_count.astype(float)  # a count's ends are as likely as what lies between them
-    anew = genes.low - whole / 2 + (genes.high - genes.low + whole) * rng.random(genomes.shape)
-    changed = _change(genomes, genes, anew - genomes, rate=rate, rng=rng)
-    for i in np.flatnonzero(rng.random(len(genomes)) < UPHEAVAL * rate):
-        changed[i] = _come_or_go(changed[i], genes, rng)
+    extra = genes.is_count.astype(float)  # half a step at each end makes all whole numbers equally probable
+    drawn = genes.low - extra / 2 + (genes.high - genes.low + extra) * rng.random(genomes.shape)
+    changed = _change(genomes, genes, drawn - genomes, rate=rate, rng=rng)
+    for i in np.flatnonzero(rng.random(len(genomes)) < PART_RATE_FACTOR * rate):
+        changed[i] = _duplicate_or_drop_part(changed[i], genes, rng)
     return changed
 
 
 def gaussian(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0.2, rng: Generator) -> Floats:
-    """Give each gene the same chance to change, by an amount relative to its range.
+    """Change each gene with the same probability, by an amount relative to its range.
 
     Args:
-        genomes: (n, n_genes).
-        genes: the gene table.
-        rate: each gene's chance to change, 0 to 1.
-        scale: the standard deviation of a step, as a part of the range.
-        rng: the only source of chance.
+        genomes: Genomes, shape (n, n_genes).
+        genes: Gene table.
+        rate: Probability of each gene to change, 0 to 1.
+        scale: Standard deviation of a step, relative to the range.
+        rng: Random generator.
 
     Returns:
-        (n, n_genes)
+        Mutated genomes, shape (n, n_genes).
 
     Raises:
-        ValueError: if ``rate`` is outside 0 to 1.
+        ValueError: If ``rate`` is outside 0 to 1.
     """
     step = scale * (genes.high - genes.low) * rng.standard_normal(genomes.shape)
     return _change(genomes, genes, step, rate=rate, rng=rng)
 
 
 def _relative_step(genomes: Floats, genes: Genes, scale: float, rng: Generator) -> Floats:
-    size = np.maximum(np.abs(genomes), FLOOR * (genes.high - genes.low))
-    return scale * size * rng.standard_normal(genomes.shape)
+    reference = np.maximum(np.abs(genomes), MIN_STEP_REFERENCE * (genes.high - genes.low))
+    return scale * reference * rng.standard_normal(genomes.shape)
 
 
 def _change(genomes: Floats, genes: Genes, step: Floats, *, rate: float | Floats, rng: Generator) -> Floats:
-    """Let each gene take its step with its chance, and stay in its range."""
+    """Add each gene's step with the probability ``rate``, and bring the result into its range."""
     if not np.all((np.asarray(rate) >= 0) & (np.asarray(rate) <= 1)):
-        raise ValueError(f"rate is {np.max(rate)}; it must be 0 to 1. It is the chance of each gene to change.")
-    hit = rng.random(genomes.shape) < rate
+        raise ValueError(f"rate is {np.max(rate)}; it must be 0 to 1. It is the probability of each gene to change.")
+    is_mutated = rng.random(genomes.shape) < rate
     moved = np.where(
         genes.is_cyclic,
         wrap(genomes + step, genes.low, genes.high),
         reflect(genomes + step, genes.low, genes.high),
     )
-    moved = np.where(genes.is_count, _whole_steps(genomes, genes, step), moved)
-    return np.where(hit, moved, genomes)
+    moved = np.where(genes.is_count, _add_whole_steps(genomes, genes, step), moved)
+    return np.where(is_mutated, moved, genomes)
 
 
-def _whole_steps(genomes: Floats, genes: Genes, step: Floats) -> Floats:
-    """Move by whole steps, at least one, as far as the range goes; whoever stands at its end turns round."""
+def _add_whole_steps(genomes: Floats, genes: Genes, step: Floats) -> Floats:
+    """Add steps rounded to whole numbers, at least one, up to the end of the range; from an end, step inside."""
     start = np.rint(genomes)
     length = np.maximum(np.rint(np.abs(step)), 1)
     rises = np.where(step > 0, start < genes.high, start <= genes.low)
     return np.clip(start + np.where(rises, length, -length), genes.low, genes.high)
 
 
-def _come_or_go(genome: Floats, genes: Genes, rng: Generator) -> Floats:
-    """Double one grown part of a (n_genes,) genome beside itself, or drop one; see ``macro``."""
+def _duplicate_or_drop_part(genome: Floats, genes: Genes, rng: Generator) -> Floats:
+    """Duplicate one grown part of a (n_genes,) genome next to itself, or drop one; see ``macro``."""
     if genes.count is None:
         return genome
     n_grown = int(genes.n_grown(genome[None])[0])
-    may_double = 0 < n_grown < min(genes.n_parts, genes.high[genes.count])
-    may_drop = n_grown > max(0, genes.low[genes.count])
-    if not (may_double or may_drop):
+    can_duplicate = 0 < n_grown < min(genes.n_parts, genes.high[genes.count])
+    can_drop = n_grown > max(0, genes.low[genes.count])
+    if not (can_duplicate or can_drop):
         return genome
 
     part = int(rng.integers(n_grown))
     order = list(range(genes.n_parts))
-    doubles = may_double and (not may_drop or rng.random() < 1 / 2)
-    if doubles:
+    duplicates = can_duplicate and (not can_drop or rng.random() < 1 / 2)
+    if duplicates:
         order.insert(part, part)
         order.pop()
     else:
@@ -189,5 +190,5 @@ def _come_or_go(genome: Floats, genes: Genes, rng: Generator) -> Floats:
 
     changed = genome[None].copy()
     genes.parts(changed)[:] = genes.parts(genome[None])[:, order]
-    changed[0, genes.count] = n_grown + (1 if doubles else -1)
+    changed[0, genes.count] = n_grown + (1 if duplicates else -1)
     return changed[0]

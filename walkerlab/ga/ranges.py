@@ -1,4 +1,4 @@
-"""How a number that has left its range comes back into it."""
+"""Return numbers that have left their range into it: around its end (cyclic), or reflected at its end."""
 
 import numpy as np
 
@@ -6,39 +6,41 @@ from walkerlab.ga.genes import Floats
 
 
 def wrap(values: Floats, low: Floats, high: Floats) -> Floats:
-    """Go round: what leaves at one end enters at the other, so that the result is in [low, high).
+    """Wrap values into [low, high): a value that leaves the range at one end enters it at the other.
 
-    What has not left stays as it is, to the last bit; so does it in ``reflect``.
+    Values inside the range are returned unchanged, bit for bit.
 
     Args:
-        values: (n, n_genes) wherever they are.
-        low: (n_genes,) least value.
-        high: (n_genes,) where the range meets ``low`` again; ``low`` itself if there is no room.
+        values: Any values, shape (n, n_genes).
+        low: Minimum of each gene, shape (n_genes,).
+        high: End of each range, shape (n_genes,), equivalent to ``low``; an empty range gives ``low``.
 
     Returns:
-        (n, n_genes)
+        Wrapped values, shape (n, n_genes).
     """
-    wrapped = low + np.mod(values - low, _span(low, high))
-    inside = np.where(wrapped < high, wrapped, low)  # rounding may land on high, which is low
+    wrapped = low + np.mod(values - low, _width(low, high))
+    inside = np.where(wrapped < high, wrapped, low)  # rounding may give high, which is equivalent to low
     return np.where((values >= low) & (values < high), values, inside)
 
 
 def reflect(values: Floats, low: Floats, high: Floats) -> Floats:
-    """Bounce off the ends as off mirrors, so that the result is in [low, high] and does not pile up at an end.
+    """Reflect values at the ends of their range into [low, high], so that they do not accumulate at an end.
+
+    Values inside the range are returned unchanged, bit for bit.
 
     Args:
-        values: (n, n_genes) wherever they are.
-        low: (n_genes,) least value.
-        high: (n_genes,) greatest value.
+        values: Any values, shape (n, n_genes).
+        low: Minimum of each gene, shape (n_genes,).
+        high: Maximum of each gene, shape (n_genes,).
 
     Returns:
-        (n, n_genes)
+        Reflected values, shape (n, n_genes).
     """
-    there_and_back = 2 * _span(low, high)
-    gone = np.mod(values - low, there_and_back)
-    inside = np.clip(low + np.minimum(gone, there_and_back - gone), low, high)
+    period = 2 * _width(low, high)
+    offset = np.mod(values - low, period)
+    inside = np.clip(low + np.minimum(offset, period - offset), low, high)
     return np.where((values >= low) & (values <= high), values, inside)
 
 
-def _span(low: Floats, high: Floats) -> Floats:
-    return np.where(high > low, high - low, 1.0)  # 1: any number that can be divided by
+def _width(low: Floats, high: Floats) -> Floats:
+    return np.where(high > low, high - low, 1.0)  # 1 for an empty range: any divisor other than 0

@@ -1,84 +1,86 @@
-"""Who breeds: ``select(fitness, n_parents, *, rng)`` names the parents of the next generation."""
+"""Selection operators: ``select(fitness, n_parents, *, rng)`` returns the indices of the parents."""
 
 import numpy as np
 from numpy.random import Generator
 
 from walkerlab.ga.genes import Floats, Indices
 
-CONSOLATION = 0.05
-"""What ``gradient`` grants the least fit, as a part of the distance between the worst and the best."""
+GRADIENT_OFFSET = 0.05
+"""Offset of the weights of ``gradient``, as a fraction of the fitness range; it lets the least fit be selected too."""
 
 MIN_PRESSURE = 1.03
-"""Ratio of the highest probability to the median below which selection hardly prefers anyone.
+"""Ratio of the highest probability to the median below which selection hardly prefers any individual.
 
 In 200 generations of ordinary runs (10 runs on flat ground and stairs, 40 robots), the lowest ratio was 1.20.
 """
 
 
 def gradient(fitness: Floats, n_parents: int, *, rng: Generator) -> Indices:
-    """Let each individual breed with a chance that is proportional to its fitness.
+    """Select each individual with a probability proportional to its fitness above the worst.
 
-    One individual that is far worse than all others takes most of the selection pressure away, for probabilities depend
-    on the distance to the worst: of fitness 1, 2, 3 and -1e6, the first three are all chosen with probability 0.33.
-    ``evolve`` warns where that happens. ``rank``, ``tournament`` and ``top_half`` depend on the order only, and are not
-    affected.
+    One individual that is far worse than all others removes most of the selection pressure, because probabilities
+    depend on the distance to the worst: of fitness 1, 2, 3 and -1e6, the first three are each selected with probability
+    0.33. ``evolve`` warns where that happens. ``rank``, ``tournament`` and ``top_half`` depend on the order only, and
+    are not affected.
 
     Args:
-        fitness: (n,) higher is better; negative values are as good as any.
-        n_parents: how many parents to name.
-        rng: the only source of chance.
+        fitness: Fitness of each individual, shape (n,); higher is better, and may be negative.
+        n_parents: Number of parents to select.
+        rng: Random generator.
 
     Returns:
-        (n_parents,) indices into ``fitness``.
+        Indices into ``fitness``, shape (n_parents,).
 
     Raises:
-        ValueError: if a fitness is NaN or infinite.
+        ValueError: If a fitness is NaN or infinite.
     """
     return rng.choice(len(fitness), size=n_parents, p=gradient_probabilities(fitness))
 
 
 def gradient_probabilities(fitness: Floats) -> Floats:
-    """Return each individual's chance in ``gradient``: w = f - min + 0.05 (max - min), made to sum to 1.
+    """Return each individual's probability in ``gradient``: w = f - min + 0.05 (max - min), normalised.
 
-    Counting from the worst instead of from zero (windowing: Grefenstette 1986, IEEE Trans. SMC 16(1)) makes
-    the chances the same in any unit and from any zero, so that a negative fitness is no special case. Its weakness is
-    an outlier at the lower end, which makes all others nearly equal: see ``gradient`` and ``pressure``.
+    Measuring from the worst individual instead of from zero (windowing: Grefenstette 1986, IEEE Trans. SMC 16(1)) makes
+    the probabilities independent of the unit and the zero of fitness, so that negative fitness needs no special
+    treatment. Its weakness is an outlier at the lower end, which makes all others nearly equal: see ``gradient`` and
+    ``pressure``.
 
     Args:
-        fitness: (n,) higher is better.
+        fitness: Fitness of each individual, shape (n,); higher is better.
 
     Returns:
-        (n,) chances; all the same where all are equally fit.
+        Probabilities, shape (n,); equal if all individuals have the same fitness.
 
     Raises:
-        ValueError: if a fitness is NaN or infinite; the message names the individual.
+        ValueError: If a fitness is NaN or infinite; the message gives the individual.
     """
     require_finite(fitness)
-    worst, best = np.min(fitness), np.max(fitness)
+    worst = np.min(fitness)
+    best = np.max(fitness)
     if worst == best:
         return np.full(len(fitness), 1 / len(fitness))
-    weights = (fitness - worst) / (best - worst) + CONSOLATION
+    weights = (fitness - worst) / (best - worst) + GRADIENT_OFFSET
     return weights / weights.sum()
 
 
 def pressure(probabilities: Floats) -> float:
-    """Return the selection pressure: the highest of (n,) probabilities over their median, 1 if all are the same."""
+    """Return the selection pressure: the highest of (n,) probabilities over their median; 1 if all are equal."""
     return float(np.max(probabilities) / np.median(probabilities))
 
 
 def top_half(fitness: Floats, n_parents: int, *, rng: Generator) -> Indices:
-    """Let the better half breed, each of its members equally often (truncation selection).
+    """Select parents from the better half of the population, each equally often (truncation selection).
 
     Args:
-        fitness: (n,) higher is better; of equals the earlier counts as the better.
-        n_parents: how many parents to name; where it is no multiple of the half, the best are named once more.
-        rng: shuffles their order; the only source of chance.
+        fitness: Fitness of each individual, shape (n,); higher is better. Among equals, the first counts as better.
+        n_parents: Number of parents to select; if it is not a multiple of the half, the best are selected once more.
+        rng: Random generator; shuffles the parents.
 
     Returns:
-        (n_parents,) indices into ``fitness``.
+        Indices into ``fitness``, shape (n_parents,).
 
     Raises:
-        ValueError: if a fitness is NaN or infinite.
+        ValueError: If a fitness is NaN or infinite.
     """
     require_finite(fitness)
     best = np.argsort(-fitness, kind="stable")[: -(-len(fitness) // 2)]
@@ -86,91 +88,96 @@ def top_half(fitness: Floats, n_parents: int, *, rng: Generator) -> Indices:
 
 
 def tournament(fitness: Floats, n_parents: int, *, size: int = 3, rng: Generator) -> Indices:
-    """Let the best of a few, drawn with replacement, breed (Goldberg & Deb 1991, FOGA 1).
+    """Select the best of a few individuals drawn with replacement (Goldberg & Deb 1991, FOGA 1).
 
     Args:
-        fitness: (n,) higher is better; of equals the one drawn first wins.
-        n_parents: how many tournaments to hold.
-        size: how many compete in each; more is a higher selection pressure, 1 is none.
-        rng: the only source of chance.
+        fitness: Fitness of each individual, shape (n,); higher is better. Among equals, the one drawn first wins.
+        n_parents: Number of parents to select, each by its own tournament.
+        size: Number of individuals in each tournament; a larger one increases the selection pressure, and 1 removes it.
+        rng: Random generator.
 
     Returns:
-        (n_parents,) indices into ``fitness``.
+        Indices into ``fitness``, shape (n_parents,).
 
     Raises:
-        ValueError: if a fitness is NaN or infinite, or ``size`` is under 1.
+        ValueError: If a fitness is NaN or infinite, or ``size`` is less than 1.
     """
     require_finite(fitness)
     if size < 1:
-        raise ValueError(f"size is {size}; it must be 1 or more. It is how many compete in each tournament.")
+        raise ValueError(
+            f"size is {size}; it must be 1 or more. It is the number of individuals that compete in each tournament."
+        )
     entrants = rng.integers(len(fitness), size=(n_parents, size))
     winners = np.argmax(fitness[entrants], axis=1)
     return entrants[np.arange(n_parents), winners]
 
 
 def rank(fitness: Floats, n_parents: int, *, pressure: float = 1.8, rng: Generator) -> Indices:
-    """Let each individual breed with a chance that rises evenly with its place, whatever the distances.
+    """Select each individual with a probability that increases linearly with its rank.
 
     Args:
-        fitness: (n,) higher is better.
-        n_parents: how many parents to name.
-        pressure: how many times the average chance the best one has, 1 to 2.
-        rng: the only source of chance.
+        fitness: Fitness of each individual, shape (n,); higher is better.
+        n_parents: Number of parents to select.
+        pressure: Probability of the best individual as a multiple of the average, 1 to 2.
+        rng: Random generator.
 
     Returns:
-        (n_parents,) indices into ``fitness``.
+        Indices into ``fitness``, shape (n_parents,).
 
     Raises:
-        ValueError: if a fitness is NaN or infinite, or ``pressure`` is outside 1 to 2.
+        ValueError: If a fitness is NaN or infinite, or ``pressure`` is outside 1 to 2.
     """
     return rng.choice(len(fitness), size=n_parents, p=rank_probabilities(fitness, pressure=pressure))
 
 
 def rank_probabilities(fitness: Floats, *, pressure: float = 1.8) -> Floats:
-    """Return each individual's chance in ``rank``: linear ranking (Baker 1985, ICGA 1).
+    """Return each individual's probability in ``rank``: linear ranking (Baker 1985, ICGA 1).
 
     Args:
-        fitness: (n,) higher is better; equals share the mean of their places.
-        pressure: how many times the average chance the best one has, 1 to 2.
+        fitness: Fitness of each individual, shape (n,); higher is better. Equals share the mean of their ranks.
+        pressure: Probability of the best individual as a multiple of the average, 1 to 2.
 
     Returns:
-        (n,) chances, from (2 - pressure) / n for the worst to pressure / n for the best.
+        Probabilities, shape (n,), from (2 - pressure) / n for the worst to pressure / n for the best.
 
     Raises:
-        ValueError: if a fitness is NaN or infinite, or ``pressure`` is outside 1 to 2.
+        ValueError: If a fitness is NaN or infinite, or ``pressure`` is outside 1 to 2.
     """
     require_finite(fitness)
     if not 1 <= pressure <= 2:
-        raise ValueError(f"pressure is {pressure}; it must be 1 to 2. It is the best one's chance over the average.")
+        raise ValueError(
+            f"pressure is {pressure}; it must be 1 to 2. It is the probability of the best individual as a multiple of "
+            "the average."
+        )
     _, level, n_equal = np.unique(fitness, return_inverse=True, return_counts=True)
-    place = (np.cumsum(n_equal) - (n_equal + 1) / 2)[level]  # 0: the worst
+    ranks = (np.cumsum(n_equal) - (n_equal + 1) / 2)[level]  # 0 for the worst
     n = len(fitness)
     middle = (n - 1) / 2
-    return (1 + (pressure - 1) * (place - middle) / max(middle, 1 / 2)) / n
+    return (1 + (pressure - 1) * (ranks - middle) / max(middle, 1 / 2)) / n
 
 
 def uniform(fitness: Floats, n_parents: int, *, rng: Generator) -> Indices:
-    """Let chance alone decide: no selection pressure, the yardstick for all the others.
+    """Select every individual with the same probability: no selection pressure, a baseline for the others.
 
     Args:
-        fitness: (n,) only its length matters.
-        n_parents: how many parents to name.
-        rng: the only source of chance.
+        fitness: Fitness of each individual, shape (n,); only its length is used.
+        n_parents: Number of parents to select.
+        rng: Random generator.
 
     Returns:
-        (n_parents,) indices into ``fitness``.
+        Indices into ``fitness``, shape (n_parents,).
     """
     return rng.integers(len(fitness), size=n_parents)
 
 
 def require_finite(fitness: Floats) -> None:
-    """Refuse a fitness by which nobody can be compared.
+    """Check that every fitness is finite.
 
     Raises:
-        ValueError: if a fitness is NaN or infinite; the message names the first such individual by its index.
+        ValueError: If a fitness is NaN or infinite; the message gives the index of the first such individual.
     """
     for i in np.flatnonzero(~np.isfinite(fitness)):
         raise ValueError(
-            f"individual {i} has fitness {fitness[i]}; it must be a finite number, so that others can be "
-            "compared with it. Mend the fitness function, or leave that individual out."
+            f"individual {i} has fitness {fitness[i]}; it must be a finite number, so that it can be compared with "
+            "others. Fix the fitness function, or leave that individual out."
         )

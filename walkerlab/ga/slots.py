@@ -1,4 +1,4 @@
-"""The three slots for operators: what is called, with what, and what must come back."""
+"""The three operator slots: how each operator is called, and the checks of what it returns."""
 
 import inspect
 from collections.abc import Callable
@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 
 from walkerlab.ga.crossover import Children
 from walkerlab.ga.genes import Floats, Genes, Indices
-from walkerlab.ga.user_functions import IN_A_RUN, OperatorError, Slot, ask, portrait
+from walkerlab.ga.user_functions import RUN_TIME_LIMIT, OperatorError, Slot, call_in_slot, describe_result
 
 Select: TypeAlias = Callable[..., Indices]
-"""``select(fitness, n_parents, *, rng)`` -> (n_parents,) indices into ``fitness``."""
+"""``select(fitness, n_parents, *, rng)`` -> indices into ``fitness``, shape (n_parents,)."""
 
 Cross: TypeAlias = Callable[..., tuple[Floats, Indices]]
-"""``cross(parents, fitness, n_children, *, rng)`` -> ``Children``; a keyword ``genes`` asks for the gene table."""
+"""``cross(parents, fitness, n_children, *, rng)`` -> ``Children``; with a keyword ``genes``, it gets the gene table."""
 
 Mutate: TypeAlias = Callable[..., Floats]
-"""``mutate(genomes, genes, *, rng)`` -> (n, n_genes)."""
+"""``mutate(genomes, genes, *, rng)`` -> genomes, shape (n, n_genes)."""
 
 
 SELECTION = Slot("selection", "select(fitness, n_parents, *, rng)", "fitness = fitness.copy()")
@@ -30,33 +30,37 @@ MUTATION = Slot("mutation", "mutate(genomes, genes, *, rng)", "genomes = genomes
 
 
 def run_select(
-    select: Select, fitness: Floats, n_parents: int, *, rng: Generator, seconds: float = IN_A_RUN
+    select: Select, fitness: Floats, n_parents: int, *, rng: Generator, time_limit: float = RUN_TIME_LIMIT
 ) -> Indices:
-    """Call a selection and make sure of its answer.
+    """Call a selection and check what it returns.
 
     Args:
-        select: the operator.
-        fitness: (n,) finite.
-        n_parents: how many parents to name; may be more than n.
-        rng: its source of chance, of which it gets a copy, as of all arrays.
-        seconds: that it may take.
+        select: Selection operator.
+        fitness: Fitness of each individual, shape (n,); finite.
+        n_parents: Number of parents to select; may be more than n.
+        rng: Random generator; the operator gets a copy, as it does of all arrays.
+        time_limit: Time limit of a call, s.
 
     Returns:
-        (n_parents,) indices into ``fitness``.
+        Indices into ``fitness``, shape (n_parents,).
 
     Raises:
-        OperatorError: if it answers with anything else, or does anything else that it must not.
+        OperatorError: If the operator returns anything else, or breaks another rule of operators.
     """
-    who = SELECTION.who(select)
-    answer = ask(SELECTION, select, lambda: select(_lent(fitness), n_parents, rng=deepcopy(rng)), seconds)
-    chosen = _array(answer)
-    if chosen.shape != (n_parents,):
+    label = SELECTION.label(select)
+
+    def call() -> object:
+        return select(_read_only_copy(fitness), n_parents, rng=deepcopy(rng))
+
+    result = call_in_slot(SELECTION, select, call, time_limit)
+    selected = _as_array(result)
+    if selected.shape != (n_parents,):
         raise OperatorError(
-            f"{who} must name n_parents = {n_parents} parents, an array of shape ({n_parents},); it returned "
-            f"{portrait(answer)}",
-            "Where too few are chosen, np.resize(chosen, n_parents) repeats them.",
+            f"{label} must return n_parents = {n_parents} parents, an array of shape ({n_parents},); it returned "
+            f"{describe_result(result)}",
+            "If it selects fewer, np.resize(selected, n_parents) repeats them.",
         )
-    return _indices(chosen, who, len(fitness), "the individuals in fitness")
+    return _check_indices(selected, label, len(fitness), "the individuals in fitness")
 
 
 def run_cross(
@@ -67,130 +71,160 @@ def run_cross(
     *,
     genes: Genes,
     rng: Generator,
-    seconds: float = IN_A_RUN,
+    time_limit: float = RUN_TIME_LIMIT,
 ) -> Children:
-    """Call a crossover, with the gene table if it asks for one, and make sure of its answer.
+    """Call a crossover, with the gene table if it has a keyword for it, and check what it returns.
 
     Args:
-        cross: the operator.
-        parents: (n_parents, n_genes).
-        fitness: (n_parents,) finite.
-        n_children: how many.
-        genes: the gene table.
-        rng: its source of chance, of which it gets a copy, as of all arrays.
-        seconds: that it may take.
+        cross: Crossover operator.
+        parents: Genomes of the parents, shape (n_parents, n_genes).
+        fitness: Fitness of each parent, shape (n_parents,); finite.
+        n_children: Number of children.
+        genes: Gene table.
+        rng: Random generator; the operator gets a copy, as it does of all arrays.
+        time_limit: Time limit of a call, s.
 
     Returns:
-        Children: (n_children, n_genes) genomes and (n_children, k) parents.
+        Children, with genomes of shape (n_children, n_genes) and parents of shape (n_children, k).
 
     Raises:
-        OperatorError: if it answers with anything else, or does anything else that it must not.
+        OperatorError: If the operator returns anything else, or breaks another rule of operators.
     """
-    handed = {"genes": genes} if asks_for_genes(cross) else {}
-    who = CROSSOVER.who(cross)
+    keywords = {"genes": genes} if accepts_genes(cross) else {}
+    label = CROSSOVER.label(cross)
 
     def call() -> object:
-        return cross(_lent(parents), _lent(fitness), n_children, rng=deepcopy(rng), **handed)
+        return cross(_read_only_copy(parents), _read_only_copy(fitness), n_children, rng=deepcopy(rng), **keywords)
 
-    answers = _pair(ask(CROSSOVER, cross, call, seconds), who)
-    genomes = _genomes(answers[0], who, (n_children, parents.shape[1]), "(n_children, n_genes)")
-    origins = _array(answers[1])
-    if origins.ndim != 2 or len(origins) != n_children or not origins.size:
+    children, parents_of_each = _check_pair(call_in_slot(CROSSOVER, cross, call, time_limit), label)
+    genomes = _check_genomes(children, label, (n_children, parents.shape[1]), "(n_children, n_genes)")
+    indices = _as_array(parents_of_each)
+    if indices.ndim != 2 or len(indices) != n_children or not indices.size:
         raise OperatorError(
-            f"{who} must say whose each child is, by an array of shape (n_children, k) = ({n_children}, k) with k "
-            f"parents for each; it returned {portrait(answers[1])}",
-            "With one parent for each child that is mothers[:, None], with two np.stack([mothers, fathers], axis=1).",
+            f"{label} must return the parents of each child, an array of shape (n_children, k) = ({n_children}, k) "
+            f"for k parents each; it returned {describe_result(parents_of_each)}",
+            "With one parent for each child, that is mothers[:, None]; with two, np.stack([mothers, fathers], axis=1).",
         )
-    return Children(genomes, _indices(origins, who, len(parents), "the parents given"))
+    return Children(genomes, _check_indices(indices, label, len(parents), "the parents given"))
 
 
-def run_mutate(mutate: Mutate, genomes: Floats, genes: Genes, *, rng: Generator, seconds: float = IN_A_RUN) -> Floats:
-    """Call a mutation and make sure of its answer.
+def run_mutate(
+    mutate: Mutate, genomes: Floats, genes: Genes, *, rng: Generator, time_limit: float = RUN_TIME_LIMIT
+) -> Floats:
+    """Call a mutation and check what it returns.
 
     Args:
-        mutate: the operator.
-        genomes: (n, n_genes).
-        genes: the gene table.
-        rng: its source of chance, of which it gets a copy, as of all arrays.
-        seconds: that it may take.
+        mutate: Mutation operator.
+        genomes: Genomes, shape (n, n_genes).
+        genes: Gene table.
+        rng: Random generator; the operator gets a copy, as it does of all arrays.
+        time_limit: Time limit of a call, s.
 
     Returns:
-        (n, n_genes)
+        Mutated genomes, shape (n, n_genes).
 
     Raises:
-        OperatorError: if it answers with anything else, or does anything else that it must not.
+        OperatorError: If the operator returns anything else, or breaks another rule of operators.
     """
-    answer = ask(MUTATION, mutate, lambda: mutate(_lent(genomes), genes, rng=deepcopy(rng)), seconds)
-    return _genomes(answer, MUTATION.who(mutate), genomes.shape, "(n, n_genes)")
+
+    def call() -> object:
+        return mutate(_read_only_copy(genomes), genes, rng=deepcopy(rng))
+
+    result = call_in_slot(MUTATION, mutate, call, time_limit)
+    return _check_genomes(result, MUTATION.label(mutate), genomes.shape, "(n, n_genes)")
 
 
-def asks_for_genes(cross: Cross) -> bool:
-    """Say whether a crossover has a keyword ``genes``, and so wants the gene table."""
+def accepts_genes(cross: Cross) -> bool:
+    """Return whether a crossover has a keyword ``genes``, for the gene table."""
     try:
         return "genes" in inspect.signature(cross).parameters
-    except ValueError:  # a function of a C library may not say what it takes
+    except ValueError:  # functions of C libraries may have no signature
         return False
 
 
-def _lent(array: Floats) -> Floats:
-    """Return a copy that cannot be written into."""
+def _read_only_copy(array: Floats) -> Floats:
     copy = array.copy()
     copy.setflags(write=False)
     return copy
 
 
-def _array(answer: object) -> NDArray[Any]:
-    """Return an answer as an array; rows of different lengths are none."""
+def _as_array(result: object) -> NDArray[Any]:
+    """Convert a result to an array; rows of different lengths become an array without dimensions."""
     try:
-        return np.asarray(answer)
+        return np.asarray(result)
     except ValueError:
         return np.asarray(None)
 
 
-def _pair(answer: Any, who: str) -> tuple[object, object]:
-    """Refuse what is not two things."""
-    match answer:
-        case [first, second]:  # a tuple or a list, but no array, of two
+def _check_pair(result: Any, label: str) -> tuple[object, object]:
+    """Return the two elements of a pair.
+
+    Raises:
+        OperatorError: If the result is not a tuple or list of two elements.
+    """
+    match result:
+        case [first, second]:  # does not match an array
             return first, second
         case _:
             raise OperatorError(
-                f"{who} must return two arrays, the children and the indices of their parents; it returned "
-                f"{portrait(answer)}",
-                "End it with: return children, parents_of_each.",
+                f"{label} must return two arrays, the children and the indices of their parents; it returned "
+                f"{describe_result(result)}",
+                "Its last line should be: return children, parents_of_each.",
             )
 
 
-def _indices(indices: NDArray[Any], who: str, n: int, of: str) -> Indices:
-    """Return indices as integers, also from whole floats; refuse what does not name some of ``n``."""
+def _check_indices(indices: NDArray[Any], label: str, n: int, meaning: str) -> Indices:
+    """Return indices as integers; whole floats are converted.
+
+    Args:
+        indices: Indices that an operator returned.
+        label: Label of the operator.
+        n: Number of elements that the indices refer to.
+        meaning: These elements, for the message.
+
+    Raises:
+        OperatorError: If they are not whole numbers from 0 to n - 1.
+    """
+    requirement = f"{label} must return indices of {meaning}, whole numbers 0 to {n - 1}"
     if indices.dtype.kind == "f" and np.isfinite(indices).all() and (indices == np.rint(indices)).all():
-        indices = np.clip(indices, -1, n).astype(np.intp)  # whatever is out of range stays so
+        indices = np.clip(indices, -1, n).astype(np.intp)  # an index out of range stays out of range
     if not np.issubdtype(indices.dtype, np.integer):
         raise OperatorError(
-            f"{who} must name {of} by whole numbers, 0 to {n - 1}; it returned {portrait(indices)}",
-            "np.flatnonzero(mask) turns a mask into places; np.argsort gives places, where np.sort gives values.",
+            f"{requirement}; it returned {describe_result(indices)}",
+            "np.flatnonzero(mask) converts a mask to indices; np.argsort returns indices, np.sort values.",
         )
     for outside in indices[(indices < 0) | (indices >= n)].flat:
         raise OperatorError(
-            f"{who} must name {of} by whole numbers, 0 to {n - 1}; it returned {outside} among them",
-            "Draw from as many as it is given, as in rng.integers(len(fitness), size=n_parents).",
+            f"{requirement}; it returned {outside} among them",
+            "Draw from as many as there are, as in rng.integers(len(fitness), size=n_parents).",
         )
     return indices.astype(np.intp)
 
 
-def _genomes(answer: object, who: str, shape: tuple[int, ...], symbols: str) -> Floats:
-    """Refuse what is not a table of finite numbers."""
-    genomes = _array(answer)
-    if genomes.dtype.kind == "O":  # as of fractions, or of a table with columns of several types
+def _check_genomes(result: object, label: str, shape: tuple[int, ...], symbols: str) -> Floats:
+    """Return genomes as floats.
+
+    Args:
+        result: Genomes that an operator returned.
+        label: Label of the operator.
+        shape: Expected shape.
+        symbols: Expected shape in symbols, such as ``(n, n_genes)``.
+
+    Raises:
+        OperatorError: If they do not have this shape, or are not finite numbers.
+    """
+    genomes = _as_array(result)
+    if genomes.dtype.kind == "O":  # such as fractions, or a table with columns of several types
         with suppress(TypeError, ValueError, OverflowError):
             genomes = genomes.astype(np.float64)
     if genomes.shape != shape or genomes.dtype.kind not in "iuf":
         raise OperatorError(
-            f"{who} must return genomes, numbers of shape {symbols} = {shape}; it returned {portrait(answer)}",
-            "Each row is one individual, each column one gene; is a return missing, or an axis=0?",
+            f"{label} must return genomes, numbers of shape {symbols} = {shape}; it returned {describe_result(result)}",
+            "Each row is one individual, each column one gene. Check for a missing return, or a missing axis=0.",
         )
-    for stray in genomes[~np.isfinite(genomes)]:
+    for value in genomes[~np.isfinite(genomes)]:
         raise OperatorError(
-            f"{who} must return finite numbers; it returned {stray} among them",
-            "Look for a division by zero, or for a root or a logarithm of something negative.",
+            f"{label} must return finite numbers; it returned {value} among them",
+            "Check for a division by zero, or a root or logarithm of a negative number.",
         )
     return genomes.astype(np.float64)

@@ -1,4 +1,4 @@
-"""A function of the user's own, called with care: whatever it does wrong is said in words."""
+"""Calls of user functions: with a time limit, and with an explanation of every error that they make."""
 
 import inspect
 import sys
@@ -19,119 +19,128 @@ from walkerlab.system.time_limit import (
     raised_in_call,
 )
 
-IN_A_RUN, IN_A_CHECK = 60.0, 10.0  # s that one call may take
+RUN_TIME_LIMIT = 60.0  # s that one call may take in a run
+CHECK_TIME_LIMIT = 10.0  # s that one call may take in a check before the run
 
 THREAD_ADVICE = (
-    "User functions are called in a separate thread, so that one that never returns can be stopped. An object that "
-    "belongs to one thread, such as an SQLite connection, must be opened within the function; what only the main "
-    f"thread may do, such as signal.alarm, is not possible. The limit in seconds is os.environ[{LIMIT_VARIABLE!r}]."
+    "User functions are called in a separate thread, so that one that never returns can be stopped. Open an object "
+    "that belongs to one thread, such as an SQLite connection, within the function. Calls that only the main thread "
+    f"may make, such as signal.alarm, are not possible. The time limit is os.environ[{LIMIT_VARIABLE!r}], in seconds."
 )
 
-SHARED = {"np.random": "numpy.random", "random": "random"}
-"""The sources of chance that everybody draws from, and the modules that they are."""
+RANDOM_MODULE = "random"
+"""Module of Python's shared random generator; its state is read only if it is imported already."""
 
 
 class OperatorError(Fault, ValueError):
-    """A function of the user's own does not do what its slot needs; it says which, what is expected, and the mend.
+    """A user function does not do what its slot requires; the message names it and explains how to fix it.
 
     Attributes:
-        fault: which function, what it must do, and what it did.
-        mend: what to do about it.
-        where: when it was, as in ``while making generation 4``; "" if nobody knows.
-        place: of a fitness, which of the robots given it was.
-        genome: of a fitness, that robot's.
+        problem: Which function, what it must do, and what it did.
+        fix: How to fix it; may be empty.
+        context: When it happened, such as ``while making generation 4``; empty if unknown.
+        robot_index: For a fitness function, index of the robot among those given.
+        genome: For a fitness function, genome of that robot, or None.
     """
 
-    genome: object
-
-    def __init__(self, fault: str, mend: str = "") -> None:
-        super().__init__(fault, mend)
-        self.fault, self.mend, self.where, self.place, self.genome = fault, mend, "", 0, None
+    def __init__(self, problem: str, fix: str = "") -> None:
+        """Create the error; ``context``, ``robot_index`` and ``genome`` are set where they are known."""
+        super().__init__(problem, fix)
+        self.problem = problem
+        self.fix = fix
+        self.context = ""
+        self.robot_index = 0
+        self.genome: object = None
 
     def __str__(self) -> str:
-        when = f", {self.where}" if self.where else ""
-        return f"{self.fault}{when}. {self.mend}".rstrip()
+        """Return one message: the problem, when it happened, and the fix."""
+        context = f", {self.context}" if self.context else ""
+        return f"{self.problem}{context}. {self.fix}".rstrip()
 
 
 @dataclass(frozen=True)
 class Slot:
-    """What can be filled with a function of the user's own, and what is said of one that fills it badly.
+    """A setting that accepts a user function, with the advice for functions that do not work there.
 
     Attributes:
-        kind: e.g. ``mutation``.
-        signature: how it is called.
-        copy: how it would take a copy of what it is given.
-        advice: for one that raises something.
-        chance: where its chance comes from.
+        kind: Kind of function, such as ``mutation``.
+        signature: How the function is called.
+        copy_example: Statement that copies an argument.
+        advice: Advice for a function that raises an exception.
+        repeatability_advice: Advice for a function whose results differ from call to call.
     """
 
     kind: str
     signature: str
-    copy: str
+    copy_example: str
     advice: str = "It must work on every population."
-    chance: str = (
-        "Let all its chance come from rng, as in rng.random(), rng.integers(n), rng.normal() or rng.choice(n)."
+    repeatability_advice: str = (
+        "Draw all random numbers from rng, as in rng.random(), rng.integers(n), rng.normal() or rng.choice(n)."
     )
 
-    def who(self, function: Callable[..., object]) -> str:
-        """Name a function in this slot."""
+    def label(self, function: Callable[..., object]) -> str:
+        """Return the kind and the name of a function in this slot, for a message."""
         return f"{self.kind} {name_of(function)!r}"
 
 
 def name_of(operator: Callable[..., object]) -> str:
-    """Name a function as its author did, also where ``functools.partial`` has bound its parameters."""
+    """Return the name of a function, also if ``functools.partial`` has bound its parameters."""
     function = _unbound(operator)
     return getattr(function, "__name__", type(function).__name__)
 
 
-def ask(slot: Slot, function: Callable[..., object], call: Callable[[], Any], seconds: float) -> Any:
-    """Call what fills a slot; one of the user's own for so long and no longer, and not unwatched.
+def call_in_slot(slot: Slot, function: Callable[..., object], call: Callable[[], Any], time_limit: float) -> Any:
+    """Call the function in a slot; a user function with a time limit, and with a check of its random numbers.
 
     Args:
-        slot: which it fills.
-        function: what fills it.
-        call: calls it; may be made twice, and must be the same each time.
-        seconds: that a call may take, if WALKERLAB_PATIENCE does not say otherwise.
+        slot: Slot of the function.
+        function: Function in the slot.
+        call: Calls the function; may be called twice, with the same result.
+        time_limit: Time limit of one call, s, unless the environment variable WALKERLAB_PATIENCE sets another.
+
+    Returns:
+        What the function returned.
 
     Raises:
-        OperatorError: if it raises anything, does not return, writes into what it is given, or its answer
-            depends on a source of chance that it shares with others.
+        OperatorError: If the function raises an exception, does not return in time, modifies its arguments, or its
+            result depends on a random generator that is shared with other code.
     """
     if _is_ours(function):
-        return _in_words(slot, function, call)
-    attempt = partial(_in_words, slot, function, partial(call_with_limit, call, effective_limit(seconds)))
-    before = _shared_chance()
-    answer = attempt()
-    used = {name for name, state in _shared_chance().items() if state != before.get(name)}
-    if used and not _alike(answer, attempt()):  # or others drew from it, as the threads of Dask do
+        return _call_and_explain(slot, function, call)
+    attempt = partial(_call_and_explain, slot, function, partial(call_with_limit, call, effective_limit(time_limit)))
+    before = _shared_random_states()
+    result = attempt()
+    used = {name for name, state in _shared_random_states().items() if state != before.get(name)}
+    if used and not _are_equal(result, attempt()):  # equal if other threads, such as those of Dask, drew from it
         raise OperatorError(
-            f"{slot.who(function)} used {' and '.join(sorted(used))}, which all of Python shares",
-            f"So no run could be repeated. {slot.chance}",
+            f"{slot.label(function)} used {' and '.join(sorted(used))}, which all of Python shares",
+            f"The run could not be repeated. {slot.repeatability_advice}",
         )
-    return answer
+    return result
 
 
-def portrait(answer: object) -> str:
-    """Describe a wrong answer in a few words."""
-    if answer is None:
+def describe_result(result: object) -> str:
+    """Describe a wrong result briefly."""
+    if result is None:
         return "nothing (None)"
-    if shape := getattr(answer, "shape", None):
-        return f"an array of shape {shape}, {getattr(answer, 'dtype', '')}"
-    return f"a {type(answer).__name__}: {answer!r:.60}"
+    if shape := getattr(result, "shape", None):
+        return f"an array of shape {shape}, {getattr(result, 'dtype', '')}"
+    return f"a {type(result).__name__}: {result!r:.60}"
 
 
-def _in_words(slot: Slot, function: Callable[..., object], call: Callable[[], Any]) -> Any:
-    who = slot.who(function)
+def _call_and_explain(slot: Slot, function: Callable[..., object], call: Callable[[], Any]) -> Any:
+    """Call a function, and convert what it raises to an OperatorError."""
+    label = slot.label(function)
     try:
         return call()
     except TimeLimitExceeded as error:
-        stays = "" if error.is_stopped else " It could not be stopped, and goes on until Python is restarted."
+        still_running = "" if error.is_stopped else " It could not be stopped, and runs until Python is restarted."
         raise OperatorError(
-            f"{who} had not returned after {error.seconds:g} s{_line_of(error, function)}",
-            "Is there a loop that never ends? "
-            f"If it needs longer: os.environ[{LIMIT_VARIABLE!r}] = '600' before the run.{stays}",
+            f"{label} had not returned after {error.seconds:g} s{_line_of(error, function)}",
+            "Check it for a loop that never ends. "
+            f"If it needs more time, set os.environ[{LIMIT_VARIABLE!r}] = '600' before the run.{still_running}",
         ) from error
-    except Fault:  # which has its words
+    except Fault:  # has an explanation already
         raise
     except BaseException as error:
         if isinstance(error, KeyboardInterrupt) and not raised_in_call(error):
@@ -139,47 +148,54 @@ def _in_words(slot: Slot, function: Callable[..., object], call: Callable[[], An
         line = _line_of(error, function)
         if isinstance(error, FrozenInstanceError) or "read-only" in str(error):
             raise OperatorError(
-                f"{who} must leave what it is given as it was; it wrote into what is read-only{line}",
-                f"Let it work on a copy, as in {slot.copy}; +=, sort and shuffle write in place.",
+                f"{label} must not modify its arguments, which are read-only; it tried to{line}",
+                f"Work on a copy, as in {slot.copy_example}; +=, sort and shuffle modify an array in place.",
             ) from error
-        says_all = isinstance(error, NameError | MemoryError | RecursionError) or not isinstance(error, Exception)
-        advice = THREAD_ADVICE if "thread" in str(error) else "" if says_all else slot.advice
-        raise OperatorError(f"{who} raised {type(error).__name__}: {error}{line}", advice) from error
+        is_self_explanatory = isinstance(error, NameError | MemoryError | RecursionError)
+        if "thread" in str(error):
+            advice = THREAD_ADVICE
+        elif is_self_explanatory or not isinstance(error, Exception):
+            advice = ""
+        else:
+            advice = slot.advice
+        raise OperatorError(f"{label} raised {type(error).__name__}: {error}{line}", advice) from error
 
 
-def _alike(one: Any, other: Any) -> bool:
-    """Say whether two answers are the same, be they numbers, arrays or pairs of arrays."""
+def _are_equal(one: Any, other: Any) -> bool:
+    """Return whether two results are equal: numbers, arrays or sequences of arrays."""
     if isinstance(one, tuple | list) and isinstance(other, tuple | list):
         pairs = cast(Iterable[tuple[Any, Any]], zip(one, other, strict=False))
-        return len(one) == len(other) and all(_alike(*pair) for pair in pairs)
+        return len(one) == len(other) and all(_are_equal(*pair) for pair in pairs)
     try:
         return np.array_equal(one, other, equal_nan=True)
-    except TypeError:  # of what is no number something else is said
+    except TypeError:  # not numbers: another check reports this
         return True
 
 
-def _shared_chance() -> dict[str, object]:
-    """Return the state of each."""
-    _, keys, *rest = np.random.get_state()  # noqa: NPY002  # not drawn from, looked at
+def _shared_random_states() -> dict[str, object]:
+    """Return the state of each random generator that all code in the process shares, by the name that users know."""
+    _, keys, *rest = np.random.get_state()  # noqa: NPY002  # only reads the state
     states: dict[str, object] = {"np.random": (np.asarray(keys).tobytes(), rest)}
-    if python := sys.modules.get(SHARED["random"]):
-        states["random"] = python.getstate()
+    if module := sys.modules.get(RANDOM_MODULE):
+        states[RANDOM_MODULE] = module.getstate()
     return states
 
 
 def _is_ours(function: Callable[..., object]) -> bool:
-    home: dict[str, object] = getattr(_unbound(function), "__globals__", {})
-    return str(home.get("__name__")).partition(".")[0] == __name__.partition(".")[0]
+    """Return whether a function is defined in walkerlab."""
+    namespace: dict[str, object] = getattr(_unbound(function), "__globals__", {})
+    return str(namespace.get("__name__")).partition(".")[0] == __name__.partition(".")[0]
 
 
 def _line_of(error: BaseException, function: Callable[..., object]) -> str:
-    """Say in which line of a function an error was, counted as in its file or notebook cell."""
-    own = getattr(inspect.unwrap(_unbound(function)), "__code__", None)
-    lines = [line for frame, line in traceback.walk_tb(error.__traceback__) if frame.f_code is own]
+    """Return the line of a function in which an error was raised, for a message, counted as in its file or cell."""
+    code = getattr(inspect.unwrap(_unbound(function)), "__code__", None)
+    lines = [line for frame, line in traceback.walk_tb(error.__traceback__) if frame.f_code is code]
     return f" (line {lines[-1]})" if lines else ""
 
 
 def _unbound(function: Callable[..., object]) -> Callable[..., object]:
+    """Return the function inside ``functools.partial`` objects."""
     while isinstance(function, partial):
         function = function.func
     return function

@@ -1,1 +1,1 @@
-"""What a robot inherits: its genes as numbers and as text, the limits, and the robot that a genome expresses."""
+"""Genomes as numbers, text and tables, the limits that they obey, and the robot that a genome expresses."""

@@ -23,7 +23,7 @@ class Legs:
 
     Attributes:
         length: Length of each leg, m.
-        force: Greatest torque of each joint, N·m.
+        force: Maximum torque of each joint, N·m.
         hip: Motion of the left hip.
         knee: Motion of the left knee.
         stride: Phase by which the right leg lags the left one, rad.

@@ -1,4 +1,4 @@
-"""The limits: what gene table they ask for, and the repair that brings every genome within them."""
+"""The gene table for given limits, and the repair that brings any genome within them."""
 
 from functools import lru_cache
 
@@ -10,44 +10,54 @@ from walkerlab.ga.genes import Floats, Genes, Kind
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.settings import Robot
 
-GRID = 3
-"""Decimals that repair keeps: a gene is whole in millimetres, grams, milliradians, so that it can be copied by hand."""
+GRID_DECIMALS = 3
+"""Decimals to which repair rounds genes (millimetres, grams, milliradians), so that the text form is short."""
 
 MAX_SEGMENTS = Robot.declared()["segments"].high  # type: ignore[union-attr]
 
 WHOLE = (Feature.segments, Feature.frequency)
+"""Features of the whole body."""
+
 PART = tuple(feature for feature in Feature if feature not in WHOLE)
-FREQUENCY = (0.4, 2.2)  # Hz, of strides
-_TURN = 6.283
+"""Features of each segment."""
+
+FREQUENCY_RANGE = (0.4, 2.2)  # Hz, of strides
+FULL_TURN = 6.283  # rad, rounded to the grid
+SUM_TOLERANCE = 1e-10  # relative to the maximum of the sum
+GRID_TOLERANCE = 1e-6  # steps of the grid
 
 
 def _ranges(robot: Robot) -> dict[Feature, tuple[float, float, str, Kind]]:
-    """State low, high, unit and kind of every feature."""
+    """Return low, high, unit and kind of every feature."""
     shortest, longest = robot.segment_length
     angle = "rad"
     return {
         Feature.segments: (*robot.segment_range, "", "count"),
-        Feature.frequency: (*FREQUENCY, "Hz", "real"),
+        Feature.frequency: (*FREQUENCY_RANGE, "Hz", "real"),
         Feature.length: (shortest, longest, "m", "real"),
         Feature.mass: (robot.weight[0] / (2 * robot.segments[1]), robot.weight[1], "kg", "real"),
         Feature.legs: (0, 1, "pair", "count"),
         Feature.leg_length: (0.5 * shortest, 1.2 * longest, "m", "real"),
         Feature.leg_force: (*robot.leg_force, "N·m", "real"),
         Feature.hip_amplitude: (0.0, 1.0, angle, "real"),
-        Feature.hip_phase: (0.0, _TURN, angle, "cyclic"),
+        Feature.hip_phase: (0.0, FULL_TURN, angle, "cyclic"),
         Feature.hip_offset: (-0.8, 0.8, angle, "real"),
         Feature.knee_amplitude: (0.0, 1.0, angle, "real"),
-        Feature.knee_phase: (0.0, _TURN, angle, "cyclic"),
+        Feature.knee_phase: (0.0, FULL_TURN, angle, "cyclic"),
         Feature.knee_offset: (-1.2, 1.2, angle, "real"),
-        Feature.stride: (0.0, _TURN, angle, "cyclic"),
+        Feature.stride: (0.0, FULL_TURN, angle, "cyclic"),
     }
 
 
 @lru_cache(maxsize=64)
 def genes_of(robot: Robot) -> Genes:
-    """Return the gene table of robots within these limits: two genes of the whole body, twelve for each segment."""
+    """Return the gene table of robots within these limits: two genes of the whole body and twelve for each segment.
+
+    Raises:
+        ValueError: If ``robot`` is not a ``Robot``.
+    """
     if not isinstance(robot, Robot):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ValueError(f"this takes the limits, a Robot such as settings.robot; got a {type(robot).__name__}")
+        raise ValueError(f"the limits must be a Robot such as settings.robot; got a {type(robot).__name__}")
     ranges = _ranges(robot)
     n_parts = robot.segments[1]
     columns = [(feature.name, feature) for feature in WHOLE]
@@ -67,10 +77,13 @@ def genes_of(robot: Robot) -> Genes:
 
 
 def gene_table(robot: Robot) -> pd.DataFrame:
-    """Return the gene table for people: a row for each gene, with its unit, range, kind and meaning.
+    """Return the gene table as a DataFrame: a row for each gene, with its unit, range, kind and meaning.
+
+    Args:
+        robot: Limits of the robots.
 
     Raises:
-        ValueError: if given anything but the limits.
+        ValueError: If ``robot`` is not a ``Robot``.
     """
     genes = genes_of(robot)
     columns = ("names", "units", "low", "high", "kinds", "meanings")
@@ -79,22 +92,22 @@ def gene_table(robot: Robot) -> pd.DataFrame:
 
 
 def repair(genomes: ArrayLike, robot: Robot) -> Floats:
-    """Move each genome to a nearby one whose robot obeys every limit; one that obeys, on the grid, stays as it is.
+    """Return for each genome a nearby one whose robot obeys every limit; one that obeys them already is unchanged.
 
-    Genes are brought into their ranges and onto the grid; the segment count into what the limits allow; lengths
-    (and masses) of the grown segments are stretched towards an end of their range until their sum fits; pairs of
-    legs sprout from the front, or are lost from the rear, until their number fits. Limits go before the grid: where
-    no place on it obeys them, a gene stays off it.
+    Genes are brought into their ranges, including the number of segments, and rounded to a grid. Lengths and masses of
+    the grown segments are moved towards an end of their range until their sum is within the limits. Pairs of legs are
+    added from the front, or removed from the rear, until their number is. Limits have priority over the grid: where no
+    value on the grid obeys them, a gene is not rounded.
 
     Args:
-        genomes: (n, n_genes) in physical units; not changed.
-        robot: the limits.
+        genomes: Genomes in physical units, shape (n, n_genes); not modified.
+        robot: Limits of the robots.
 
     Returns:
-        (n, n_genes), such that ``repair(repair(g)) == repair(g)``.
+        Repaired genomes, shape (n, n_genes), such that ``repair(repair(g)) == repair(g)``.
 
     Raises:
-        ValueError: if a value is not finite, or the shape does not fit.
+        ValueError: If a value is not finite, or the shape is wrong.
     """
     genes = genes_of(robot)
     given = np.asarray(genomes, dtype=np.float64)
@@ -105,58 +118,84 @@ def repair(genomes: ArrayLike, robot: Robot) -> Floats:
         raise ValueError(f"genome {row}: {genes.names[column]} is {given[row, column]}; it must be a finite number")
 
     clipped = np.clip(given, genes.low, genes.high)
-    turned = np.mod(np.round(np.mod(given, genes.high), GRID), genes.high)
-    values = np.where(genes.is_cyclic, turned, _on_grid(clipped, genes.low, genes.high))
+    wrapped = np.mod(np.round(np.mod(given, genes.high), GRID_DECIMALS), genes.high)
+    values = np.where(genes.is_cyclic, wrapped, _on_grid(clipped, genes.low, genes.high))
     values = np.where(genes.is_count, np.rint(clipped), values)
 
     parts = genes.parts(values)
-    grown = np.arange(genes.n_parts) < genes.n_grown(values)[:, np.newaxis]
-    for feature, (least, most) in ((Feature.length, robot.body_length), (Feature.mass, robot.weight)):
+    is_grown = np.arange(genes.n_parts) < genes.n_grown(values)[:, np.newaxis]
+    for feature, (min_sum, max_sum) in ((Feature.length, robot.body_length), (Feature.mass, robot.weight)):
         low, high, *_ = _ranges(robot)[feature]
         column = PART.index(feature)
-        parts[:, :, column] = _with_sum(genes.parts(clipped)[:, :, column], grown, low, high, least, most)
+        parts[:, :, column] = _fit_sum(genes.parts(clipped)[:, :, column], is_grown, low, high, min_sum, max_sum)
     column = PART.index(Feature.legs)
-    parts[:, :, column] = _with_pairs(parts[:, :, column], grown, *robot.leg_pairs)
+    parts[:, :, column] = _fit_leg_pairs(parts[:, :, column], is_grown, *robot.leg_pairs)
     return values
 
 
 def _on_grid(x: Floats, low: float | Floats, high: float | Floats) -> Floats:
-    """Round to the grid; the ends of low..high stay, wherever they lie."""
-    return np.where((x == low) | (x == high), x, np.clip(np.round(x, GRID), low, high))
+    """Round values to the grid; values equal to ``low`` or ``high``, which may be off the grid, are unchanged."""
+    return np.where((x == low) | (x == high), x, np.clip(np.round(x, GRID_DECIMALS), low, high))
 
 
-def _with_sum(x: Floats, grown: NDArray[np.bool_], low: float, high: float, least: float, most: float) -> Floats:
-    """Stretch the grown of (n, n_parts) values within low..high until each row's sum lies in least..most.
+def _fit_sum(x: Floats, is_grown: NDArray[np.bool_], low: float, high: float, min_sum: float, max_sum: float) -> Floats:
+    """Move values towards an end of their range until the sum of the grown segments is within its limits.
 
-    They are put on the grid one by one, or if that spoils the sum, by the steps of their running sum, or not at all.
+    The results are rounded to the grid: each value by itself or, if that violates the limits of the sum, the cumulative
+    sum; if that violates them too, they are not rounded.
+
+    Args:
+        x: Values of one feature, shape (n, n_parts).
+        is_grown: Whether each segment is grown, same shape.
+        low: Minimum of each value.
+        high: Maximum of each value.
+        min_sum: Minimum of the sum of the grown values.
+        max_sum: Maximum of the sum of the grown values.
+
+    Returns:
+        Values, shape (n, n_parts).
     """
-    tolerance = 1e-10 * most
+    tolerance = SUM_TOLERANCE * max_sum
 
     def total(x: Floats) -> Floats:
-        return np.where(grown, x, 0.0).sum(axis=1, keepdims=True)
+        return np.where(is_grown, x, 0.0).sum(axis=1, keepdims=True)
 
     def fits(x: Floats) -> NDArray[np.bool_]:
-        return (least - tolerance <= total(x)) & (total(x) <= most + tolerance)
+        return (min_sum - tolerance <= total(x)) & (total(x) <= max_sum + tolerance)
 
-    lows, highs = total(np.full_like(x, low)), total(np.full_like(x, high))
+    lowest = total(np.full_like(x, low))
+    highest = total(np.full_like(x, high))
     with np.errstate(divide="ignore", invalid="ignore"):
-        shrunk = low + (x - low) * (most - lows) / (total(x) - lows)
-        longer = high - (high - x) * (highs - least) / (highs - total(x))
-    free = np.where(total(x) > most + tolerance, shrunk, np.where(total(x) < least - tolerance, longer, x))
-    free = np.clip(free, low, high)
+        decreased = low + (x - low) * (max_sum - lowest) / (total(x) - lowest)
+        increased = high - (high - x) * (highest - min_sum) / (highest - total(x))
+    is_too_high = total(x) > max_sum + tolerance
+    is_too_low = total(x) < min_sum - tolerance
+    exact = np.clip(np.where(is_too_high, decreased, np.where(is_too_low, increased, x)), low, high)
 
-    running = np.cumsum(np.where(grown, free, 0.0), axis=1) * 10**GRID
-    running = np.where(2 * total(free) > least + most, np.floor(running + 1e-6), np.ceil(running - 1e-6))
-    tiled = np.clip(np.diff(running, axis=1, prepend=0.0) / 10**GRID, low, high)
-    rounded = _on_grid(free, low, high)
-    fitted = np.where(fits(rounded), rounded, np.where(fits(tiled), tiled, free))
-    return np.where(grown, fitted, _on_grid(x, low, high))
+    steps = np.cumsum(np.where(is_grown, exact, 0.0), axis=1) * 10**GRID_DECIMALS
+    is_in_upper_half = 2 * total(exact) > min_sum + max_sum
+    steps = np.where(is_in_upper_half, np.floor(steps + GRID_TOLERANCE), np.ceil(steps - GRID_TOLERANCE))
+    rounded_sums = np.clip(np.diff(steps, axis=1, prepend=0.0) / 10**GRID_DECIMALS, low, high)
+    rounded = _on_grid(exact, low, high)
+    fitted = np.where(fits(rounded), rounded, np.where(fits(rounded_sums), rounded_sums, exact))
+    return np.where(is_grown, fitted, _on_grid(x, low, high))
 
 
-def _with_pairs(legs: Floats, grown: NDArray[np.bool_], least: int, most: int) -> Floats:
-    """Give legs to bare grown segments from the front, or take them from the rear, until each row has its number."""
-    bare, legged = grown & (legs < 1), grown & (legs >= 1)
-    count = legged.sum(axis=1, keepdims=True)
-    sprouting = bare & (np.cumsum(bare, axis=1) <= least - count)
-    losing = legged & (np.cumsum(legged, axis=1) > most)
-    return np.where(sprouting, 1.0, np.where(losing, 0.0, legs))
+def _fit_leg_pairs(legs: Floats, is_grown: NDArray[np.bool_], min_pairs: int, max_pairs: int) -> Floats:
+    """Add pairs of legs from the front, or remove them from the rear, until the number of pairs is within its limits.
+
+    Args:
+        legs: Number of leg pairs of each segment, 0 or 1, shape (n, n_parts).
+        is_grown: Whether each segment is grown, same shape.
+        min_pairs: Minimum number of pairs.
+        max_pairs: Maximum number of pairs.
+
+    Returns:
+        Number of leg pairs of each segment, shape (n, n_parts).
+    """
+    without_legs = is_grown & (legs < 1)
+    with_legs = is_grown & (legs >= 1)
+    n_pairs = with_legs.sum(axis=1, keepdims=True)
+    is_added = without_legs & (np.cumsum(without_legs, axis=1) <= min_pairs - n_pairs)
+    is_removed = with_legs & (np.cumsum(with_legs, axis=1) > max_pairs)
+    return np.where(is_added, 1.0, np.where(is_removed, 0.0, legs))

@@ -9,8 +9,9 @@ import numpy as np
 import pandas as pd
 from pandas.api.types import is_numeric_dtype
 
-from walkerlab.ga.loop import NOT_COUNTED, Population
-from walkerlab.genome.genome import Genome, in_words
+from walkerlab.ga.population import NOT_COUNTED, Population
+from walkerlab.genome.display import genome_html
+from walkerlab.genome.genome import Genome
 from walkerlab.settings.fields import brief
 from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.simulation.fitness import MAX_FITNESS
@@ -214,7 +215,7 @@ class Individual:
             ("generation", f"{self.generation}, in which it was born"),
             ("parents", ", ".join(map(str, self.parents)) or "none: it was drawn by chance"),
         )
-        return shown(facts(f"Robot {self.individual}", known), in_words(self.genome))
+        return shown(facts(f"Robot {self.individual}", known), genome_html(self.genome.values))
 
 
 def champion(records: pd.DataFrame) -> Individual:

@@ -176,9 +176,9 @@ def _rate(place: int, genome: Genome, rollouts: Sequence[Rollout], settings: Set
     try:
         rated = [rate(rollout, settings.algorithm.fitness) for rollout in rollouts]
     except OperatorError as error:
-        error.place = place
+        error.robot_index = place
         error.genome = genome
-        error.where = f"for robot {place} of those given"
+        error.context = f"for robot {place} of those given"
         raise
     fitness, rollout = find_poorest(rated)
     phenotype = rollout.phenotype

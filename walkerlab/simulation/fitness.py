@@ -8,8 +8,15 @@ from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
-from walkerlab.ga.loop import NOT_COUNTED
-from walkerlab.ga.user_functions import IN_A_CHECK, IN_A_RUN, OperatorError, Slot, ask, portrait
+from walkerlab.ga.population import NOT_COUNTED
+from walkerlab.ga.user_functions import (
+    CHECK_TIME_LIMIT,
+    RUN_TIME_LIMIT,
+    OperatorError,
+    Slot,
+    call_in_slot,
+    describe_result,
+)
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.settings.choices import Fitness
@@ -27,7 +34,7 @@ SLOT = Slot(
     "com = rollout.com.copy()",
     advice="It is called with one Rollout: .distance in m, .velocity in m/s, .time (n,) in s, .com (n, 3) in m, "
     ".on_ground (n,), .work (n,) in J, .phenotype; .poses are not recorded in an evolution.",
-    chance="It must depend only on the walk.",
+    repeatability_advice="It must depend only on the walk.",
 )
 
 MAX_FITNESS = 1e100  # absolute value; the axes of plots cannot show greater ones
@@ -67,7 +74,7 @@ def name_and_unit(fitness: Fitness | Callable[..., Any]) -> tuple[str, str]:
     return (fitness.name, UNITS[fitness]) if isinstance(fitness, Fitness) else (function_name(fitness), "")
 
 
-def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: float = IN_A_RUN) -> float:
+def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: float = RUN_TIME_LIMIT) -> float:
     """Return the fitness of one walk; ``NOT_COUNTED`` if its verdict is not ``ok``.
 
     Args:
@@ -83,7 +90,7 @@ def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: f
 
 
 def rate(
-    rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: float = IN_A_RUN
+    rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: float = RUN_TIME_LIMIT
 ) -> tuple[float, Rollout]:
     """Return the fitness of one walk, and the walk; its verdict is ``rejected`` if the function returns -inf or None.
 
@@ -92,11 +99,12 @@ def rate(
     if not rollout.counts:
         return NOT_COUNTED, rollout
     function = FUNCTIONS[fitness] if isinstance(fitness, Fitness) else fitness
-    value = ask(SLOT, function, lambda: function(rollout), seconds)
+    value = call_in_slot(SLOT, function, lambda: function(rollout), seconds)
     number = NOT_COUNTED if value is None else as_number(value)
     if number is None:
         raise OperatorError(
-            f"{SLOT.who(function)} must return one finite number, higher being better; it returned {portrait(value)}",
+            f"{SLOT.label(function)} must return one finite number, higher being better; it returned "
+            f"{describe_result(value)}",
             "Reduce an array to one number with .mean(), .sum() or an index.",
         )
     if number == NOT_COUNTED:
@@ -108,7 +116,7 @@ def rate(
         "Is something divided by zero?" if math.isnan(number) else f"Its absolute value must be below {MAX_FITNESS:g}."
     )
     raise OperatorError(
-        f"{SLOT.who(function)} must return one finite number, higher being better; it returned {brief(value)}",
+        f"{SLOT.label(function)} must return one finite number, higher being better; it returned {brief(value)}",
         f"{advice} To exclude a robot, return -np.inf.",
     )
 
@@ -182,14 +190,14 @@ def check_user_function(fitness: Fitness | Callable[..., Any]) -> None:
     if isinstance(fitness, Fitness):
         return
     try:
-        first, second = (score(_create_made_up_walk(), fitness, seconds=IN_A_CHECK) for _ in range(2))
+        first, second = (score(_create_made_up_walk(), fitness, seconds=CHECK_TIME_LIMIT) for _ in range(2))
         if first != second:
             raise OperatorError(
-                f"{SLOT.who(fitness)} returned {first} and then {second} for the same walk; no run could be repeated",
-                SLOT.chance,
+                f"{SLOT.label(fitness)} returned {first} and then {second} for the same walk; no run could be repeated",
+                SLOT.repeatability_advice,
             )
     except OperatorError as error:
-        error.where = "when tried on a made-up walk"
+        error.context = "when tried on a made-up walk"
         raise
 
 

@@ -13,14 +13,14 @@ from numpy.typing import NDArray
 
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.phenotype import Phenotype
-from walkerlab.genome.repair import FREQUENCY
+from walkerlab.genome.repair import FREQUENCY_RANGE
 from walkerlab.settings.choices import Guard, Structure
 from walkerlab.settings.settings import Settings
 from walkerlab.world.heights import arena_bounds, height
 
 MAX_START_OVERLAP = 0.001  # m by which a body may penetrate another at the start
 MAX_REST_SPEED = 0.05  # m/s of the body after settling; 0.4 m in a walk of 8 s
-MAX_DRIVE_FREQUENCY = 1.1 * FREQUENCY[1]  # Hz of a servo target; slightly above the greatest gait frequency
+MAX_DRIVE_FREQUENCY = 1.1 * FREQUENCY_RANGE[1]  # Hz of a servo target; slightly above the greatest gait frequency
 MAX_RISE = 0.5  # body lengths of the centre of mass above its height at rest; gallops reach 0.15
 MIN_HEIGHT = 0.4  # of the centre of mass, as a share of its height at rest; gaits stay at 0.6 or more
 MAX_TIME_DOWN = 0.5  # s below that height; a robot that gets up again has not fallen

@@ -6,7 +6,8 @@ from typing import Any
 
 import traitlets
 
-from walkerlab.genome.genome import Genome, GenomeError
+from walkerlab.genome.genome import Genome
+from walkerlab.genome.text import GenomeError
 from walkerlab.randomness import stream
 from walkerlab.settings.settings import Settings
 from walkerlab.text.html import Html, code, join, tag

@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import GRID, PART, WHOLE, genes_of
+from walkerlab.genome.repair import GRID_DECIMALS, PART, WHOLE, genes_of
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.settings import Robot
 
-ROUNDING = 0.51 * 10.0**-GRID  # smaller changes come from rounding and are not reported
+ROUNDING = 0.51 * 10.0**-GRID_DECIMALS  # smaller changes come from rounding and are not reported
 
 
 def format_genome(genome: Genome) -> str:

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from walkerlab.breeding import in_turn
+from walkerlab.breeding import slot_entries
 from walkerlab.runfile.records import BY_HAND, births
 from walkerlab.settings.fields import function_name
 from walkerlab.settings.settings import Settings
@@ -79,4 +79,4 @@ def _functions(settings: Settings) -> list[tuple[str, str]]:
 
 
 def _steps(settings: Settings) -> list[Any]:
-    return [step for name in STEPS for step in in_turn(getattr(settings.algorithm, name))]
+    return [step for name in STEPS for step in slot_entries(getattr(settings.algorithm, name))]

@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from walkerlab.genome import genome
+from walkerlab.genome.display import genome_html
 from walkerlab.runfile import provenance, store
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.records import COLUMNS, births, champion
@@ -239,7 +239,7 @@ def _results_section(run: Subject, figures: Mapping[str, Html], files: bool) -> 
 def _champion_section(run: Subject, figures: Mapping[str, Html]) -> Html:
     return join(
         figures["body"],
-        genome.in_words(run.champion.genome),
+        genome_html(run.champion.genome.values),
         figures["gait"],
         figures["distance"],
         _confirmation_table(run),

@@ -1,0 +1,142 @@
+"""The operators of an algorithm, one or several in each slot, applied in turn, each with its own random generator."""
+
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from walkerlab.ga.crossover import Children
+from walkerlab.ga.genes import Floats, Genes, Indices
+from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
+from walkerlab.ga.selection import require_finite
+from walkerlab.ga.slots import Cross, Mutate, Select, run_cross, run_mutate, run_select
+from walkerlab.ga.user_functions import OperatorError
+from walkerlab.randomness import stream
+
+
+@dataclass(frozen=True)
+class Operators:
+    """Operators in each slot: one function, or several that are applied in turn.
+
+    Attributes:
+        select: Selections; each but the first selects among the individuals that the previous one selected.
+        cross: Crossovers; each but the first crosses the children of the previous one.
+        mutate: Mutations; each but the first mutates the result of the previous one.
+    """
+
+    select: tuple[Select, ...]
+    cross: tuple[Cross, ...]
+    mutate: tuple[Mutate, ...]
+
+    def __post_init__(self) -> None:
+        """Check that no slot is empty.
+
+        Raises:
+            ValueError: If a slot is empty.
+        """
+        for slot, operators in vars(self).items():
+            if not operators:
+                raise ValueError(f"Operators.{slot} is empty; it must hold at least one function.")
+
+
+def select_in_turn(
+    operators: Sequence[Select], fitness: Floats, n_parents: int, *, seed: int, generation: int
+) -> Indices:
+    """Apply selections in turn, each to the individuals that the previous one selected.
+
+    Args:
+        operators: Selections, in their order.
+        fitness: Fitness of each individual, shape (n,); those that are ``NOT_COUNTED`` are excluded, unless all are.
+        n_parents: Number of parents that each selection returns.
+        seed: Seed of the run.
+        generation: Number of the generation that is created.
+
+    Returns:
+        Indices into ``fitness``, shape (n_parents,).
+
+    Raises:
+        OperatorError: If an operator does not work.
+        ValueError: If a fitness is NaN or +inf.
+    """
+    comparable = fitness_for_comparison(fitness)
+    require_finite(comparable)
+    selected = np.flatnonzero(fitness != NOT_COUNTED)
+    if not len(selected):
+        selected = np.arange(len(fitness))
+    for position, select in enumerate(operators):
+        with _operator_stream("selection", seed, generation, position) as rng:
+            selected = selected[run_select(select, comparable[selected], n_parents, rng=rng)]
+    return selected
+
+
+def cross_in_turn(
+    operators: Sequence[Cross],
+    parents: Floats,
+    fitness: Floats,
+    n_children: int,
+    *,
+    genes: Genes,
+    seed: int,
+    generation: int,
+) -> Children:
+    """Apply crossovers in turn, each to the children of the previous one, with their parents' mean fitness.
+
+    Args:
+        operators: Crossovers, in their order; all but the last produce as many children as there are parents.
+        parents: Genomes of the parents, shape (n_parents, n_genes).
+        fitness: Fitness of each parent, shape (n_parents,); finite.
+        n_children: Number of children that the last crossover produces.
+        genes: Gene table.
+        seed: Seed of the run.
+        generation: Number of the generation that is created.
+
+    Returns:
+        Children, with indices into ``parents`` also after several crossovers.
+
+    Raises:
+        OperatorError: If an operator does not work.
+    """
+    children = Children(parents, np.arange(len(parents))[:, None])
+    for position, cross in enumerate(operators):
+        is_last = position == len(operators) - 1
+        n = n_children if is_last else len(parents)
+        with _operator_stream("crossover", seed, generation, position) as rng:
+            genomes, direct_parents = run_cross(cross, children.genomes, fitness, n, genes=genes, rng=rng)
+        children = Children(genomes, children.parents[direct_parents].reshape(n, -1))
+        fitness = fitness[direct_parents].mean(axis=1)
+    return children
+
+
+def mutate_in_turn(operators: Sequence[Mutate], genomes: Floats, genes: Genes, *, seed: int, generation: int) -> Floats:
+    """Apply mutations in turn.
+
+    Args:
+        operators: Mutations, in their order.
+        genomes: Genomes, shape (n, n_genes).
+        genes: Gene table.
+        seed: Seed of the run.
+        generation: Number of the generation that is created.
+
+    Returns:
+        Mutated genomes, shape (n, n_genes).
+
+    Raises:
+        OperatorError: If an operator does not work.
+    """
+    for position, mutate in enumerate(operators):
+        with _operator_stream("mutation", seed, generation, position) as rng:
+            genomes = run_mutate(mutate, genomes, genes, rng=rng)
+    return genomes
+
+
+@contextmanager
+def _operator_stream(
+    slot: str, seed: int, generation: int, position: int
+) -> Generator[np.random.Generator, None, None]:
+    """Yield the random generator of one operator; add the generation number to an OperatorError."""
+    try:
+        yield stream(seed, slot, generation, position)
+    except OperatorError as error:
+        error.context = f"while making generation {generation}"
+        raise
