@@ -15,7 +15,7 @@ import pytest
 import walkerlab as wl
 from tests.faults import number
 from walkerlab.evolution import outputs
-from walkerlab.runfile.store import RUN_FILE
+from walkerlab.runfile.paths import RUN_FILE
 from walkerlab.view.report.pictures import KINDS, PICTURES
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="nothing there kills like SIGKILL")
@@ -24,7 +24,7 @@ SMALL = wl.Settings().with_(population_size=4, generations=2, duration=1)
 WRITERS = {
     "command": "from walkerlab.__main__ import main; main(['resume', folder, '--quiet'])",
     "export": (
-        "from pathlib import Path; from walkerlab import outputs; import walkerlab as wl\n"
+        "from pathlib import Path; from walkerlab.evolution import outputs; import walkerlab as wl\n"
         "outputs.write(wl.load(folder), Path(folder))"
     ),
     "report": "import walkerlab as wl; wl.load(folder).save_report(folder)",

@@ -110,7 +110,7 @@ def test_no_name_of_a_function_gets_out_of_a_comment():
 def test_show_moves_no_cursor(tmp_path, capsys, monkeypatch, run):
     evolved(tmp_path / "run.walk")
     strange = Run(SMALL, run.records.assign(operators=STRANGE))
-    monkeypatch.setattr("walkerlab.evolution.run.load", lambda path: strange)
+    monkeypatch.setattr("walkerlab.evolution.loading.load", lambda path: strange)
     assert main(["show", str(tmp_path)]) == 0
     shown = capsys.readouterr().out
     assert "pwned" in shown

@@ -260,7 +260,7 @@ def test_a_run_on_a_thread_of_its_own_fails_in_words_and_keeps_what_is_done(monk
 
     faulty = spoilt("fitness", hangs, lambda walk: any(live.n_generations for live in lives))
     with ThreadPoolExecutor(1) as pool:
-        lives.append(LiveRun(REAL.with_(fitness=faulty), executor=pool, on_news=hear))
+        lives.append(LiveRun(REAL.with_(fitness=faulty), executor=pool, on_change=hear))
         lives[0].go_on()
         assert over.wait(60)
     assert lives[0].state == State.failed

@@ -314,7 +314,7 @@ def test_while_a_run_goes_on_no_forecast_is_walked(lab, monkeypatch):
     drawn(lab)
     press(lab, "start")
     forecasts = []
-    monkeypatch.setattr("walkerlab.widgets.lab.seconds_of", forecasts.append)
+    monkeypatch.setattr("walkerlab.widgets.lab.estimate_seconds", forecasts.append)
     lab._forecast()
     assert forecasts == []
 

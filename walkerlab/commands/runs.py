@@ -20,8 +20,9 @@ def evolve(given: argparse.Namespace) -> int:
     """Evolve into a new folder."""
     with interrupts_held():
         from walkerlab.commands import flags
-        from walkerlab.evolution.run import load
-        from walkerlab.runfile.store import RUN_FILE, RunFileError
+        from walkerlab.evolution.loading import load
+        from walkerlab.runfile.paths import RUN_FILE
+        from walkerlab.runfile.store import RunFileError
         from walkerlab.simulation.workers import n_cores
         from walkerlab.view import summary
 
@@ -36,9 +37,9 @@ def evolve(given: argparse.Namespace) -> int:
     if not given.quiet:
         print(summary.opening(settings, n_cores()), flush=True)
     with interrupts_held():
-        from walkerlab.evolution import evolution  # for which mujoco is loaded
+        from walkerlab.evolution import running  # for which mujoco is loaded
     try:
-        run = evolution.evolve(settings, path, progress=not given.quiet)
+        run = running.evolve(settings, path, progress=not given.quiet)
     except KeyboardInterrupt:
         if not path.exists() or not (run := load(path)).n_generations:
             raise
@@ -49,11 +50,12 @@ def resume(given: argparse.Namespace) -> int:
     """Go on with a run, or if it is done, write what is missing beside it."""
     with interrupts_held():
         from walkerlab.evolution import outputs
-        from walkerlab.evolution.run import load, with_functions
+        from walkerlab.evolution.loading import load
+        from walkerlab.evolution.stored_functions import restore_user_functions
         from walkerlab.simulation.workers import n_cores
         from walkerlab.view import summary
 
-    run = with_functions(load(given.path), {})
+    run = restore_user_functions(load(given.path), {})
     done, wanted = run.n_generations, given.generations
     wanted = run.settings.algorithm.generations if wanted is None else wanted
     if done == wanted and run.path:
@@ -65,8 +67,8 @@ def resume(given: argparse.Namespace) -> int:
     if not given.quiet and done < wanted:
         print(summary.opening(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
     with interrupts_held():
-        from walkerlab.evolution import evolution
-    return _finish(evolution.resume(given.path, given.generations, progress=not given.quiet), quiet=given.quiet)
+        from walkerlab.evolution import running
+    return _finish(running.resume(given.path, given.generations, progress=not given.quiet), quiet=given.quiet)
 
 
 def _to_go_on(run: Run) -> str:
@@ -77,10 +79,10 @@ def _to_go_on(run: Run) -> str:
 
 def _named(run: Run) -> str:
     """Name a run as briefly as a shell takes it: by its folder, if its file is the run file of that folder."""
-    from walkerlab.runfile import store
+    from walkerlab.runfile.paths import RUN_FILE
 
     assert run.path
-    return quoted(run.path.parent if run.path.name == store.RUN_FILE else run.path)
+    return quoted(run.path.parent if run.path.name == RUN_FILE else run.path)
 
 
 def _finish(run: Run, *, quiet: bool) -> int:
@@ -130,11 +132,11 @@ def _write_outputs(run: Run) -> None:
 
 def show(given: argparse.Namespace) -> int:
     """Print a run."""
-    from walkerlab.evolution.run import load
-    from walkerlab.runfile import store
+    from walkerlab.evolution.loading import load
+    from walkerlab.runfile import paths, store
     from walkerlab.view import summary
 
-    run, path = load(given.path), store.locate(given.path)
+    run, path = load(given.path), paths.locate(given.path)
     settings, records = run.settings.model_dump(), run.records
     tell(f"{shown(path)}: {run.n_generations} of {run.settings.algorithm.generations} generations")
     whose, made_with = store.read_facts(path)
@@ -158,13 +160,14 @@ def show(given: argparse.Namespace) -> int:
 
 def rescue(given: argparse.Namespace) -> int:
     """Save what is whole of a damaged run."""
-    from walkerlab.evolution import run as runs
-    from walkerlab.runfile.store import RUN_FILE, RunFileError
+    from walkerlab.evolution import loading
+    from walkerlab.runfile.paths import RUN_FILE
+    from walkerlab.runfile.store import RunFileError
 
     out = shown(folder_path(given.out, "--out"))
     if (given.out / RUN_FILE).exists():
         raise RunFileError(f"{out} holds a run already. Give the saved one another folder: --out ANOTHER-FOLDER")
-    run = runs.rescue(given.path, given.out / RUN_FILE)
+    run = loading.rescue(given.path, given.out / RUN_FILE)
     done, wanted = run.n_generations, run.settings.algorithm.generations
     saved = f"{done} of {wanted} generations are whole, and" if done else "No generation is whole; the settings are"
     print(f"{saved} saved in {out}; {shown(given.path)} is left as it was.")
@@ -176,7 +179,7 @@ def stopped(given: argparse.Namespace) -> str:
     """Say how far a command had come that was stopped."""
     if given.run not in (evolve, resume):
         return "Stopped."
-    from walkerlab.evolution.run import load
+    from walkerlab.evolution.loading import load
     from walkerlab.runfile.store import RunFileError
 
     try:

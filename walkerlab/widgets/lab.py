@@ -17,8 +17,7 @@ from typing import cast
 import ipywidgets
 
 from walkerlab.errors import Fault
-from walkerlab.evolution.evolution import n_walks
-from walkerlab.evolution.forecast import in_words, seconds_of
+from walkerlab.evolution.forecast import describe_duration, estimate_seconds, n_walks
 from walkerlab.evolution.live import LiveRun, State
 from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome
@@ -152,14 +151,15 @@ class Lab(HasSnapshot, ipywidgets.Box):
         if (settings := self.settings) and not self._is_busy():
             algorithm = settings.algorithm
             run = f"{algorithm.generations} generations of {algorithm.population_size} robots"
-            self.transport.forecast = f"A new run: {run}, {in_words(self._seconds_of(settings))} on this computer."
+            duration = describe_duration(self._seconds_of(settings))
+            self.transport.forecast = f"A new run: {run}, {duration} on this computer."
 
     def _seconds_of(self, settings: Settings) -> float:
         """Estimate how long a run will take: at the pace of the last one if that was in the same world."""
         last = self._active
         if last and last.pace and _world_of(last.settings) == _world_of(settings):
             return last.pace * n_walks(settings)
-        return seconds_of(settings)
+        return estimate_seconds(settings)
 
     # ------------------------------------------------------------------------------------------------------ a run
 
@@ -198,9 +198,9 @@ class Lab(HasSnapshot, ipywidgets.Box):
 
     def _live(self, settings: Settings) -> LiveRun:
         try:
-            return LiveRun(settings, new_file(self._folder), self._executor, on_news=self._news)
+            return LiveRun(settings, new_file(self._folder), self._executor, on_change=self._news)
         except (RunFileError, OSError) as error:
-            live = LiveRun(settings, None, self._executor, on_news=self._news)
+            live = LiveRun(settings, None, self._executor, on_change=self._news)
             self.runs.drawer.words = f"This run will not be kept. {error}"
             return live
 
@@ -228,7 +228,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
                 words = (
                     "The first robots walk, and bodies are built …"
                     if left is None
-                    else (f"Generation {done} of 0 to {last} walks: {in_words(left)} left.")
+                    else (f"Generation {done} of 0 to {last} walks: {describe_duration(left)} left.")
                 )
             case State.failed:
                 words = f"Failed after {come}. {in_full(live.error)}"

@@ -269,7 +269,7 @@ def _facts(path: Path | None) -> dict[str, str]:
     if path and path.exists():
         whose, made_with = store.read_facts(path)
         return made_with | whose
-    return dict(provenance.here())
+    return dict(provenance.current_facts())
 
 
 def _walk(rollout: Rollout) -> pd.DataFrame:
