@@ -34,8 +34,10 @@ _PUBLIC_NAMES = {
     "simulation.robustness": ("Confirmation", "confirm"),
     "world.entities": ("generate_robot", "generate_terrain"),
     "simulation.evaluation": ("Evaluation", "evaluate", "evaluate_population"),
-    "evolution.evolution": ("Evolution", "Generation", "evolve", "resume"),
-    "evolution.run": ("Run", "load", "rescue"),
+    "evolution.evolution": ("Evolution", "Generation"),
+    "evolution.loading": ("load", "rescue"),
+    "evolution.run": ("Run",),
+    "evolution.running": ("evolve", "resume"),
     "simulation.export": ("export_mjcf",),
     "ga.crossover": ("Children",),
     "ga.user_functions": ("OperatorError",),
@@ -69,11 +71,11 @@ if TYPE_CHECKING:
     from walkerlab.breeding import select_from_population as select_from_population
     from walkerlab.evolution.evolution import Evolution as Evolution
     from walkerlab.evolution.evolution import Generation as Generation
-    from walkerlab.evolution.evolution import evolve as evolve
-    from walkerlab.evolution.evolution import resume as resume
+    from walkerlab.evolution.loading import load as load
+    from walkerlab.evolution.loading import rescue as rescue
     from walkerlab.evolution.run import Run as Run
-    from walkerlab.evolution.run import load as load
-    from walkerlab.evolution.run import rescue as rescue
+    from walkerlab.evolution.running import evolve as evolve
+    from walkerlab.evolution.running import resume as resume
     from walkerlab.ga.crossover import Children as Children
     from walkerlab.ga.user_functions import OperatorError as OperatorError
     from walkerlab.genome.genome import Genome as Genome

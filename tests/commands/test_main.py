@@ -279,7 +279,7 @@ def test_ctrl_c_before_the_start_writes_no_run_file(here, monkeypatch, capsys):
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("walkerlab.evolution.evolution.evolve", interrupted)
+    monkeypatch.setattr("walkerlab.evolution.running.evolve", interrupted)
     assert main(["evolve", *TINY]) == 130
     assert "there is no run file" in capsys.readouterr().err
     assert not (here / "walk" / "run.walk").exists()

@@ -1,4 +1,4 @@
-"""Generation after generation: the same table whoever computes it, and nothing lost on the way."""
+"""Evolutions: repeatable with any executor, and never lost by an interruption."""
 
 import itertools
 import signal
@@ -38,12 +38,12 @@ def evolve(threads, **changes):
     return wl.evolve(SETTINGS.with_(**changes), executor=threads, progress=False)
 
 
-class TestTheTable:
-    def test_it_has_a_row_for_each_individual_and_generation(self, run):
+class TestTable:
+    def test_the_table_has_a_row_for_each_individual_and_generation(self, run):
         assert run.records.groupby("generation").size().tolist() == [6, 6, 6]
         assert not run.records.duplicated(["generation", "individual"]).any()
 
-    def test_the_best_live_on_unchanged(self, run):
+    def test_elites_are_unchanged_in_the_next_generation(self, run):
         for number in (1, 2):
             before = run.records[run.records.generation == number - 1]
             now = run.records[run.records.generation == number]
@@ -53,7 +53,7 @@ class TestTheTable:
             assert elite.fitness.tolist() == [best.fitness]
         assert run.records.groupby("generation").fitness.max().is_monotonic_increasing
 
-    def test_the_champion_is_the_fittest_of_all(self, run):
+    def test_the_champion_is_the_fittest_individual(self, run):
         champion = run.champion
         assert champion.fitness == run.records.fitness.max()
         assert wl.simulate(champion.genome, SETTINGS).verdict == champion.verdict == "ok"
@@ -67,29 +67,29 @@ class TestTheTable:
             assert all(born[int(parent)] < row.born for parent in row.parents.split())
             assert bool(row.parents) == (row.operators != "random")
 
-    def test_a_run_says_in_a_line_what_has_come_of_it(self, run):
+    def test_repr_summarises_the_run_in_a_line(self, run):
         assert repr(run).startswith("Run(3 generations of 6 robots; champion: robot ")
         assert f"distance {significant(run.champion.fitness)} m)" in repr(run)
 
-    def test_units_are_told(self, run):
+    def test_the_table_has_its_units_in_attrs(self, run):
         assert run.records.attrs["units"]["velocity"] == "m/s"
         assert run.records.attrs["units"]["fitness"] == "m"
 
 
 class TestRepeatable:
-    def test_threads_and_processes_and_their_number_change_nothing(self, run):
+    def test_the_executor_and_the_number_of_workers_do_not_change_the_table(self, run):
         with ThreadPoolExecutor(4) as four, ThreadPoolExecutor(1) as one:
             same(evolve(four).records, run.records)
             same(evolve(one).records, run.records)
         same(wl.evolve(SETTINGS, progress=False).records, run.records)
 
-    def test_one_at_a_time_is_the_same_evolution(self, run, threads):
+    def test_iterating_over_an_evolution_gives_the_same_table(self, run, threads):
         evolution = wl.Evolution(SETTINGS, executor=threads)
         tables = [generation.records for generation in evolution]
         same(pd.concat(tables, ignore_index=True), run.records)
         same(evolution.run.records, run.records)
 
-    def test_changing_only_the_mutation_leaves_selection_as_it_was(self, run, threads):
+    def test_changing_only_the_mutation_leaves_selection_unchanged(self, run, threads):
         other = evolve(threads, mutation="macro")
 
         def parents(of):
@@ -98,7 +98,7 @@ class TestRepeatable:
         assert parents(other) == parents(run)
         assert other.records.genome.tolist() != run.records.genome.tolist()
 
-    def test_a_fitness_outlier_is_warned_of_once_a_run(self, threads):
+    def test_a_fitness_outlier_warns_once_in_a_run(self, threads):
         def punishes(rollout):
             return -1e6 if rollout.distance < 0 else rollout.distance
 
@@ -106,26 +106,26 @@ class TestRepeatable:
             evolve(threads, fitness=punishes, population_size=12, generations=2)
         assert len(caught) == 1
 
-    def test_a_fitness_that_rejects_every_robot_is_warned_of(self, threads):
+    def test_a_fitness_that_rejects_every_robot_warns(self, threads):
         with pytest.warns(UserWarning, match="returned None for every robot.*Is a return missing") as caught:
             run = evolve(threads, fitness=lambda rollout: None, population_size=4, generations=2)
         assert len(caught) == 1
         assert run.n_generations == 2
 
     @pytest.mark.parametrize("structure", ["flat", "stairs"])
-    def test_of_ordinary_generations_nothing_is_warned(self, structure, threads):
+    def test_ordinary_generations_do_not_warn(self, structure, threads):
         settings = SETTINGS.with_(structure=structure)
         populations = [wl.generate_robot_population(settings.robot, 12, seed=seed) for seed in range(5)]
         walked = wl.evaluate(np.concatenate(populations), settings, threads)
         for fitness in np.array([one.fitness for one in walked]).reshape(5, 12):
             assert not explain_lost_pressure(fitness, settings.algorithm)
 
-    def test_another_seed_is_another_evolution(self, run, threads):
+    def test_another_seed_gives_another_table(self, run, threads):
         assert evolve(threads, seed=6).records.genome.iloc[0] != run.records.genome.iloc[0]
 
 
 class TestNeverLost:
-    def test_a_run_file_gives_the_run_back(self, run, threads, tmp_path):
+    def test_a_run_file_holds_the_complete_run(self, run, threads, tmp_path):
         path = tmp_path / "deep" / "run.walk"
         kept = wl.evolve(SETTINGS, path, executor=threads, progress=False)
         same(wl.load(path).records, run.records)
@@ -134,7 +134,7 @@ class TestNeverLost:
         assert wl.load(path).records.attrs == run.records.attrs
         assert [p.name for p in path.parent.iterdir()] == ["run.walk"]
 
-    def test_stopped_and_resumed_it_is_the_table_of_an_uninterrupted_run(self, run, threads, tmp_path):
+    def test_a_resumed_run_equals_an_uninterrupted_run(self, run, threads, tmp_path):
         path = tmp_path / "run.walk"
         wl.evolve(SETTINGS.with_(generations=1), path, executor=threads, progress=False)
         resumed = wl.resume(path, generations=3, executor=threads, progress=False)
@@ -142,7 +142,7 @@ class TestNeverLost:
         same(wl.load(path).records, run.records)
         assert wl.load(path).settings == SETTINGS
 
-    def test_a_run_is_never_written_over(self, threads, tmp_path):
+    def test_a_file_is_never_overwritten(self, threads, tmp_path):
         path = tmp_path / "run.walk"
         path.write_text("my homework")
         with pytest.raises(wl.RunFileError, match="exists already"):
@@ -150,7 +150,7 @@ class TestNeverLost:
         assert path.read_text() == "my homework"
 
     @pytest.mark.parametrize("moment", ["before", "after"])
-    def test_ctrl_c_while_storing_leaves_run_and_file_the_same(self, moment, threads, tmp_path, monkeypatch):
+    def test_after_ctrl_c_while_storing_run_and_file_agree(self, moment, threads, tmp_path, monkeypatch):
         def interrupted(*stored, append=store.append):
             _, generation, *_ = stored
             if moment == "after":
@@ -167,23 +167,25 @@ class TestNeverLost:
         same(wl.load(path).records, kept.records)
 
     def test_a_run_that_fails_before_its_first_generation_is_resumed_from_its_settings(self, threads, tmp_path):
-        def stumbles(rollout, calls=itertools.count()):  # noqa: B008
+        def fails_after_four_walks(rollout, calls=itertools.count()):  # noqa: B008
             return float(rollout.com[-1, 0]) if next(calls) < 4 else 1 / 0
 
         path = tmp_path / "run.walk"
-        with pytest.raises(wl.OperatorError, match="'stumbles' raised ZeroDivisionError"):
-            wl.evolve(SETTINGS.with_(fitness=stumbles, n_elites=0), path, executor=threads, progress=False)
+        with pytest.raises(wl.OperatorError, match="'fails_after_four_walks' raised ZeroDivisionError"):
+            wl.evolve(
+                SETTINGS.with_(fitness=fails_after_four_walks, n_elites=0), path, executor=threads, progress=False
+            )
         assert wl.load(path).n_generations == 0
 
         def fixed(rollout):
             return float(rollout.com[-1, 0])
 
-        fixed.__name__ = "stumbles"
+        fixed.__name__ = "fails_after_four_walks"
         settings = SETTINGS.with_(fitness=fixed, n_elites=0)
         whole = wl.evolve(settings, executor=threads, progress=False)
         same(wl.resume(path, executor=threads, progress=False, fitness=fixed).records, whole.records)
 
-    def test_fewer_generations_than_are_done_are_refused(self, run, threads, tmp_path):
+    def test_fewer_generations_than_are_done_raise(self, run, threads, tmp_path):
         path = tmp_path / "run.walk"
         wl.evolve(SETTINGS, path, executor=threads, progress=False)
         with pytest.raises(wl.SettingsError, match="3 generations already"):
@@ -196,7 +198,7 @@ class TestNeverLost:
         "UPDATE run SET value = '{}' WHERE fact = 'settings'", "UPDATE run SET value = '[]' WHERE fact = 'settings'",
         "UPDATE records SET genome = 'wl1' WHERE individual = 14",
     ])  # fmt: skip
-    def test_a_damaged_file_is_never_gone_on_with(self, damage, threads, tmp_path):
+    def test_a_damaged_file_is_not_resumed(self, damage, threads, tmp_path):
         path = tmp_path / "run.walk"
         wl.evolve(SETTINGS, path, executor=threads, progress=False)
         with sqlite3.connect(path) as db:
@@ -205,14 +207,14 @@ class TestNeverLost:
         with pytest.raises(wl.RunFileError, match="damaged"):
             wl.resume(path, 4, executor=threads, progress=False)
 
-    def test_a_table_handed_out_is_the_readers_own(self, run, threads):
+    def test_changing_a_returned_table_does_not_change_the_run(self, run, threads):
         evolution = wl.Evolution(SETTINGS, executor=threads)
         for generation in evolution:
             table = generation.records
             table["fitness"] = 99.0
         same(evolution.run.records, run.records)
 
-    def test_ctrl_c_keeps_the_generations_that_are_done(self, run, threads):
+    def test_ctrl_c_returns_the_generations_that_are_done(self, run, threads):
         calls = itertools.count()
 
         def interrupted(rollout):
@@ -224,7 +226,7 @@ class TestNeverLost:
         assert kept.n_generations == 1
         same(kept.records.drop(columns="operators"), run.records.head(6).drop(columns="operators"))
 
-    def test_a_killed_process_leaves_whole_generations_that_resume_to_the_same_table(self, run, threads, tmp_path):
+    def test_resume_after_kill_equals_an_uninterrupted_run(self, run, threads, tmp_path):
         path = tmp_path / "run.walk"
         script = (
             "import os, signal, walkerlab as wl\n"
@@ -240,24 +242,26 @@ class TestNeverLost:
         same(wl.resume(path, executor=threads, progress=False).records, run.records)
 
     @pytest.mark.parametrize("name", ["run.walk", None])
-    def test_a_fault_says_what_is_kept_and_how_to_go_on_and_so_it_is(self, name, threads, tmp_path, monkeypatch):
+    def test_the_note_of_an_error_names_the_saved_run_and_code_that_resumes_it(
+        self, name, threads, tmp_path, monkeypatch
+    ):
         monkeypatch.chdir(tmp_path)
         calls, path = itertools.count(), tmp_path / name if name else None
 
         def shake(genomes, genes, *, rng):
             """Fail in generation 2, after two trials and generation 1."""
             if next(calls) == 3:
-                raise LookupError("of a student's own")
+                raise LookupError("error of a user function")
             return genomes
 
         settings = SETTINGS.with_(mutation=shake)
         with pytest.raises(wl.OperatorError) as caught:
             wl.evolve(settings, path, threads, progress=False)
-        told, kept = caught.value.__notes__[-1], path or tmp_path / "kept.walk"
-        assert told.startswith(f"What is done is kept in {kept.name}: 2 generations.")
+        note, kept = caught.value.__notes__[-1], path or tmp_path / "kept.walk"
+        assert note.startswith(f"The run is saved in {kept.name}, with 2 generations.")
         assert caught.value.kept == kept
         before = wl.load(kept)
-        code = told.splitlines()[-1].replace(")", ", executor=threads, progress=False)").strip()
+        code = note.splitlines()[-1].replace(")", ", executor=threads, progress=False)").strip()
         names = {"wl": wl, "shake": shake, "threads": threads}
         exec(code, names)
         whole = wl.evolve(settings, executor=threads, progress=False)
@@ -265,29 +269,29 @@ class TestNeverLost:
         same(before.records, whole.records.head(12))
         assert names["run"].path == kept
 
-    def test_no_kept_run_is_written_over_and_where_nothing_can_be_written_it_is_elsewhere(
+    def test_a_run_without_a_file_is_saved_under_an_unused_name_or_in_the_temporary_folder(
         self, threads, tmp_path, monkeypatch
     ):
         evolution = wl.Evolution(SETTINGS, executor=threads)
         next(iter(evolution))
         monkeypatch.chdir(tmp_path)
         monkeypatch.setattr(store, "gettempdir", lambda: str(tmp_path / "elsewhere"))
-        (tmp_path / "kept.walk").write_text("somebody's")
+        (tmp_path / "kept.walk").write_text("other contents")
         archive = evolution._archive
-        assert archive.keep() == archive.keep() == tmp_path / "kept-2.walk", "once is enough"
-        assert (tmp_path / "kept.walk").read_text() == "somebody's"
+        assert archive.save() == archive.save() == tmp_path / "kept-2.walk", "the second call does nothing"
+        assert (tmp_path / "kept.walk").read_text() == "other contents"
         again = wl.Evolution(SETTINGS, executor=threads)
         next(iter(again))
         (tmp_path / "gone").mkdir()
         monkeypatch.chdir(tmp_path / "gone")
         (tmp_path / "gone").rmdir()
-        assert again._archive.keep() == tmp_path / "elsewhere" / "kept.walk"
+        assert again._archive.save() == tmp_path / "elsewhere" / "kept.walk"
 
-    def test_resumed_with_other_versions_it_says_so(self, run, threads, tmp_path, monkeypatch):
+    def test_resuming_with_other_versions_warns(self, run, threads, tmp_path, monkeypatch):
         path = tmp_path / "run.walk"
         wl.evolve(SETTINGS.with_(generations=2), path, threads, progress=False)
-        here = provenance.here()
-        monkeypatch.setattr(provenance, "here", lambda: {**here, "mujoco": "9.9", "processor": "abacus"})
+        here = provenance.current_facts()
+        monkeypatch.setattr(provenance, "current_facts", lambda: {**here, "mujoco": "9.9", "processor": "abacus"})
         with pytest.warns(UserWarning, match="was made with") as said:
             same(wl.resume(path, 3, threads, progress=False).records, run.records)
         [words] = [str(one.message) for one in said]
@@ -300,7 +304,7 @@ class TestOperatorSlots:
     TINY = SETTINGS.with_(population_size=4, generations=2)
 
     @pytest.mark.parametrize("combination", list(itertools.product(*DESIGN)), ids=lambda c: "-".join(x.name for x in c))
-    def test_every_combination_of_the_design_runs_as_names_codes_and_functions_alike(self, combination, threads):
+    def test_names_codes_and_functions_give_the_same_table_for_every_combination(self, combination, threads):
         fitness, select, cross, mutate = combination
         tables = [
             wl.evolve(
@@ -328,7 +332,7 @@ class TestOperatorSlots:
         assert len(run.records) == 24
         assert max(len(parents.split()) for parents in run.records.parents) > 2, "a double crossing has grandparents"
 
-    def test_functions_from_a_cell_work_in_every_slot_with_workers(self):
+    def test_user_functions_work_in_every_slot_with_worker_processes(self):
         def best_two(fitness, n_parents, *, rng):
             return rng.permutation(np.resize(np.argsort(-fitness)[:2], n_parents))
 
@@ -348,7 +352,7 @@ class TestOperatorSlots:
         assert run.records.operators.iloc[-1] == "best_two > mean > nudge"
         assert ((run.records.fitness > 0) == (run.records.verdict == "ok")).all()
 
-    def test_a_run_with_functions_needs_them_back_to_go_on_but_not_to_be_looked_at(self, threads, tmp_path):
+    def test_user_functions_are_required_to_resume_but_not_to_view_a_run(self, threads, tmp_path):
         def nudge(genomes, genes, *, rng):
             return genomes + 0.01 * rng.normal(size=genomes.shape)
 
@@ -362,8 +366,8 @@ class TestOperatorSlots:
             wl.resume(path, generations=3, executor=threads, progress=False)
         same(wl.resume(path, 3, executor=threads, progress=False, mutation=nudge).records, whole.records)
 
-    def test_a_resumed_run_goes_on_as_it_began(self, threads, tmp_path):
-        """Nothing but what is missing can be given, and only what it was made with."""
+    def test_a_resumed_run_takes_only_the_functions_it_was_made_with(self, threads, tmp_path):
+        """Only the missing functions can be passed, and only those that the run was made with."""
 
         def nudge(genomes, genes, *, rng, step=0.01):
             return genomes + step * rng.normal(size=genomes.shape)
@@ -373,18 +377,18 @@ class TestOperatorSlots:
         evolve_to = partial(wl.evolve, executor=threads, progress=False)
         evolve_to(SETTINGS.with_(generations=1, mutation=slot), path)
         resume = partial(wl.resume, path, 3, threads, progress=False)
-        for given, told in (
+        for given, message in (
             ({}, r"mutation=\[partial\(nudge, step=0.02\), 'macro'\]"),
             ({"mutation": nudge}, r"mutation=\[partial\(nudge, step=0.02\), 'macro'\]"),
             ({"mutation": slot, "selection": "uniform"}, "'gradient'"),
-            ({"mutation": slot, "mutatoin": slot}, "there are fitness, selection"),
+            ({"mutation": slot, "mutatoin": slot}, "slots for functions are fitness, selection"),
         ):
-            with pytest.raises(wl.RunFileError, match=told):
+            with pytest.raises(wl.RunFileError, match=message):
                 resume(**given)
             assert wl.load(path).n_generations == 1
         same(resume(mutation=slot).records, evolve_to(SETTINGS.with_(mutation=slot)).records)
 
-    def test_a_bad_operator_is_refused_before_any_physics_runs(self):
+    def test_an_invalid_operator_raises_before_any_simulation(self):
         def shrinks(fitness, n_parents, *, rng):
             return np.argsort(-fitness)[: n_parents // 2]
 

@@ -1,4 +1,4 @@
-"""A run on a thread of its own brings forth the very table of one that was waited for."""
+"""Live runs: evolved in a background thread, with the same table as a run in the foreground."""
 
 import threading
 import weakref
@@ -19,12 +19,12 @@ PATIENCE = 60  # s
 
 
 class Listener:
-    """Hears the news of a run, and waits for what it wants to hear."""
+    """Records the states of a run, and waits for a condition."""
 
     def __init__(self):
         self.news, self.states = threading.Condition(), []
 
-    def hear(self, live):
+    def record(self, live):
         with self.news:
             self.states.append(live.state)
             self.news.notify_all()
@@ -35,20 +35,20 @@ class Listener:
 
 
 @pytest.fixture(autouse=True)
-def elsewhere(tmp_path, monkeypatch):
-    """Be where a run that has no file may be kept."""
+def in_temporary_folder(tmp_path, monkeypatch):
+    """Work in a temporary folder, in which a run without a file may be saved."""
     monkeypatch.chdir(tmp_path)
 
 
 @pytest.fixture
-def alive():
-    """Makes live runs on two threads, and ends them."""
+def make_live():
+    """Function that creates live runs with two workers; they are closed after the test."""
     with ThreadPoolExecutor(2) as pool:
         made = []
 
         def make(settings=SMALL, path=None):
             listener = Listener()
-            listener.live = LiveRun(settings, path, pool, on_news=listener.hear)
+            listener.live = LiveRun(settings, path, pool, on_change=listener.record)
             made.append(listener.live)
             return listener.live, listener
 
@@ -58,24 +58,24 @@ def alive():
 
 
 @pytest.fixture(scope="module")
-def waited_for():
+def expected():
     with ThreadPoolExecutor(2) as pool:
         return wl.evolve(SMALL, executor=pool, progress=False).records
 
 
-def test_it_brings_forth_the_table_of_a_run_that_was_waited_for(alive, waited_for, tmp_path):
-    live, listener = alive(path=tmp_path / "run.walk")
+def test_a_live_run_gives_the_table_of_a_foreground_run(make_live, expected, tmp_path):
+    live, listener = make_live(path=tmp_path / "run.walk")
     assert live.state == State.paused
     live.go_on()
     listener.until(lambda: live.is_over)
     assert live.state == State.finished
-    pd.testing.assert_frame_equal(live.run.records, waited_for)
-    pd.testing.assert_frame_equal(wl.load(tmp_path / "run.walk").records, waited_for)
+    pd.testing.assert_frame_equal(live.run.records, expected)
+    pd.testing.assert_frame_equal(wl.load(tmp_path / "run.walk").records, expected)
     assert live.n_done == live.n_walks
 
 
-def test_stepped_and_paused_it_is_the_same(alive, waited_for):
-    live, listener = alive()
+def test_steps_and_pauses_do_not_change_the_table(make_live, expected):
+    live, listener = make_live()
     for n in (1, 2):
         live.go_on(1)
         listener.until(lambda: live.state == State.paused)
@@ -85,37 +85,37 @@ def test_stepped_and_paused_it_is_the_same(alive, waited_for):
     assert live.state == State.paused
     live.go_on()
     listener.until(lambda: live.is_over)
-    pd.testing.assert_frame_equal(live.run.records, waited_for)
+    pd.testing.assert_frame_equal(live.run.records, expected)
 
 
-def test_paused_in_the_middle_of_a_generation_those_that_walk_finish_and_no_other_begins(alive, monkeypatch):
+def test_pause_lets_current_walks_finish_and_begins_no_other(make_live, monkeypatch):
     monkeypatch.setattr(live_module, "n_workers", lambda _: 1)
-    live, listener = alive(SMALL.with_(population_size=200, n_elites=0))
+    live, listener = make_live(SMALL.with_(population_size=200, n_elites=0))
     live.go_on()
     listener.until(lambda: live.n_done > 0)
     live.pause()
-    listener.until(lambda: not live._gate._submitted)
-    assert live._gate._waiting
+    listener.until(lambda: not live._pausable._submitted)
+    assert live._pausable._waiting
     assert live.n_generations == 0
     assert live.seconds_left > 0
 
 
-def test_stopped_it_keeps_the_generations_that_are_done(alive, waited_for):
-    live, listener = alive()
+def test_stop_keeps_the_generations_that_are_done(make_live, expected):
+    live, listener = make_live()
     live.go_on(2)
     listener.until(lambda: live.state == State.paused)
     live.stop()
     live.go_on()
     assert live.state == State.stopped
     live._thread.join(PATIENCE)
-    pd.testing.assert_frame_equal(live.run.records, waited_for[waited_for.generation < 2])
+    pd.testing.assert_frame_equal(live.run.records, expected[expected.generation < 2])
 
 
 @pytest.mark.parametrize("press", [LiveRun.stop, LiveRun.go_on])
-def test_a_button_pressed_while_it_comes_to_rest_is_heard(alive, monkeypatch, press):
-    live, _ = alive()
-    pause, begun, pressed = live._gate.pause, threading.Event(), threading.Event()
-    monkeypatch.setattr(live._gate, "pause", lambda: (begun.set(), pressed.wait(0.2), pause()))
+def test_stop_and_go_on_during_a_pause_take_effect(make_live, monkeypatch, press):
+    live, _ = make_live()
+    pause, begun, pressed = live._pausable.pause, threading.Event(), threading.Event()
+    monkeypatch.setattr(live._pausable, "pause", lambda: (begun.set(), pressed.wait(0.2), pause()))
     live.go_on(1)
     assert begun.wait(PATIENCE)
     press(live)
@@ -124,8 +124,8 @@ def test_a_button_pressed_while_it_comes_to_rest_is_heard(alive, monkeypatch, pr
     assert not live._thread.is_alive()
 
 
-def test_stopped_at_rest_its_thread_ends(alive):
-    live, listener = alive()
+def test_stop_during_a_pause_ends_the_thread(make_live):
+    live, listener = make_live()
     live.go_on(1)
     listener.until(lambda: live.state == State.paused)
     live.stop()
@@ -133,8 +133,8 @@ def test_stopped_at_rest_its_thread_ends(alive):
     assert not live._thread.is_alive()
 
 
-def test_stopped_in_the_middle_of_a_generation_it_lets_go_at_once(alive):
-    live, listener = alive(SMALL.with_(population_size=1000))
+def test_stop_during_a_generation_ends_the_thread_at_once(make_live):
+    live, listener = make_live(SMALL.with_(population_size=1000))
     live.go_on()
     listener.until(lambda: live.n_done > 0)
     live.stop()
@@ -143,14 +143,14 @@ def test_stopped_in_the_middle_of_a_generation_it_lets_go_at_once(alive):
     assert live.run.records.empty
 
 
-def test_a_fitness_that_fails_fails_the_run_and_keeps_the_rest(alive):
-    def moody(rollout):
+def test_a_fitness_that_raises_fails_the_run_and_keeps_earlier_generations(make_live):
+    def fails_in_second_generation(rollout):
         if any(one.n_generations == 1 for one in lives):
             raise ArithmeticError("not today")
         return rollout.distance
 
     lives = []
-    live, listener = alive(SMALL.with_(fitness=moody))
+    live, listener = make_live(SMALL.with_(fitness=fails_in_second_generation))
     lives.append(live)
     live.go_on()
     listener.until(lambda: live.is_over)
@@ -160,21 +160,21 @@ def test_a_fitness_that_fails_fails_the_run_and_keeps_the_rest(alive):
     assert live.n_generations == 1
 
 
-def test_the_time_left_does_not_count_what_was_before_the_first_walks(alive):
-    live, _ = alive()
+def test_the_remaining_time_ignores_the_time_before_the_first_results(make_live):
+    live, _ = make_live()
     for seconds in (100.0, 110.0):
         live._seconds = seconds
-        live._walked(1)
+        live._count_walks(1)
     assert live.seconds_left == pytest.approx(10.0 * (live.n_walks - 2))
 
 
-def test_the_workers_go_home_with_the_last_run(monkeypatch):
+def test_closing_the_last_run_shuts_the_default_executor_down(monkeypatch):
     workers, lives = ThreadPoolExecutor(2), []
     monkeypatch.setattr(live_module, "default_executor", lambda: workers)
     monkeypatch.setattr(live_module, "_RUNS", weakref.WeakSet())
     for _ in range(2):
         listener = Listener()
-        lives.append(LiveRun(SMALL, on_news=listener.hear))
+        lives.append(LiveRun(SMALL, on_change=listener.record))
         lives[-1].go_on(1)
         listener.until(lambda: lives[-1].state == State.paused)
     lives[0].close()
@@ -184,7 +184,7 @@ def test_the_workers_go_home_with_the_last_run(monkeypatch):
         workers.submit(int)
 
 
-def test_what_cannot_run_is_refused_before_it_begins(tmp_path):
+def test_invalid_arguments_raise_before_the_run_begins(tmp_path):
     with pytest.raises(wl.OperatorError):
         LiveRun(SMALL.with_(mutation=lambda genomes, genes, *, rng: genomes[:1]))
     (tmp_path / "run.walk").touch()
@@ -192,8 +192,8 @@ def test_what_cannot_run_is_refused_before_it_begins(tmp_path):
         LiveRun(SMALL, tmp_path / "run.walk")
 
 
-class TestByHand:
-    """A gene that somebody puts into the next generation."""
+class TestInsertedGenome:
+    """A genome that a user inserts into the next generation."""
 
     GENE = str(wl.generate_robot_gene(SMALL.robot, rng=np.random.default_rng(5)))
 
@@ -204,26 +204,26 @@ class TestByHand:
                 evolution.insert(self.GENE)
         return evolution.run
 
-    def test_it_takes_the_place_of_the_last_child_and_nothing_else_changes(self, waited_for):
+    def test_it_replaces_the_last_child_and_nothing_else_changes(self, expected):
         with ThreadPoolExecutor(2) as pool:
             run = self.evolve(pool)
         third = run.records[run.records.generation == 2]
-        guest = third.iloc[-1]
-        assert (guest.genome, guest.operators, guest.parents, guest.born) == (self.GENE, "by hand", "", 2)
-        before = waited_for[waited_for.generation == 2]
+        inserted = third.iloc[-1]
+        assert (inserted.genome, inserted.operators, inserted.parents, inserted.born) == (self.GENE, "by hand", "", 2)
+        before = expected[expected.generation == 2]
         pd.testing.assert_frame_equal(third.iloc[:-1], before.iloc[:-1])
-        pd.testing.assert_frame_equal(run.records[run.records.generation < 2], waited_for[waited_for.generation < 2])
+        pd.testing.assert_frame_equal(run.records[run.records.generation < 2], expected[expected.generation < 2])
 
-    def test_the_code_of_the_run_does_it_again(self):
+    def test_the_code_of_the_report_reproduces_the_run(self):
         with ThreadPoolExecutor(2) as pool:
             run = self.evolve(pool)
         code, place = as_python(run.settings, run.records), {}
         exec(code, place)
         pd.testing.assert_frame_equal(place["run"].records, run.records)
 
-    def test_there_must_be_room_and_a_generation_before(self):
+    def test_it_requires_a_place_and_an_earlier_generation(self):
         evolution = wl.Evolution(SMALL)
-        with pytest.raises(ValueError, match="first generation is random"):
+        with pytest.raises(ValueError, match="first generation, which is random"):
             evolution.insert(self.GENE)
         with ThreadPoolExecutor(2) as pool:
             evolution = wl.Evolution(SMALL, executor=pool)
@@ -235,67 +235,67 @@ class TestByHand:
             with pytest.raises(ValueError, match="4 places for children"):
                 evolution.insert(self.GENE)
 
-    def test_it_is_in_the_next_generation_that_is_bred_and_refused_where_there_is_none(self):
-        told, refused = {}, {}
+    def test_it_is_in_the_next_generation_to_be_bred_and_rejected_without_one(self):
+        accepted, rejected = {}, {}
 
-        def put_in():
+        def insert_once():
             moment = evolution.n_generations
-            if moment and not {moment} & (told.keys() | refused.keys()):
+            if moment and not {moment} & (accepted.keys() | rejected.keys()):
                 try:
-                    told[moment] = evolution.insert(self.GENE)
+                    accepted[moment] = evolution.insert(self.GENE)
                 except ValueError as error:
-                    refused[moment] = str(error)
+                    rejected[moment] = str(error)
 
         with ThreadPoolExecutor(2) as pool:
-            evolution = wl.Evolution(SMALL, executor=pool, on_walks=lambda _: put_in())
+            evolution = wl.Evolution(SMALL, executor=pool, on_walks=lambda _: insert_once())
             records = [generation.records for generation in evolution][-1]
         with pytest.raises(ValueError, match="generation 3 is the last"):
             evolution.insert(self.GENE)
-        assert told == {1: 2, 2: 3}
-        assert "generation 3 is the last" in refused[3]
+        assert accepted == {1: 2, 2: 3}
+        assert "generation 3 is the last" in rejected[3]
         assert (records[records.operators == "by hand"].born == 3).sum() == 1
 
-    def test_it_waits_when_its_generation_is_interrupted(self):
+    def test_after_an_interruption_it_is_in_the_generation_that_is_bred_again(self):
         interruptions = []
 
         def walked(_):
             if evolution.n_generations == 1 and not interruptions:
-                interruptions.append(evolution.insert(self.GENE))  # while its elder walks already
+                interruptions.append(evolution.insert(self.GENE))  # while the other inserted genomes walk
                 raise KeyboardInterrupt
 
         with ThreadPoolExecutor(2) as pool:
             evolution = wl.Evolution(SMALL, executor=pool, on_walks=walked)
             next(iter(evolution))
-            told = [evolution.insert(self.GENE) for _ in range(4)]
+            accepted = [evolution.insert(self.GENE) for _ in range(4)]
             with pytest.raises(KeyboardInterrupt):
                 next(iter(evolution))
             assert evolution.n_generations == 1
             records = [generation.records for generation in evolution]
-        assert told == 4 * [1]
+        assert accepted == 4 * [1]
         by_hand = [int(((table.operators == "by hand") & (table.born == table.generation)).sum()) for table in records]
         assert by_hand[:2] == [4, 1]
 
-    def test_between_two_generations_it_is_in_the_second(self):
+    def test_inserted_between_two_generations_it_is_in_the_second(self):
         with ThreadPoolExecutor(2) as pool:
             evolution = wl.Evolution(SMALL, executor=pool)
-            told = [evolution.insert(self.GENE) for generation in evolution if generation.number < 3]
+            accepted = [evolution.insert(self.GENE) for generation in evolution if generation.number < 3]
         born = births(evolution.run.records)
-        assert told == born[born.operators == "by hand"].born.tolist() == [1, 2, 3]
+        assert accepted == born[born.operators == "by hand"].born.tolist() == [1, 2, 3]
 
-    def test_beyond_the_limits_it_is_brought_within_them(self):
+    def test_its_genes_are_clipped_to_the_limits(self):
         tight = SMALL.with_(legs=(2, 2), generations=2)
         with ThreadPoolExecutor(2) as pool:
             evolution = wl.Evolution(tight, executor=pool)
             for generation in evolution:
                 if generation.number == 0:
                     evolution.insert(self.GENE)
-        guest = evolution.run.records.iloc[-1]
-        assert guest.operators == "by hand"
-        assert guest.genome == str(wl.Genome.parse(self.GENE).within(tight.robot)) != self.GENE
-        assert guest.n_legs == 2
+        inserted = evolution.run.records.iloc[-1]
+        assert inserted.operators == "by hand"
+        assert inserted.genome == str(wl.Genome.parse(self.GENE).within(tight.robot)) != self.GENE
+        assert inserted.n_legs == 2
 
-    def test_of_a_run_that_is_over_it_is_refused(self, alive):
-        live, listener = alive()
+    def test_a_run_that_is_over_rejects_it(self, make_live):
+        live, listener = make_live()
         live.go_on(1)
         listener.until(lambda: live.state == State.paused)
         live.stop()

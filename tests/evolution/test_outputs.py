@@ -10,8 +10,8 @@ import pytest
 import walkerlab as wl
 from walkerlab.__main__ import main
 from walkerlab.evolution import outputs
-from walkerlab.runfile.store import RUN_FILE
-from walkerlab.system.file_sets import STAGE, OutputError
+from walkerlab.runfile.paths import RUN_FILE
+from walkerlab.system.file_sets import HIDDEN_FOLDER, OutputError
 from walkerlab.system.files import PathError
 
 SMALL = wl.Settings().with_(population_size=4, generations=2, duration=1)
@@ -33,7 +33,7 @@ def here(tmp_path, monkeypatch):
 
 @pytest.fixture
 def written(here, threads, monkeypatch):
-    """A run, and old files beside it that only say so; the parts that take long are not drawn."""
+    """A run and old output files, which contain "old"; slow parts of the new ones are replaced by a text."""
     monkeypatch.setattr(outputs.plots, "save", lambda _axes, *paths: [path.write_text("new") for path in paths])
     monkeypatch.setattr(outputs.report, "write", lambda *_, **__: None)
     run = wl.evolve(SMALL, here / "walk" / RUN_FILE, threads, progress=False)
@@ -51,7 +51,7 @@ def unreadable(*_):
     raise ValueError("XML Error: cannot be read")
 
 
-def test_a_part_that_fails_leaves_the_old_files_and_is_named(written, here, monkeypatch):
+def test_if_a_part_fails_the_old_files_stay_and_the_error_names_it(written, here, monkeypatch):
     monkeypatch.setattr(mujoco.MjModel, "from_xml_string", unreadable)
     monkeypatch.setattr(mujoco.MjModel, "from_xml_path", unreadable)
     before = texts(here / "walk")
@@ -63,11 +63,11 @@ def test_a_part_that_fails_leaves_the_old_files_and_is_named(written, here, monk
     os.utime(here / "walk" / "champion.xml")
     with pytest.raises(OutputError, match="All other files are written"):
         outputs.write(wl.load("walk"), Path("walk"))
-    assert texts(here / "walk")["champion.xml"] == "old", "it is of the run as it is"
+    assert texts(here / "walk")["champion.xml"] == "old", "it is up to date"
     assert texts(here / "walk")["champion.png"] == "new"
 
 
-def test_in_a_new_folder_all_that_can_be_made_is_written(written, here, monkeypatch):
+def test_in_a_new_folder_all_parts_that_succeed_are_written(written, here, monkeypatch):
     monkeypatch.setattr(mujoco.MjModel, "from_xml_string", unreadable)
     monkeypatch.setattr(mujoco.MjModel, "from_xml_path", unreadable)
     with pytest.raises(OutputError, match=r"champion\.xml"):
@@ -75,30 +75,30 @@ def test_in_a_new_folder_all_that_can_be_made_is_written(written, here, monkeypa
     assert {"champion.txt", "champion.png", "fitness.svg", "fitness.png"} == texts(here / "new").keys()
 
 
-def test_the_command_names_the_part_that_failed_and_how_all_are_made(written, here, monkeypatch, capsys):
+def test_the_command_names_the_part_that_failed_and_the_command_that_repeats_it(written, here, monkeypatch, capsys):
     monkeypatch.setattr(mujoco.MjModel, "from_xml_string", unreadable)
     monkeypatch.setattr(mujoco.MjModel, "from_xml_path", unreadable)
     assert main(["resume", "walk", "--quiet"]) == 2
-    told = capsys.readouterr().err
-    assert "The run is whole" in told
-    assert "champion.xml: ValueError: XML Error" in told
-    assert "all of them are made by: walkerlab resume walk\n" in told
-    assert "None" not in told
+    message = capsys.readouterr().err
+    assert "The run is whole" in message
+    assert "champion.xml: ValueError: XML Error" in message
+    assert "all of them are made by: walkerlab resume walk\n" in message
+    assert "None" not in message
 
 
-def test_files_that_cannot_be_written_are_told_in_words(written, here):
+def test_a_folder_that_cannot_be_written_to_raises_an_explained_error(written, here):
     (here / "file").touch()
-    with pytest.raises(PathError, match="that is a file"):
+    with pytest.raises(PathError, match="which is a file"):
         outputs.write(written, here / "file")
-    (here / "walk" / STAGE).write_text("in the way")
-    with pytest.raises(OutputError, match="nothing can be written into walk: "):
+    (here / "walk" / HIDDEN_FOLDER).write_text("in the way")
+    with pytest.raises(OutputError, match="no files can be written into walk: "):
         outputs.write(written, here / "walk")
 
 
 # ---------------------------------------------------------------------------------------------------------- paths
 
 
-def test_a_run_that_has_begun_goes_to_its_file_wherever_python_goes(here, threads, monkeypatch):
+def test_changing_the_current_folder_does_not_change_the_run_file(here, threads, monkeypatch):
     (here / "elsewhere").mkdir()
     evolution = wl.Evolution(SMALL, "walk/run.walk", threads)
     for _ in evolution:
@@ -113,7 +113,7 @@ def test_a_run_that_has_begun_goes_to_its_file_wherever_python_goes(here, thread
     assert ", in walk" + os.sep + "run.walk)" in repr(run)
 
 
-def test_every_entry_knows_the_home_folder(here, threads, monkeypatch):
+def test_every_function_expands_the_home_folder(here, threads, monkeypatch):
     run = wl.evolve(SMALL, "~/runs/run.walk", threads, progress=False)
     assert run.path == here / "home" / "runs" / "run.walk"
     assert wl.load("~/runs").path == run.path
@@ -126,7 +126,7 @@ def test_every_entry_knows_the_home_folder(here, threads, monkeypatch):
     assert lab.runs.drawer.files == [os.path.join("home", "runs", "run.walk")]
     monkeypatch.chdir(here / "home")
     lab.runs.drawer._hear(None, {"load": lab.runs.drawer.files[0]}, [])
-    assert lab.run.path == run.path, "what is listed can be loaded from anywhere"
+    assert lab.run.path == run.path, "a listed run can be loaded from any folder"
     lab.close()
     monkeypatch.chdir(here)
     assert main(["show", "~/runs"]) == 0
@@ -136,7 +136,7 @@ def test_every_entry_knows_the_home_folder(here, threads, monkeypatch):
 
 
 @pytest.mark.parametrize("path", [":memory:", "file:y.walk", "", "a\0b", "new/"])
-def test_what_no_run_can_be_kept_in_is_rejected_before_anything_walks(here, path, monkeypatch):
+def test_an_invalid_path_raises_before_any_walk(here, path, monkeypatch):
     monkeypatch.setattr("walkerlab.evolution.evolution.evaluate", None)
     for use in (wl.load, lambda path: wl.evolve(SMALL, path), lambda path: wl.rescue("x.walk", path)):
         with pytest.raises(wl.RunFileError):
@@ -145,7 +145,7 @@ def test_what_no_run_can_be_kept_in_is_rejected_before_anything_walks(here, path
 
 
 @pytest.mark.parametrize("path", [":memory:", "file:y", ""])
-def test_so_it_is_for_folders_and_on_the_command_line(here, path, capsys):
+def test_an_invalid_folder_raises_also_on_the_command_line(here, path, capsys):
     for use in (
         lambda: wl.Lab(SMALL, path),
         lambda: wl.export_mjcf("", SMALL, path),

@@ -1,4 +1,4 @@
-"""A run that is resumed never mixes the numbers of two fitness functions, and its file says which functions made it."""
+"""Resumed runs: they never mix the ratings of two fitness functions, and their files record the functions."""
 
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
@@ -67,7 +67,7 @@ def begin(threads, tmp_path):
     (times(1), another_f()), (times(1), times(100)), (Scorer(1), Scorer(100)), (Scorer(1).rate, Scorer(100).rate),
     (lambda walk: walk.distance, lambda walk: 100 * walk.distance),
 ], ids=["source", "closure", "object", "method", "lambda"])  # fmt: skip
-def test_a_fitness_that_has_changed_is_refused_and_the_file_stays_as_it_was(first, second, begin, tmp_path):
+def test_a_changed_fitness_raises_and_the_file_is_unchanged(first, second, begin, tmp_path):
     resume, path = begin(first), tmp_path / "m.walk"
     before, run = path.read_bytes(), wl.load(path)
     with pytest.raises(
@@ -83,7 +83,7 @@ def test_a_fitness_that_has_changed_is_refused_and_the_file_stays_as_it_was(firs
     assert path.read_bytes() == before
 
 
-def test_a_change_of_what_a_fitness_looks_up_is_found_by_the_walks(begin, monkeypatch):
+def test_a_changed_global_of_a_fitness_is_detected_by_the_ratings(begin, monkeypatch):
     resume = begin(by_global)
     monkeypatch.setattr(f"{__name__}.FACTOR", 2.0)
     with pytest.raises(wl.RunFileError, match="may have changed"):
@@ -91,14 +91,14 @@ def test_a_change_of_what_a_fitness_looks_up_is_found_by_the_walks(begin, monkey
 
 
 @pytest.mark.parametrize("fitness", [times(1), Scorer(3.0), by_global, lambda walk: walk.distance])
-def test_a_fitness_that_rates_as_before_resumes_to_the_uninterrupted_table(fitness, begin, threads):
+def test_an_unchanged_fitness_resumes_to_the_uninterrupted_table(fitness, begin, threads):
     resumed = begin(fitness)(fitness=fitness)
     whole = wl.evolve(SETTINGS.with_(fitness=fitness, generations=3), executor=threads, progress=False)
     same(resumed.records, whole.records)
     assert resumed.records.attrs == whole.records.attrs
 
 
-def test_a_fixed_function_that_rates_as_before_resumes_and_the_file_has_its_source(begin, tmp_path):
+def test_a_new_source_with_the_same_ratings_resumes_and_is_recorded(begin, tmp_path):
     def f(walk):
         return walk.distance if walk.counts else 0.0
 
@@ -108,7 +108,7 @@ def test_a_fixed_function_that_rates_as_before_resumes_and_the_file_has_its_sour
     assert source_digest(f) != source_digest(times(1))
 
 
-def test_rated_anew_no_generation_mixes_and_no_old_number_is_used_again(begin, threads, tmp_path):
+def test_after_rerating_no_generation_mixes_ratings_and_no_old_rating_is_reused(begin, threads, tmp_path):
     path = tmp_path / "m.walk"
     copies = {"mutation_rate": 0.0, "crossover": "none"}  # children that have walked before
     begin(times(100), **copies)(fitness=times(1), rerate=True)
@@ -127,15 +127,15 @@ def test_rated_anew_no_generation_mixes_and_no_old_number_is_used_again(begin, t
     assert wl.load(path).champion == longer.champion
 
 
-def test_rated_anew_without_a_difference_it_is_the_uninterrupted_run(begin, threads):
+def test_rerating_without_a_difference_equals_the_uninterrupted_run(begin, threads):
     run = begin(times(1))(fitness=times(1), rerate=True)
     same(run.records, wl.evolve(SETTINGS.with_(fitness=times(1), generations=3), None, threads, progress=False).records)
     assert run.rated_since == 0
 
 
-def test_a_fitness_that_fails_on_a_walk_names_the_robot_and_leaves_the_file(begin, tmp_path):
+def test_an_error_while_rerating_names_the_robot_and_leaves_the_file_unchanged(begin, tmp_path):
     def f(walk):
-        return walk.distance if len(walk.time) > 100 else 1 / 0  # as the made-up walk is
+        return walk.distance if len(walk.time) > 100 else 1 / 0  # as in the walk that checks the function
 
     resume = begin(times(1))
     with pytest.raises(wl.OperatorError, match=r"for individual \d+ of generation 1, rated again"):
@@ -144,15 +144,15 @@ def test_a_fitness_that_fails_on_a_walk_names_the_robot_and_leaves_the_file(begi
 
 
 @pytest.mark.filterwarnings("ignore:.* was made with mujoco")
-def test_on_another_computer_where_walks_differ_the_recorded_source_decides(begin, monkeypatch):
-    resume, here = begin(times(1)), provenance.here()
-    monkeypatch.setattr(provenance, "here", lambda: {**here, "mujoco": "9.9"})
+def test_with_other_versions_the_recorded_source_decides(begin, monkeypatch):
+    resume, here = begin(times(1)), provenance.current_facts()
+    monkeypatch.setattr(provenance, "current_facts", lambda: {**here, "mujoco": "9.9"})
     with pytest.raises(wl.RunFileError, match="other versions or on another processor"):
         resume(fitness=times(2))
     assert resume(fitness=times(1)).n_generations == 3
 
 
-def test_an_operator_from_another_source_is_warned_about_and_recorded(begin, tmp_path):
+def test_a_changed_operator_warns_and_is_recorded(begin, tmp_path):
     def make(step):
         def nudge(genomes, genes, *, rng):
             return genomes + step * rng.normal(size=genomes.shape)
@@ -165,17 +165,17 @@ def test_an_operator_from_another_source_is_warned_about_and_recorded(begin, tmp
     assert source_digest(make(0.02)) in store.read_facts(tmp_path / "m.walk")[1]["mutation function"]
 
 
-def test_neither_a_choice_nor_a_function_of_ours_stands_for_one_of_the_same_name(begin):
+def test_a_built_in_function_does_not_replace_a_user_function_of_the_same_name(begin):
     def distance(walk):
         return 100 * walk.distance
 
     resume = begin(distance)
     for other in ("distance", wl.fitness.distance):
-        with pytest.raises(wl.RunFileError, match="give them back"):
+        with pytest.raises(wl.RunFileError, match="was made with user functions"):
             resume(fitness=other)
 
 
-def test_a_digest_is_of_what_the_function_does_and_holds():
+def test_a_digest_depends_on_the_code_and_the_values_of_a_function():
     def f(walk, k=1):
         return k * walk.distance
 

@@ -16,7 +16,7 @@ import pytest
 import walkerlab as wl
 from tests.faults import number
 from tests.faults.standins import SETTINGS, attempt, evaluate, text
-from tests.runfile.test_store import KILLED_HALF_WAY
+from tests.runfile.test_store import KILLED_DURING_APPEND
 from walkerlab.__main__ import main
 from walkerlab.evolution import evolution
 
@@ -142,7 +142,7 @@ def test_a_full_disk_keeps_what_is_done_and_with_room_the_run_goes_on(whole, tmp
             wl.evolve(SETTINGS, path, progress=False)
         kept = wl.load(path)
         assert 0 < kept.n_generations < SETTINGS.algorithm.generations
-        assert f"What is done is kept in {path}: {kept.n_generations} gen" in "".join(caught.value.__notes__)
+        assert f"The run is saved in {path}, with {kept.n_generations} gen" in "".join(caught.value.__notes__)
         assert truth.startswith(text(kept.records))
         assert main(["resume", str(path), "--quiet"]) == 1
         told = capsys.readouterr().err
@@ -200,7 +200,7 @@ def test_where_nothing_can_be_written_a_run_can_be_read_and_all_else_is_told(who
     path = Path(shutil.copy(path, anywhere / "run.walk"))
     asked = {
         "it, or the folder that it is in, cannot be written to": lambda: wl.resume(path, 40, progress=False),
-        "no run file can be made at": lambda: wl.evolve(SETTINGS, anywhere / "new.walk", progress=False),
+        "no run file can be created at": lambda: wl.evolve(SETTINGS, anywhere / "new.walk", progress=False),
         "Permission denied": lambda: wl.rescue(path, anywhere / "folder" / "new.walk"),
     }
     with nobody():
@@ -218,7 +218,7 @@ def test_where_nothing_can_be_written_a_run_can_be_read_and_all_else_is_told(who
 def test_what_was_being_written_when_its_process_died_is_not_read_where_it_cannot_be_undone(whole, anywhere, request):
     path, truth = whole
     path = Path(shutil.copy(path, anywhere / "run.walk"))
-    killed = subprocess.run([sys.executable, "-c", KILLED_HALF_WAY, path, request.config.rootpath], check=False)
+    killed = subprocess.run([sys.executable, "-c", KILLED_DURING_APPEND, path, request.config.rootpath], check=False)
     assert killed.returncode == -9
     with nobody(), pytest.raises(wl.RunFileError, match="Copy it"):
         wl.load(path)

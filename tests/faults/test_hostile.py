@@ -45,11 +45,11 @@ def forge(honest, tmp_path):
         with closing(sqlite3.connect(path)) as db, db:
             for statement in statements:
                 db.execute(*([statement] if isinstance(statement, str) else [statement[0], statement[1:]]))
-            schema.write_settings(db, json.dumps(settings(json.loads(schema.fact(db, "settings")))))
+            schema.write_settings(db, json.dumps(settings(json.loads(schema.read_fact(db, "settings")))))
             made_with = [row for (row,) in db.execute("SELECT made_with FROM provenance")]
             db.execute("DELETE FROM generations")
             for (generation,) in db.execute("SELECT DISTINCT generation FROM records").fetchall():
-                schema.seal(db, generation, made_with[0])
+                schema.seal_generation(db, generation, made_with[0])
         return path
 
     return forged
@@ -115,7 +115,7 @@ def test_a_function_that_has_no_name_is_refused(forge, name):
         path = forge(
             settings=lambda plain, given=function: {**plain, "algorithm": {**plain["algorithm"], "fitness": given}}
         )
-        with pytest.raises(wl.RunFileError, match="no function of a run is called"):
+        with pytest.raises(wl.RunFileError, match="a function of a run cannot be called"):
             wl.load(path)
 
 
@@ -142,9 +142,9 @@ def test_a_genome_that_is_none_is_told_where_it_is_needed(forge, capsys):
 
 GREEDY = """
 import resource, sys, walkerlab as wl
-from walkerlab.runfile import store
+from walkerlab.runfile import paths, store
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-path = store.locate(sys.argv[1])
+path = paths.locate(sys.argv[1])
 for use in (wl.load, store.read_facts, lambda path: wl.rescue(path, f"{path}.rescued")):
     try:
         use(path)

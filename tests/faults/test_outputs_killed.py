@@ -15,7 +15,7 @@ import pytest
 import walkerlab as wl
 from tests.faults import number
 from walkerlab.evolution import outputs
-from walkerlab.runfile.store import RUN_FILE
+from walkerlab.runfile.paths import RUN_FILE
 from walkerlab.view.report.pictures import FORMATS, PICTURES
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="nothing there kills like SIGKILL")

@@ -110,7 +110,7 @@ def test_the_name_of_a_function_cannot_end_a_comment():
 def test_show_prints_no_control_characters(tmp_path, capsys, monkeypatch, run):
     evolved(tmp_path / "run.walk")
     strange = Run(SMALL, run.records.assign(operators=STRANGE))
-    monkeypatch.setattr("walkerlab.evolution.run.load", lambda path: strange)
+    monkeypatch.setattr("walkerlab.evolution.loading.load", lambda path: strange)
     assert main(["show", str(tmp_path)]) == 0
     shown = capsys.readouterr().out
     assert "pwned" in shown

@@ -265,7 +265,7 @@ def test_a_live_run_reports_a_fault_and_keeps_complete_generations(monkeypatch):
 
     faulty = create_function("fitness", hangs, lambda walk: any(live.n_generations for live in lives))
     with ThreadPoolExecutor(1) as pool:
-        lives.append(LiveRun(REAL.with_(fitness=faulty), executor=pool, on_news=hear))
+        lives.append(LiveRun(REAL.with_(fitness=faulty), executor=pool, on_change=hear))
         lives[0].go_on()
         assert over.wait(60)
     assert lives[0].state == State.failed

@@ -90,7 +90,7 @@ def test_a_live_run_continues_after_a_pause_longer_than_the_time_limit(waits, mo
     monkeypatch.setenv("WALKERLAB_PATIENCE", "1000")
     over, settings = threading.Event(), SETTINGS.with_(population_size=200, generations=1, duration=1)
     with ThreadPoolExecutor(1) as threads:
-        live = LiveRun(settings, executor=threads, on_news=lambda live: live.is_over and over.set())
+        live = LiveRun(settings, executor=threads, on_change=lambda live: live.is_over and over.set())
         live.go_on()
         until(lambda: live.n_done)
         live.pause()

@@ -1,4 +1,4 @@
-"""What a run has brought forth is in a file, read when it is asked for, and no genome walks twice."""
+"""Archives: generations are read on first use, and no genome walks twice."""
 
 import gc
 import pickle
@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 
 import walkerlab as wl
 from walkerlab.evolution import evolution as evolution_module
-from walkerlab.evolution.evolution import n_walks
+from walkerlab.evolution.forecast import n_walks
 from walkerlab.evolution.live import LiveRun
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile import archive as archive_module
@@ -33,7 +33,7 @@ same = partial(pd.testing.assert_frame_equal, check_exact=True)
 
 
 def generation(number, n=4, genome="wl1 {individual}"):
-    """Return a generation of which the first is an elite, but for generation 0."""
+    """Return a generation whose first individual is an elite, except in generation 0."""
     individuals = np.arange(n) + number * (n - 1)
     table = pd.DataFrame({"generation": number, "individual": individuals, "born": number, "verdict": "ok"})
     table.loc[0, "born"] = max(0, number - 1)
@@ -49,7 +49,7 @@ def filled(path=None, n=3, n_rows=4, **options):
     return archive
 
 
-@pytest.fixture(params=["run.walk", None], ids=["kept", "passing"])
+@pytest.fixture(params=["run.walk", None], ids=["file", "temporary"])
 def path(request, tmp_path):
     return tmp_path / request.param if request.param else None
 
@@ -61,10 +61,10 @@ def is_open(file):
         return False
 
 
-# ----------------------------------------------------------------------------------------------------- what it keeps
+# ------------------------------------------------------------------------------------------ the table
 
 
-def test_the_table_is_that_of_all_that_was_added(path):
+def test_the_table_has_all_generations_that_were_added(path):
     archive = filled(path)
     for n in (3, 1, 0, 2):
         table = archive.table(n)
@@ -72,7 +72,7 @@ def test_the_table_is_that_of_all_that_was_added(path):
         assert table.attrs == join([]).attrs
 
 
-def test_what_was_read_is_not_read_again(path, monkeypatch):
+def test_generations_are_read_once(path, monkeypatch):
     read, store_reads = [], store.read_generations
     monkeypatch.setattr(
         store, "read_generations", lambda path, *span: (read.append(span[1:]), store_reads(path, *span))[1]
@@ -85,7 +85,7 @@ def test_what_was_read_is_not_read_again(path, monkeypatch):
     assert read == [(0, 2), (2, 3), (3, 4)]
 
 
-def test_a_table_that_is_handed_out_is_the_readers_own(path):
+def test_changing_a_returned_table_does_not_change_the_archive(path):
     archive = filled(path)
     mine = archive.table(3)
     mine["fitness"] = 99.0
@@ -95,8 +95,8 @@ def test_a_table_that_is_handed_out_is_the_readers_own(path):
     assert archive.table(3).attrs == join([]).attrs
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="there it has a name as long as it is open")
-def test_a_passing_file_leaves_nothing_wherever_it_is(tmp_path, monkeypatch):
+@pytest.mark.skipif(sys.platform == "win32", reason="a temporary file has a name there while it is open")
+def test_a_temporary_file_is_deleted_with_the_archive(tmp_path, monkeypatch):
     monkeypatch.setenv("SQLITE_TMPDIR", str(tmp_path))
     archive = filled(n=5, n_rows=2000, genome="x" * 1000 + "{individual}")  # more than SQLite holds in memory
     assert not list(tmp_path.iterdir())
@@ -108,7 +108,7 @@ def test_a_passing_file_leaves_nothing_wherever_it_is(tmp_path, monkeypatch):
     assert not is_open(file)
 
 
-def test_a_passing_file_is_read_on_one_thread_while_another_adds():
+def test_threads_can_read_a_temporary_file_while_another_adds():
     archive, n = filled(n=1), 60
     with ThreadPoolExecutor(3) as pool:
         readers = [pool.submit(lambda: [len(archive.table(archive.table(n).generation.max() + 1)) for _ in range(n)])]
@@ -119,50 +119,50 @@ def test_a_passing_file_is_read_on_one_thread_while_another_adds():
     same(archive.table(n), join([generation(number) for number in range(n)]))
 
 
-# ------------------------------------------------------------------------------------------------------- what it finds
+# ------------------------------------------------------------------------------------------ the index
 
 
 def walked(table):
     return {row[-1]: Walked(*row) for row in table[list(Walked._fields)].itertuples(index=False, name=None)}
 
 
-def test_it_finds_who_has_walked_and_nobody_else(path):
+def test_find_returns_stored_evaluations_only(path):
     archive, born = filled(path, 9), join([generation(number) for number in range(9)])
     some = born.genome[::3].tolist()
-    found = archive.find([*some, "wl1 nobody"])
+    found = archive.find([*some, "wl1 unknown"])
     assert found.keys() == set(some)
     wanted = walked(born[born.genome.isin(some)])
     for text, one in found.items():
         assert one._replace(distance=None) == wanted[text]._replace(distance=None)
-        assert one.distance is None, "not a number, as the file has it"
+        assert one.distance is None, "NaN is NULL in the file"
     assert Archive.create(PLAIN).find(some) == archive.find([]) == {}
 
 
-def test_of_two_genomes_with_one_hash_each_gets_its_own_or_nothing(path, monkeypatch):
+def test_genomes_with_equal_hashes_are_not_confused(path, monkeypatch):
     monkeypatch.setattr(archive_module, "hash", lambda text: 7, raising=False)
     archive = filled(path)
-    found = [archive.find([text]).get(text) for text in ("wl1 0", "wl1 1", "wl1 nobody")]
+    found = [archive.find([text]).get(text) for text in ("wl1 0", "wl1 1", "wl1 unknown")]
     assert [one and one.genome for one in found] == ["wl1 0", None, None]
 
 
 @hypothesis_settings(max_examples=50)
 @given(sizes=st.lists(st.integers(2, 5), max_size=40))
-def test_however_generations_come_all_are_known_and_the_parts_are_few(sizes):
+def test_the_index_has_all_genomes_in_few_blocks(sizes):
     archive, texts = Archive.create(PLAIN), []
     for number, n in enumerate(sizes):
-        archive._remember(generation(number, n, genome=f"{number}-{{individual}}"))
+        archive._add_to_index(generation(number, n, genome=f"{number}-{{individual}}"))
         texts += [f"{number}-{i + number * (n - 1)}" for i in range(1 if number else 0, n)]
-    hashes = [one for known in archive._known for one in known[0].tolist()]
+    hashes = [one for known in archive._index for one in known[0].tolist()]
     assert sorted(hashes) == sorted(map(hash, texts))
-    assert all((known[0][:-1] <= known[0][1:]).all() for known in archive._known)
-    assert len(archive._known) <= 9
+    assert all((known[0][:-1] <= known[0][1:]).all() for known in archive._index)
+    assert len(archive._index) <= 9
 
 
-# ------------------------------------------------------------------------------------------------------ no walk twice
+# ------------------------------------------------------------------------------------------ no repeated walks
 
 
 def measured(values):
-    """Stand in for a walk: as repeatable, and with the same kinds of values."""
+    """Return the evaluation of a replaced walk: repeatable, with the same types of values."""
     genome, fitness = Genome(values), float(values[1:].sum() % 7)
     counts = fitness > 1
     return Evaluation(
@@ -173,7 +173,7 @@ def measured(values):
 
 @pytest.fixture
 def seen(monkeypatch):
-    """The genomes that walk, by name, where walks are stood in for."""
+    """Texts of the genomes that walk; the walks are replaced by ``measured``."""
     seen = []
 
     def evaluate(genomes, settings, executor=None, *, on_done):
@@ -186,8 +186,8 @@ def seen(monkeypatch):
 
 
 @pytest.fixture
-def without_memory(monkeypatch):
-    """Let every child walk, whoever walked before; called, it says so from then on."""
+def without_reuse(monkeypatch):
+    """Function that makes all children walk from then on, also those that have walked before."""
 
     def walk(self, genomes):
         return [Walked.of(one, str(one.genome)) for one in self._evaluate(genomes)]
@@ -196,7 +196,7 @@ def without_memory(monkeypatch):
 
 
 def often_copies(genomes, genes, *, rng, share=0.5):
-    """Change a gene of some, and leave the others as they are."""
+    """Change one gene of some genomes, and copy the others."""
     changed = genomes.copy()
     changed[:, 1] += np.where(rng.random(len(genomes)) < share, 0.0, 0.001)
     return changed
@@ -207,23 +207,23 @@ COPIES = SETTINGS.with_(crossover="none", mutation=often_copies, generations=8)
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
 @pytest.mark.parametrize("seed", range(3))
-def test_with_duplicates_the_table_is_that_of_a_run_in_which_all_walk(seed, share, path, seen, without_memory):
+def test_reusing_evaluations_does_not_change_the_table(seed, share, path, seen, without_reuse):
     settings = COPIES.with_(seed=seed, mutation=partial(often_copies, share=share))
     records = wl.evolve(settings, path, progress=False).records
     assert len(seen) == len(set(seen)) == records.genome.nunique()
     assert len(seen) < records.individual.nunique() or not share
-    without_memory()
+    without_reuse()
     same(wl.evolve(settings, progress=False).records, records)
-    assert len(seen) > records.individual.nunique(), "those that were counted before, and each robot once more"
+    assert len(seen) > records.individual.nunique(), "the earlier walks, and one for each robot"
 
 
-def test_where_all_are_copies_nobody_walks_after_generation_0(seen):
+def test_copies_do_not_walk_again(seen):
     run = wl.evolve(COPIES.with_(mutation=partial(often_copies, share=1.0)), progress=False)
     assert len(seen) == COPIES.algorithm.population_size
     assert run.n_generations == COPIES.algorithm.generations
 
 
-def test_after_a_resume_what_walked_before_it_is_known(seen, tmp_path):
+def test_evaluations_from_before_a_resume_are_reused(seen, tmp_path):
     whole = wl.evolve(COPIES, progress=False).records
     for stop in (1, 3, 7):
         seen.clear()
@@ -233,7 +233,7 @@ def test_after_a_resume_what_walked_before_it_is_known(seen, tmp_path):
         assert len(seen) == len(set(seen)) == whole.genome.nunique()
 
 
-def test_a_gene_put_in_by_hand_that_has_walked_is_known(seen):
+def test_evaluations_of_inserted_genomes_are_reused(seen):
     evolution = wl.Evolution(SETTINGS)
     for generation in evolution:
         evolution.insert(generation.champion.genome) if generation.number < 4 else None
@@ -243,28 +243,28 @@ def test_a_gene_put_in_by_hand_that_has_walked_is_known(seen):
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
-def test_progress_adds_up_to_all_walks(share, seen):
-    settings, told = COPIES.with_(mutation=partial(often_copies, share=share)), []
-    for _ in wl.Evolution(settings, on_walks=told.append):
+def test_reported_progress_adds_up_to_all_walks(share, seen):
+    settings, reported = COPIES.with_(mutation=partial(often_copies, share=share)), []
+    for _ in wl.Evolution(settings, on_walks=reported.append):
         pass
-    assert sum(told) == n_walks(settings)
-    assert 0 not in told
+    assert sum(reported) == n_walks(settings)
+    assert 0 not in reported
 
 
 def test_the_text_of_a_genome_is_written_once(seen, monkeypatch):
     written, write = [], Genome.__str__
     monkeypatch.setattr(Genome, "__str__", lambda genome: (written.append(genome), write(genome))[1])
     records = wl.evolve(SETTINGS, progress=False).records
-    assert len(written) - len(seen) == records.individual.nunique()  # those that are seen are written for that
+    assert len(written) - len(seen) == records.individual.nunique()  # the replaced walks write them too
 
 
-def test_two_genomes_with_one_hash_change_nothing(seen, monkeypatch):
+def test_equal_hashes_do_not_change_the_table(seen, monkeypatch):
     whole = wl.evolve(COPIES, progress=False).records
     monkeypatch.setattr(archive_module, "hash", lambda text: len(text) % 3, raising=False)
     same(wl.evolve(COPIES, progress=False).records, whole)
 
 
-def test_real_walks_are_taken_over_as_they_were(without_memory):
+def test_reusing_real_walks_does_not_change_the_table(without_reuse):
     class Counting(ThreadPoolExecutor):
         walks = 0
 
@@ -276,14 +276,14 @@ def test_real_walks_are_taken_over_as_they_were(without_memory):
     with Counting(2) as pool:
         records = wl.evolve(settings, executor=pool, progress=False).records
         assert pool.walks == records.genome.nunique() < records.individual.nunique()
-        without_memory()
+        without_reuse()
         same(wl.evolve(settings, executor=pool, progress=False).records, records)
 
 
-# ------------------------------------------------------------------------------------------------- no more than need be
+# ------------------------------------------------------------------------------------------ memory and reads
 
 
-def test_an_evolution_does_not_grow_with_its_generations(path, seen):
+def test_memory_does_not_grow_with_the_number_of_generations(path, seen):
     size, held = 100, {}
     tracemalloc.start()
     try:
@@ -293,10 +293,10 @@ def test_an_evolution_does_not_grow_with_its_generations(path, seen):
             held[generation.number] = tracemalloc.get_traced_memory()[0]
     finally:
         tracemalloc.stop()
-    assert (held[29] - held[9]) / (20 * size) < 100, "bytes an individual, of which a row has a thousand"
+    assert (held[29] - held[9]) / (20 * size) < 100, "bytes per individual; a row has a thousand"
 
 
-def test_a_run_is_read_when_its_table_is_asked_for_and_once(path, seen, monkeypatch):
+def test_the_table_of_a_run_is_read_once_on_first_use(path, seen, monkeypatch):
     reads, read = [], store.read_generations
     monkeypatch.setattr(store, "read_generations", lambda *span: (reads.append(span), read(*span))[1])
     run = wl.evolve(SETTINGS, path, progress=False)
@@ -306,7 +306,7 @@ def test_a_run_is_read_when_its_table_is_asked_for_and_once(path, seen, monkeypa
     assert len(reads) == 1
 
 
-def test_a_run_is_as_it_was_when_it_was_asked_for(path, seen):
+def test_a_run_does_not_grow_with_its_evolution(path, seen):
     runs = {}
     evolution = wl.Evolution(SETTINGS, path)
     for generation in evolution:
@@ -316,7 +316,7 @@ def test_a_run_is_as_it_was_when_it_was_asked_for(path, seen):
         assert runs[number].records.attrs["fitness"] == "distance"
 
 
-def test_the_run_of_a_panel_is_not_read_anew_for_each_picture(seen, monkeypatch):
+def test_a_live_run_is_not_read_again_for_each_use(seen, monkeypatch):
     live = LiveRun(SETTINGS)
     for _ in live._evolution:
         pass
@@ -325,7 +325,7 @@ def test_the_run_of_a_panel_is_not_read_anew_for_each_picture(seen, monkeypatch)
     same(live.run.records, first)
 
 
-def test_a_run_without_a_file_outlives_its_evolution_and_leaves_nothing(seen):
+def test_a_temporary_file_lasts_until_its_run_is_read(seen):
     evolution = wl.Evolution(SETTINGS)
     for _ in evolution:
         pass
@@ -338,19 +338,19 @@ def test_a_run_without_a_file_outlives_its_evolution_and_leaves_nothing(seen):
     assert not is_open(file)
 
 
-def test_a_run_that_nobody_has_read_can_be_sent_elsewhere(path, seen):
+def test_a_run_that_has_not_been_read_can_be_pickled(path, seen):
     run = wl.evolve(SETTINGS, path, progress=False)
     sent = pickle.loads(pickle.dumps(run))
     same(sent.records, run.records)
     assert (sent.settings, sent.path) == (run.settings, run.path)
 
 
-def test_ctrl_c_while_walks_are_taken_over_keeps_what_is_done(seen, path):
-    n_told = []
+def test_ctrl_c_while_evaluations_are_reused_keeps_earlier_generations(seen, path):
+    calls = []
 
     def interrupt(n):
-        n_told.append(n)
-        if len(n_told) == 2:
+        calls.append(n)
+        if len(calls) == 2:
             signal.raise_signal(signal.SIGINT)
 
     evolution = wl.Evolution(COPIES.with_(mutation=partial(often_copies, share=1.0)), path, on_walks=interrupt)

@@ -1,4 +1,4 @@
-"""A loaded run has lost its own functions: all that only looks at it works, and what needs them says how to go on."""
+"""Loaded runs without their user functions: viewing works, and everything else reports how to supply them."""
 
 import ast
 import pickle
@@ -28,11 +28,11 @@ def made(path, fitness):
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory):
-    """A run in memory, with its function, and the same loaded, without."""
+    """A run in memory with its function, and the same run loaded without it."""
     return made(tmp_path_factory.mktemp("run") / "own.walk", partial(backward, at_least=-0.05))
 
 
-def test_the_walk_that_counted_is_known_without_the_function(runs):
+def test_the_counted_walk_is_found_without_the_function(runs):
     run, loaded = runs
     assert run.records.equals(loaded.records)
     for again in (loaded.settings, loaded.settings.with_(camera="top"), pickle.loads(pickle.dumps(loaded)).settings):
@@ -43,7 +43,7 @@ def test_the_walk_that_counted_is_known_without_the_function(runs):
             assert (walk.distance, walk.verdict, walk.reason) == (expected.distance, expected.verdict, expected.reason)
 
 
-def test_a_rejected_robot_is_shown_as_rejected_and_in_another_world_as_judged_there(tmp_path):
+def test_a_rejected_robot_stays_rejected_but_not_with_other_settings(tmp_path):
     with pytest.warns(UserWarning, match="returned None for every robot"):
         run, loaded = made(tmp_path / "none.walk", lambda rollout: None)
     genome = loaded.champion.genome
@@ -55,7 +55,7 @@ def test_a_rejected_robot_is_shown_as_rejected_and_in_another_world_as_judged_th
     assert elsewhere.distance == min(walk.distance for walk in walks)
 
 
-def test_looking_at_a_loaded_run_needs_no_function(runs, tmp_path):
+def test_viewing_a_loaded_run_requires_no_function(runs, tmp_path):
     run, loaded = runs
     assert loaded.replay().walks[0].rollout.distance == run.replay().walks[0].rollout.distance
     wl.plots.stride(loaded.champion.genome, loaded.settings, paper(4, 2))
@@ -64,7 +64,7 @@ def test_looking_at_a_loaded_run_needs_no_function(runs, tmp_path):
     assert (tmp_path / "report.html").is_file()
 
 
-def test_confirming_takes_the_function_again(runs):
+def test_confirm_requires_the_function(runs):
     run, loaded = runs
     assert loaded.confirm(1, fitness=backward).nudged == run.confirm(1, fitness=backward).nudged
     assert loaded.confirm(1, fitness="velocity").measure == "velocity m/s"
@@ -73,7 +73,7 @@ def test_confirming_takes_the_function_again(runs):
     assert_python(str(caught.value), r"settings\.with_\(.*?\), or|run\.confirm\(.*\)$")
 
 
-def test_a_resumed_run_takes_any_function_for_a_lambda_and_the_suggested_code_is_python(tmp_path):
+def test_resume_accepts_any_function_for_a_lambda_and_suggests_valid_code(tmp_path):
     made(tmp_path / "own.walk", lambda rollout: backward(rollout))
     with pytest.raises(wl.RunFileError) as caught:
         wl.resume(tmp_path / "own.walk")

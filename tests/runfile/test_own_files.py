@@ -1,4 +1,4 @@
-"""A run never refuses its own file: whatever it can hold is loaded, resumed and gives the same table."""
+"""Run files that walkerlab writes: all of them can be loaded, resumed and rescued, with the same table."""
 
 import json
 import sqlite3
@@ -30,8 +30,8 @@ same = partial(pd.testing.assert_frame_equal, check_exact=True)
 
 
 @pytest.fixture(autouse=True)
-def standing_in(monkeypatch):
-    """Let walks get every verdict there is, one after the other."""
+def replaced_walks(monkeypatch):
+    """Replace walks by evaluations with all verdicts in turn."""
     verdicts = cycle(VERDICTS)
 
     def evaluate(genomes, settings, executor=None, *, on_done):
@@ -68,7 +68,7 @@ def test_every_choice_of_every_setting_is_stored_and_loaded(path, name, member):
     assert loaded.n_generations == 2
 
 
-def test_a_verdict_that_is_not_known_here_is_refused_with_the_fix(path):
+def test_an_unknown_verdict_is_rejected_with_the_fix(path):
     table = wl.evolve(SETTINGS, path, progress=False).records
     for verdict in ("on fire", "ok\x1b[2J"):
         with pytest.raises(ValueError, match="pip install --upgrade walkerlab") as caught:
@@ -80,7 +80,7 @@ def test_a_verdict_that_is_not_known_here_is_refused_with_the_fix(path):
 
 
 def max(rollout):
-    """Shadow a built-in function, as students do."""
+    """Shadow a built-in function."""
     return 1.0
 
 
@@ -100,7 +100,7 @@ spaced.__name__ = "my height"
     [max, spaced, partial(height, **{"a b": 1}), partial(height, k="x" * 10**6), partial(height, k=10**5000)],
     ids=["built-in", "name", "argument", "long", "huge"],
 )
-def test_what_a_file_cannot_hold_is_refused_before_a_robot_walks(path, fitness, monkeypatch):
+def test_settings_that_cannot_be_stored_raise_before_any_walk(path, fitness, monkeypatch):
     monkeypatch.setattr(evolution, "evaluate", None)
     with pytest.raises(wl.SettingsError, match=r"cannot be stored|a run file cannot hold"):
         wl.evolve(SETTINGS.with_(fitness=fitness), path, progress=False)
@@ -114,12 +114,12 @@ def interrupted(*_, **__):
     raise KeyboardInterrupt
 
 
-def test_a_run_that_was_stopped_before_generation_0_is_resumed_to_the_same_table(path, monkeypatch):
+def test_a_run_stopped_before_generation_0_resumes_to_the_same_table(path, monkeypatch):
     monkeypatch.undo()
     settings = SETTINGS.with_(population_size=4, n_elites=1)
     with ThreadPoolExecutor(1) as pool:
         whole = wl.evolve(settings, executor=pool, progress=False).records
-        wl.Evolution(settings, path)  # and its process is killed
+        wl.Evolution(settings, path)  # as if its process were killed
         run = wl.load(path)
         assert repr(run) == f"Run(no generation is done yet, in {path})"
         assert "no" in run._repr_html_().lower()
@@ -128,7 +128,7 @@ def test_a_run_that_was_stopped_before_generation_0_is_resumed_to_the_same_table
         same(wl.resume(path, executor=pool, progress=False).records, whole)
 
 
-def test_the_settings_are_in_the_file_before_a_robot_walks_and_a_second_maker_is_refused(path, monkeypatch):
+def test_the_file_is_created_before_any_walk_and_a_second_run_is_rejected(path, monkeypatch):
     n_walks = []
 
     def evaluate(*_, **__):
@@ -136,29 +136,29 @@ def test_the_settings_are_in_the_file_before_a_robot_walks_and_a_second_maker_is
         assert wl.load(path).settings == SETTINGS
         with pytest.raises(wl.RunFileError, match="exists already"):
             wl.evolve(SETTINGS, path, progress=False)
-        raise wl.OperatorError("a fault")
+        raise wl.OperatorError("error of an operator")
 
     monkeypatch.setattr(evolution, "evaluate", evaluate)
     with pytest.raises(wl.OperatorError) as caught:
         wl.evolve(SETTINGS, path, progress=False)
     assert len(n_walks) == 1
     assert caught.value.kept == path
-    assert f"No generation was done; the settings are kept in {path}." in caught.value.__notes__[0]
+    assert f"No generation was done; the settings are saved in {path}." in caught.value.__notes__[0]
     assert f"wl.resume({str(path)!r})" in caught.value.__notes__[0]
 
 
-def test_ctrl_c_before_generation_0_says_what_is_kept_and_how_to_resume(path, monkeypatch):
+def test_ctrl_c_before_generation_0_reports_what_is_saved_and_how_to_resume(path, monkeypatch):
     monkeypatch.setattr(evolution, "evaluate", interrupted)
     with pytest.raises(KeyboardInterrupt, match="the run has no file"):
         wl.evolve(SETTINGS, progress=False)
     for attempt in (lambda: wl.evolve(SETTINGS, path, progress=False), lambda: wl.resume(path, progress=False)):
         with pytest.raises(KeyboardInterrupt) as caught:
             attempt()
-        assert f"the settings are kept, resume with: wl.resume({str(path)!r})" in str(caught.value)
+        assert f"the settings are saved, resume with: wl.resume({str(path)!r})" in str(caught.value)
 
 
 @pytest.mark.parametrize("wrong", ["fitness", "executor", "patience", "path", "settings"])
-def test_input_that_is_refused_before_a_walk_leaves_no_file(tmp_path, wrong, monkeypatch):
+def test_invalid_arguments_leave_no_file(tmp_path, wrong, monkeypatch):
     monkeypatch.undo()
     settings, path, executor = SETTINGS, tmp_path / "run.walk", ThreadPoolExecutor(1)
     match wrong:
@@ -183,10 +183,10 @@ def test_a_run_without_generations_can_be_rescued(path, tmp_path):
     same(wl.resume(tmp_path / "rescued.walk", progress=False).records, wl.load(tmp_path / "rescued.walk").records)
 
 
-# --------------------------------------------------------------------------------------------------- keys and bars
+# ------------------------------------------------------------------ duplicate keys and progress bars
 
 
-def test_a_key_that_is_there_twice_is_refused_by_its_name(path):
+def test_a_duplicate_key_is_rejected_with_its_name(path):
     text = SETTINGS.model_dump_json()
     assert wl.Settings.model_validate_json(text) == SETTINGS
     twice = text.replace('"seed":4', '"seed":4,"seed":5')
@@ -200,7 +200,7 @@ def test_a_key_that_is_there_twice_is_refused_by_its_name(path):
         wl.load(path)
 
 
-def test_a_run_with_nothing_left_to_walk_shows_no_bar(path, capfd):
+def test_a_run_without_further_walks_shows_no_progress_bar(path, capfd):
     wl.evolve(SETTINGS, path, progress=False)
     wl.resume(path)
     assert capfd.readouterr() == ("", "")

@@ -1,4 +1,4 @@
-"""Run files of every release open in this one; a file that is not laid out as one of these is not used."""
+"""Layouts of run files: those of every release can be used, and no other."""
 
 import shutil
 import sqlite3
@@ -32,11 +32,11 @@ def layout(path):
         return db.execute("PRAGMA user_version").fetchone()[0]
 
 
-def test_there_is_a_file_of_every_layout():
-    assert [layout(file) for file in FILES] == [*range(schema.OLDEST, schema.LAYOUT + 1)]
+def test_there_is_a_test_file_of_every_layout():
+    assert [layout(file) for file in FILES] == [*range(schema.OLDEST_LAYOUT, schema.LAYOUT + 1)]
 
 
-def test_each_gives_the_table_that_was_written_and_is_left_as_it_is(kept):
+def test_each_layout_is_read_without_changing_the_file(kept):
     before = kept.read_bytes()
     assert wl.load(kept).records.to_csv(index=False).encode() == (KEPT / "records.csv").read_bytes()
     facts, made_with = store.read_facts(kept)
@@ -46,19 +46,19 @@ def test_each_gives_the_table_that_was_written_and_is_left_as_it_is(kept):
     assert [one.name for one in kept.parent.iterdir()] == [kept.name]
 
 
-def test_each_is_gone_on_with_and_is_of_this_layout_then(kept, monkeypatch):
+def test_each_layout_is_resumed_and_upgraded(kept, monkeypatch):
     monkeypatch.setattr(evolution, "evaluate", evaluate)
     before = wl.load(kept).records.to_csv(index=False)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # it was made elsewhere
+        warnings.simplefilter("ignore")  # the run was made with other versions
         run = wl.resume(kept, 5, progress=False, mutation=nudge)
     assert run.n_generations == 5
     assert wl.load(kept).records.to_csv(index=False).startswith(before)
     assert layout(kept) == schema.LAYOUT
-    assert provenance.here().items() <= store.read_facts(kept)[1].items()
+    assert provenance.current_facts().items() <= store.read_facts(kept)[1].items()
 
 
-def test_each_can_be_rescued(kept, tmp_path):
+def test_each_layout_can_be_rescued(kept, tmp_path):
     run = wl.rescue(kept, tmp_path / "rescued.walk")
     assert run.records.to_csv(index=False).encode() == (KEPT / "records.csv").read_bytes()
     assert store.read_facts(run.path)[1] == store.read_facts(kept)[1]
@@ -74,27 +74,32 @@ def test_each_can_be_rescued(kept, tmp_path):
     "ALTER TABLE records ADD COLUMN more AS (zeroblob(100000000))",
     "DROP TABLE run",
 ])  # fmt: skip
-def test_with_anything_more_or_less_in_it_it_is_not_used(kept, more):
+def test_a_file_with_additional_or_missing_parts_is_rejected(kept, more):
     before = broken(kept, more).read_bytes()
-    for use in (wl.load, store.read_facts, lambda path: store.go_on(path, {}), lambda path: wl.rescue(path, "x.walk")):
-        with pytest.raises(wl.RunFileError, match="not laid out as a run file is"):
+    for use in (
+        wl.load,
+        store.read_facts,
+        lambda path: store.prepare_resume(path, {}),
+        lambda path: wl.rescue(path, "x.walk"),
+    ):
+        with pytest.raises(wl.RunFileError, match="not those of a run file"):
             use(kept)
     assert kept.read_bytes() == before
     assert not Path("x.walk").exists()
 
 
-def test_a_table_that_is_a_view_is_none(kept):
+def test_a_view_in_place_of_a_table_is_rejected(kept):
     broken(
         kept,
         "ALTER TABLE records RENAME TO hidden",
         "CREATE VIEW records AS SELECT * FROM hidden UNION ALL SELECT * FROM hidden",
     )
-    with pytest.raises(wl.RunFileError, match="not laid out"):
+    with pytest.raises(wl.RunFileError, match="not those of a run file"):
         wl.load(kept)
 
 
-def test_what_is_written_is_on_the_disk_before_it_counts(kept):
-    """SQLite's own promise, for a machine that is switched off; nothing here may weaken it."""
-    with opening.opened(kept, "change") as db:
+def test_a_commit_waits_until_the_data_is_on_the_disk(kept):
+    """SQLite guarantees this also after a power failure, unless these settings are weakened."""
+    with opening.open_run(kept, "write") as db:
         assert db.execute("PRAGMA synchronous").fetchone() == (2,)  # FULL
         assert db.execute("PRAGMA journal_mode").fetchone() == ("delete",)

@@ -1,3 +1,5 @@
+"""Run files: complete or absent, sealed, and rejected if they are damaged or are not runs."""
+
 import json
 import os
 import sqlite3
@@ -16,7 +18,7 @@ from hypothesis import strategies as st
 
 from walkerlab.breeding import generate_robot_population
 from walkerlab.genome.genome import Genome
-from walkerlab.runfile import opening, provenance, schema, store
+from walkerlab.runfile import opening, paths, provenance, schema, store
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.records import COLUMNS, tidy
 from walkerlab.settings.settings import Settings
@@ -34,13 +36,13 @@ def path(tmp_path):
 
 
 def generation(number, n=5):
-    """Return one generation with awkward values in every kind of column."""
-    awkward = {
+    """Return a generation with extreme values in every type of column."""
+    extreme = {
         int: np.arange(n),
         float: np.resize([-np.inf, np.nan, 0.1 + 0.2, 5e-324, -0.0, np.inf, 1.7976931348623157e308], n),
         str: np.resize(["", "ok", "it's; DROP TABLE records --", "‾‾ €𝄞", "a\nb\tc"], n),
     }
-    table = pd.DataFrame({name: awkward[kind] for name, (kind, *_) in COLUMNS.items()})
+    table = pd.DataFrame({name: extreme[kind] for name, (kind, *_) in COLUMNS.items()})
     return tidy(table.assign(generation=number, individual=np.arange(n) + 100 * number))
 
 
@@ -68,19 +70,19 @@ def broken(path, *statements):
 # -------------------------------------------------------------------------------------------------- round trips
 
 
-def test_a_run_comes_back_as_it_was_written(path):
+def test_a_run_is_read_as_it_was_written(path):
     assert same(table_of(path), tidy(pd.DataFrame(columns=list(COLUMNS))))
     tables = [generation(number) for number in range(3)]
     for table in tables:
         add(path, table)
     assert same(table_of(path), tidy(pd.concat(tables, ignore_index=True)))
     assert Settings(**store.read(path)[0]) == Settings()
-    assert store.read_facts(path)[1] == provenance.here()
+    assert store.read_facts(path)[1] == provenance.current_facts()
 
 
 @hypothesis_settings(max_examples=25)
 @given(rows=st.lists(st.fixed_dictionaries({name: CELLS[kind] for name, (kind, *_) in COLUMNS.items()}), min_size=1))
-def test_any_table_comes_back_bit_for_bit(tmp_path_factory, rows):
+def test_any_table_is_read_bit_for_bit(tmp_path_factory, rows):
     path = tmp_path_factory.mktemp("any") / "run.wl"
     store.create(path, {})
     table = tidy(pd.DataFrame(rows).assign(generation=0, individual=range(len(rows))))
@@ -88,13 +90,13 @@ def test_any_table_comes_back_bit_for_bit(tmp_path_factory, rows):
     assert same(table_of(path), table)
 
 
-def test_rows_keep_the_order_in_which_they_were_written(path):
+def test_rows_keep_their_order(path):
     table = generation(0).iloc[::-1].reset_index(drop=True)
     add(path, table)
     assert same(table_of(path), table)
 
 
-def test_some_generations_and_some_individuals_are_read_alone(path):
+def test_single_generations_and_individuals_can_be_read(path):
     tables = [generation(number) for number in range(4)]
     for table in tables:
         add(path, table)
@@ -102,12 +104,12 @@ def test_some_generations_and_some_individuals_are_read_alone(path):
     assert same(store.read_generations(path, me, 1, 3), tidy(pd.concat(tables[1:3], ignore_index=True)))
     assert same(store.read_generations(path, me, 3, 99), tables[3])
     assert same(store.read_generations(path, me, 4, 4), EMPTY)
-    born = [(2, 203), (0, 0), (1, 203), (9, 900)]  # the last two are not there
+    born = [(2, 203), (0, 0), (1, 203), (9, 900)]  # the last two do not exist
     found = store.read_births(path, me, ["generation", "individual", "genome"], born)
     assert found == [(2, 203, tables[2].genome[3]), (0, 0, tables[0].genome[0])]
 
 
-def test_a_robot_takes_no_more_than_a_kilobyte_or_so(path):
+def test_a_robot_takes_less_than_a_kilobyte(path):
     settings = Settings()
     genomes = [str(Genome(values)) for values in generate_robot_population(settings.robot, 500, seed=0)]
     for number in range(4):
@@ -116,10 +118,10 @@ def test_a_robot_takes_no_more_than_a_kilobyte_or_so(path):
     assert path.stat().st_size / 2000 < 1000
 
 
-def test_settings_change_and_the_table_stays(path):
+def test_changing_the_settings_does_not_change_the_table(path):
     add(path, generation(0))
     before = table_of(path)
-    store.go_on(path, Settings().with_(generations=99).model_dump())
+    store.prepare_resume(path, Settings().with_(generations=99).model_dump())
     assert Settings(**store.read(path)[0]).algorithm.generations == 99
     assert same(table_of(path), before)
 
@@ -127,11 +129,11 @@ def test_settings_change_and_the_table_stays(path):
 # -------------------------------------------------------------------------------------- a generation or nothing
 
 
-def test_of_a_generation_that_fails_half_way_nothing_is_there(path):
+def test_a_generation_that_cannot_be_written_completely_is_absent(path):
     add(path, generation(0))
     before = table_of(path)
     half = generation(1)
-    half.loc[4, "individual"] = half.loc[0, "individual"]  # no two rows may be the same individual
+    half.loc[4, "individual"] = half.loc[0, "individual"]  # violates the primary key
     with pytest.raises(RunFileError, match="cannot be used"):
         add(path, half)
     assert same(table_of(path), before)
@@ -139,29 +141,29 @@ def test_of_a_generation_that_fails_half_way_nothing_is_there(path):
     assert len(table_of(path)) == 10
 
 
-KILLED_HALF_WAY = """
+KILLED_DURING_APPEND = """
 import os, signal, sys
 from pathlib import Path
 sys.path[:0] = sys.argv[2:]
 import pandas as pd
 from tests.runfile.test_store import add, generation, table_of
 
-class Deadly:
+class KillsProcess:
     def __conform__(self, protocol):
         os.kill(os.getpid(), signal.SIGKILL)
 
 half = generation(table_of(Path(sys.argv[1])).generation.max() + 1, n=4000).astype({"genome": object})
-genomes = ["x" * 2000] * 3999  # far more than SQLite holds in memory: half of it is on the disk already
-half["genome"] = pd.Series([*genomes, Deadly()], dtype=object)
+genomes = ["x" * 2000] * 3999  # more than SQLite holds in memory, so that a part is written to the disk
+half["genome"] = pd.Series([*genomes, KillsProcess()], dtype=object)
 add(Path(sys.argv[1]), half)
 """
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="nothing there kills like SIGKILL")
-def test_of_a_generation_that_was_killed_half_way_nothing_is_there(path, request):
+def test_a_generation_whose_writer_was_killed_is_absent(path, request):
     add(path, generation(0))
     size, before = path.stat().st_size, table_of(path)
-    killed = subprocess.run([sys.executable, "-c", KILLED_HALF_WAY, path, request.config.rootpath], check=False)
+    killed = subprocess.run([sys.executable, "-c", KILLED_DURING_APPEND, path, request.config.rootpath], check=False)
     assert killed.returncode == -9
     assert path.stat().st_size > 10 * size
     assert same(table_of(path), before)
@@ -169,12 +171,12 @@ def test_of_a_generation_that_was_killed_half_way_nothing_is_there(path, request
     assert len(table_of(path)) == 10
 
 
-def test_where_no_file_can_be_created_nothing_is_left(tmp_path):
+def test_failing_to_create_a_file_leaves_nothing(tmp_path):
     (tmp_path / "a file").touch()
     for path in (tmp_path / "a file" / "run.wl", tmp_path / "a file" / "b" / "run.wl", tmp_path / ("x" * 300)):
-        with pytest.raises(RunFileError, match="no run file can be made"):
+        with pytest.raises(RunFileError, match="no run file can be created"):
             store.create(path, {})
-    with pytest.raises(RunFileError, match="no run file can be made"):
+    with pytest.raises(RunFileError, match="no run file can be created"):
         store.create(tmp_path / "a\0b", {})
     assert [one.name for one in tmp_path.iterdir()] == ["a file"]
 
@@ -184,17 +186,17 @@ def without_links(*_):
 
 
 @pytest.mark.parametrize("links", [True, False])
-def test_of_several_that_create_a_file_at_once_one_does_and_no_reader_sees_a_part(tmp_path, links, monkeypatch):
+def test_one_of_several_concurrent_creators_succeeds_and_readers_see_no_incomplete_file(tmp_path, links, monkeypatch):
     if not links:
         monkeypatch.setattr(os, "link", without_links)
-    n, seen, refusals = 6, [], []
+    n, seen, rejections = 6, [], []
 
     def create(path, barrier):
         barrier.wait()
         try:
             return store.create(path, Settings().model_dump())
         except RunFileError as error:
-            refusals.append(str(error))
+            rejections.append(str(error))
 
     def watch(path, stop):
         while not stop.is_set():
@@ -211,11 +213,11 @@ def test_of_several_that_create_a_file_at_once_one_does_and_no_reader_sees_a_par
         assert made.count(None) == n - 1
         assert store.read_facts(path)[0]["id"] in made
     assert all(seen)
-    assert all("exists already" in refusal for refusal in refusals)
+    assert all("exists already" in message for message in rejections)
     assert len(list(tmp_path.iterdir())) == 5, "no drafts are left"
 
 
-def test_a_copy_that_fails_where_there_are_no_links_leaves_nothing(tmp_path, monkeypatch):
+def test_without_hard_links_a_failed_copy_leaves_nothing(tmp_path, monkeypatch):
     monkeypatch.setattr(os, "link", without_links)
     monkeypatch.setattr(os, "fsync", without_links)
     with pytest.raises(RunFileError, match="not supported"):
@@ -223,27 +225,27 @@ def test_a_copy_that_fails_where_there_are_no_links_leaves_nothing(tmp_path, mon
     assert not list(tmp_path.iterdir())
 
 
-def test_a_folder_means_the_run_in_it(tmp_path):
+def test_a_folder_stands_for_its_run_file(tmp_path):
     with pytest.raises(RunFileError, match="has no run file in it"):
-        store.locate(tmp_path)
-    assert store.locate(tmp_path / "mine.walk") == tmp_path / "mine.walk"
+        paths.locate(tmp_path)
+    assert paths.locate(tmp_path / "mine.walk") == tmp_path / "mine.walk"
     (tmp_path / "mine.walk").touch()
-    assert store.locate(tmp_path) == tmp_path / "mine.walk", "where it is the only one"
+    assert paths.locate(tmp_path) == tmp_path / "mine.walk", "the only run file of the folder"
     (tmp_path / "yours.walk").touch()
     with pytest.raises(RunFileError, match=r"2 run files in it: mine\.walk, yours\.walk"):
-        store.locate(tmp_path)
-    (tmp_path / store.RUN_FILE).touch()
-    assert store.locate(tmp_path) == tmp_path / store.RUN_FILE
+        paths.locate(tmp_path)
+    (tmp_path / paths.RUN_FILE).touch()
+    assert paths.locate(tmp_path) == tmp_path / paths.RUN_FILE
 
 
-def test_a_file_is_made_whole_or_not_at_all(tmp_path, monkeypatch):
+def test_a_file_is_created_complete_or_not_at_all(tmp_path, monkeypatch):
     monkeypatch.setitem(schema._TABLES, schema.LAYOUT, (schema._RUN, "CREATE TABLE nonsense"))
     with pytest.raises(RunFileError):
         store.create(tmp_path / "run.wl", {})
     assert not list(tmp_path.iterdir())
 
 
-def test_another_run_in_its_place_is_left_as_it_is(path):
+def test_another_run_at_the_same_path_is_not_changed(path):
     add(path, generation(0))
     mine = store.read_facts(path)[0]["id"]
     path.unlink()
@@ -254,16 +256,16 @@ def test_another_run_in_its_place_is_left_as_it_is(path):
     assert path.read_bytes() == before
 
 
-def test_of_two_processes_that_go_on_with_a_run_one_is_told(path):
+def test_the_second_of_two_processes_that_resume_a_run_gets_an_error(path):
     for number in range(3):
         add(path, generation(number))
     before = table_of(path)
-    with pytest.raises(RunFileError, match=r"somebody else has changed .* 3 generations now"):
+    with pytest.raises(RunFileError, match=r"was changed by another program .* 3 generations now"):
         add(path, generation(2))
     assert same(table_of(path), before)
 
 
-def test_an_older_copy_put_in_its_place_is_not_gone_on_with(path):
+def test_an_older_copy_at_the_same_path_is_not_continued(path):
     add(path, generation(0))
     older = path.read_bytes()
     add(path, generation(1))
@@ -273,33 +275,33 @@ def test_an_older_copy_put_in_its_place_is_not_gone_on_with(path):
     assert path.read_bytes() == older
 
 
-def test_what_is_asked_of_a_run_is_not_answered_by_another(path):
+def test_reading_with_the_id_of_another_run_raises(path):
     add(path, generation(0))
     for ask in (
         lambda: store.read_generations(path, "another", 0, 1),
         lambda: store.read_births(path, "another", ["genome"], [(0, 0)]),
-        lambda: store.require(path, "another"),
+        lambda: store.require_run(path, "another"),
     ):
         with pytest.raises(RunFileError, match="replaced by another run"):
             ask()
 
 
-def test_nothing_behind_a_hole_is_rescued_nor_what_no_run_has(path, tmp_path):
+def test_rescue_ends_at_a_missing_generation_and_at_invalid_rows(path, tmp_path):
     for number in range(3):
         add(path, generation(number).assign(fitness=1.0, parents="", verdict="ok", born=0, reason=""))
     with closing(sqlite3.connect(path)) as db, db:
         db.execute("DELETE FROM generations WHERE generation = 1")
     assert store.rescue(path, tmp_path / "one.walk") == 1
     with closing(sqlite3.connect(path)) as db, db:
-        db.execute("UPDATE records SET parents = 'nobody' WHERE generation = 0")
+        db.execute("UPDATE records SET parents = 'invalid' WHERE generation = 0")
         db.execute("DELETE FROM generations WHERE generation = 0")
-        schema.seal(db, 0, "{}")
+        schema.seal_generation(db, 0, "{}")
     assert store.rescue(path, tmp_path / "none.walk") == 0
     assert store.read(tmp_path / "none.walk")[0] == Settings().model_dump()
 
 
-def test_a_large_run_is_rescued_and_renewed_within_bounds_that_grow_with_it(path, tmp_path, monkeypatch):
-    monkeypatch.setattr(opening, "STEPS", 2_000)
+def test_the_step_limit_grows_with_the_file_when_it_is_rescued_or_upgraded(path, tmp_path, monkeypatch):
+    monkeypatch.setattr(opening, "MAX_STEPS", 2_000)
     for number in range(2):
         made = generation(number, 300).assign(
             fitness=1.0, parents="", verdict="ok", born=0, reason="", genome="x" * 600
@@ -313,7 +315,7 @@ def test_a_large_run_is_rescued_and_renewed_within_bounds_that_grow_with_it(path
     assert same(table_of(path), whole)
 
 
-def test_a_file_of_several_is_one_again_when_it_is_changed(path):
+def test_writing_turns_a_file_in_wal_mode_into_a_single_file(path):
     with closing(sqlite3.connect(path)) as db:
         assert db.execute("PRAGMA journal_mode = WAL").fetchone() == ("wal",)
     add(path, generation(0))
@@ -322,22 +324,22 @@ def test_a_file_of_several_is_one_again_when_it_is_changed(path):
         assert db.execute("PRAGMA journal_mode").fetchone() == ("delete",)
 
 
-def test_a_run_that_was_made_meanwhile_is_told_and_left(path):
+def test_creating_over_a_run_raises_and_does_not_change_it(path):
     before = path.read_bytes()
     with pytest.raises(RunFileError, match="already"):
         store.create(path, {})
     assert path.read_bytes() == before
 
 
-def test_each_generation_keeps_what_it_was_made_with(path, monkeypatch, tmp_path):
+def test_the_file_records_what_each_generation_was_made_with(path, monkeypatch, tmp_path):
     add(path, generation(0))
     add(path, generation(1))
-    here = provenance.here()
-    monkeypatch.setattr(provenance, "here", lambda: {**here, "mujoco": "9.9"})
+    here = provenance.current_facts()
+    monkeypatch.setattr(provenance, "current_facts", lambda: {**here, "mujoco": "9.9"})
     add(path, generation(2))
     assert store.read_facts(path)[1]["mujoco"] == "9.9"
     with closing(sqlite3.connect(path)) as db:
-        made_with = [json.loads(facts)["mujoco"] for _, facts, _ in schema.generations(db)]
+        made_with = [json.loads(facts)["mujoco"] for _, facts, _ in schema.sealed_generations(db)]
         assert db.execute("SELECT count(*) FROM provenance").fetchone() == (2,)
     assert made_with == [here["mujoco"], here["mujoco"], "9.9"]
 
@@ -356,7 +358,7 @@ def test_each_generation_keeps_what_it_was_made_with(path, monkeypatch, tmp_path
     "UPDATE run SET value = 'me' WHERE fact = 'id'",
     """UPDATE run SET value = replace(value, '"seed": 0', '"seed": 1') WHERE fact = 'settings'""",
 ])  # fmt: skip
-def test_whatever_is_changed_by_hand_is_found(path, change):
+def test_every_change_by_another_program_is_detected(path, change):
     for number in range(3):
         add(path, generation(number).assign(reason="it's"))
     broken(path, change)
@@ -367,14 +369,14 @@ def test_whatever_is_changed_by_hand_is_found(path, change):
 # --------------------------------------------------------------------------------------------------- wrong files
 
 
-def refusals(path):
-    """Return what each way to use a run file says against this one."""
+def rejections(path):
+    """Yield the message with which each function rejects a run file."""
     for use in (
         lambda: store.read(path),
         lambda: store.read_generations(path, "me", 0, 1),
         lambda: store.read_births(path, "me", ["genome"], [(0, 0)]),
-        lambda: store.append(path, generation(9), "somebody's"),
-        lambda: store.go_on(path, {}),
+        lambda: store.append(path, generation(9), "another"),
+        lambda: store.prepare_resume(path, {}),
     ):
         with pytest.raises(RunFileError) as caught:
             use()
@@ -382,7 +384,7 @@ def refusals(path):
         yield str(caught.value)
 
 
-def test_a_run_is_never_written_over(path, tmp_path):
+def test_a_file_is_never_overwritten(path, tmp_path):
     add(path, generation(0))
     text = tmp_path / "thesis.txt"
     text.write_text("three years of work")
@@ -393,35 +395,35 @@ def test_a_run_is_never_written_over(path, tmp_path):
         assert before == (taken.read_bytes() if taken.is_file() else None)
 
 
-def test_files_that_are_no_runs_are_refused_and_left_as_they_were(tmp_path):
+def test_other_files_are_rejected_and_not_changed(tmp_path):
     text, empty, foreign = tmp_path / "a.txt", tmp_path / "empty", tmp_path / "foreign.db"
     text.write_text("generation,individual\n0,1\n" * 100)
     empty.touch()
     broken(foreign, "CREATE TABLE records (generation)", "CREATE TABLE run (fact, value)")
     for path, reason in ((text, "not a database"), (empty, "is empty"), (foreign, "not a run")):
         before = path.read_bytes()
-        assert all(reason in refusal for refusal in refusals(path))
+        assert all(reason in message for message in rejections(path))
         assert path.read_bytes() == before
     assert {file.name for file in tmp_path.iterdir()} == {"a.txt", "empty", "foreign.db"}
 
 
-def test_what_is_not_there_is_refused_and_not_made(tmp_path):
+def test_a_missing_file_is_rejected_and_not_created(tmp_path):
     for path in (tmp_path / "none.wl", tmp_path / "no folder" / "none.wl", tmp_path):
-        assert all("there is no run file" in refusal for refusal in refusals(path))
+        assert all("there is no run file" in message for message in rejections(path))
     assert not list(tmp_path.iterdir())
 
 
-def test_a_run_of_a_newer_walkerlab_is_refused_with_the_mend(path):
+def test_a_run_of_a_newer_walkerlab_is_rejected_with_the_fix(path):
     broken(path, f"PRAGMA user_version = {schema.LAYOUT + 1}")
     before = path.read_bytes()
-    assert all("newer" in refusal and "pip install --upgrade walkerlab" in refusal for refusal in refusals(path))
+    assert all("newer" in message and "pip install --upgrade walkerlab" in message for message in rejections(path))
     assert path.read_bytes() == before
 
 
-def test_a_run_from_before_the_first_release_says_so(path):
+def test_a_run_from_before_the_first_release_is_rejected_with_the_reason(path):
     broken(path, "PRAGMA user_version = 1")
     before = path.read_bytes()
-    assert all("before walkerlab's first release" in refusal for refusal in refusals(path))
+    assert all("before walkerlab's first release" in message for message in rejections(path))
     assert path.read_bytes() == before
 
 
@@ -437,24 +439,24 @@ def test_a_run_from_before_the_first_release_says_so(path):
         "ALTER TABLE records DROP COLUMN genome",
     ],
 )
-def test_a_damaged_run_is_refused(path, damage):
+def test_a_damaged_run_is_rejected(path, damage):
     add(path, generation(0))
     broken(path, damage)
     with pytest.raises(RunFileError, match=path.name):
         store.read(path)
 
 
-def test_a_cut_off_file_is_refused(path):
+def test_a_truncated_file_is_rejected(path):
     add(path, generation(0, n=2000))
     path.write_bytes(path.read_bytes()[:20_000])
     with pytest.raises(RunFileError, match=path.name):
         store.read(path)
 
 
-# ------------------------------------------------------------------------------------------------ what it leaves
+# ------------------------------------------------------------------------------------------ contents and traces
 
 
-def test_a_file_holds_text_and_numbers_only(path):
+def test_a_file_holds_only_text_and_numbers(path):
     add(path, generation(0))
     with closing(sqlite3.connect(path)) as db:
         for table in ("run", "records", "generations"):
@@ -465,7 +467,7 @@ def test_a_file_holds_text_and_numbers_only(path):
         assert json.loads(dict(db.execute("SELECT * FROM run"))["settings"]) == Settings().model_dump()
 
 
-def test_a_run_is_one_file_in_a_folder_that_is_made_if_need_be(tmp_path):
+def test_a_run_is_one_file_and_its_folder_is_created(tmp_path):
     path = tmp_path / "new" / "folder" / "my run?#%20.wl"
     store.create(path, {})
     add(path, generation(0))
@@ -473,7 +475,7 @@ def test_a_run_is_one_file_in_a_folder_that_is_made_if_need_be(tmp_path):
     assert list(path.parent.iterdir()) == [path]
 
 
-def test_reading_changes_nothing(path):
+def test_reading_does_not_change_the_file(path):
     add(path, generation(0))
     before, when = path.read_bytes(), path.stat().st_mtime_ns
     store.read(path)

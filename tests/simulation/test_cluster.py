@@ -15,7 +15,7 @@ import pytest
 import walkerlab as wl
 from tests.conftest import lacking
 from walkerlab.breeding import generate_robot_population
-from walkerlab.evolution.evolution import n_walks
+from walkerlab.evolution.forecast import n_walks
 from walkerlab.evolution.live import LiveRun, State
 from walkerlab.simulation.workers import n_cores, n_workers
 from walkerlab.system.interrupts import interrupts_held
@@ -251,7 +251,7 @@ def test_workers_that_come_later_are_given_work():
         live.go_on()
         until(lambda: live.is_over)
         assert live.state == State.finished
-        assert live._gate._n_workers == n_workers(executor) == 1
+        assert live._pausable._n_workers == n_workers(executor) == 1
 
 
 def test_a_client_that_is_closed_is_told_in_words(client):

@@ -82,7 +82,7 @@ def test_workers_killed_during_a_generation_do_not_change_the_records(workers, l
 @UNIX
 def test_a_live_run_survives_a_killed_worker(workers, lost, expected):
     started = threading.Event()
-    live = LiveRun(SETTINGS, on_news=lambda live: live.n_done and started.set())
+    live = LiveRun(SETTINGS, on_change=lambda live: live.n_done and started.set())
     live.go_on()
     assert started.wait(60)
     kill_one(workers)

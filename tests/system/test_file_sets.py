@@ -1,4 +1,4 @@
-"""A set of output files is the old one or the new one, whatever fails and whenever the process is killed."""
+"""Sets of output files: all old or all new, after any error and after a kill at any moment."""
 
 import json
 import os
@@ -12,14 +12,14 @@ import pytest
 
 from tests.faults import number
 from walkerlab.evolution import outputs
-from walkerlab.runfile.store import RUN_FILE
+from walkerlab.runfile.paths import RUN_FILE
 from walkerlab.system import file_sets
-from walkerlab.system.file_sets import MARKER, NAMES, STAGE, OutputError, replacing_files, restore
+from walkerlab.system.file_sets import HIDDEN_FOLDER, JOURNAL, OUTPUT_NAMES, OutputError, replacing_files, restore
 from walkerlab.view.report.pictures import FOLDER, FORMATS, PICTURES
 
 OLD = {"report.html": "old", "records.csv": "old", "pictures/body.svg": "old", "champion.txt": "old"}
 NEW = {"report.html": "new", "records.csv": "new", "pictures/body.svg": "new", "tables/champion.csv": "new"}
-"""One file stays as it was, and one is new."""
+"""One old file has no new version, and one new file has no old version."""
 OTHERS = {RUN_FILE: "a run", "notes.md": "mine"}
 AFTER = OLD | NEW | OTHERS
 
@@ -51,31 +51,31 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_every_output_file_has_a_name_that_may_be_replaced_and_no_run_has():
+def test_all_output_files_may_be_replaced_and_no_run_file():
     names = {*outputs.FILES} - {RUN_FILE}
     names |= {f"{FOLDER}/{picture.name}.{kind}" for picture in PICTURES for kind in FORMATS}
-    assert all(map(NAMES.fullmatch, names))
+    assert all(map(OUTPUT_NAMES.fullmatch, names))
     for other in (RUN_FILE, "notes.md", "../report.html", "pictures/../report.html", "/report.html", "report.html\n"):
-        assert not NAMES.fullmatch(other)
+        assert not OUTPUT_NAMES.fullmatch(other)
 
 
-def test_the_old_set_stays_until_the_new_one_is_whole(folder):
+def test_the_old_set_stays_until_the_new_one_is_complete(folder):
     with replacing_files(folder) as new:
         for name, text in NEW.items():
             with new.part(name):
                 (new.folder / name).write_text(text)
-            assert {name: text for name, text in contents(folder).items() if STAGE not in name} == OLD | OTHERS
+            assert {name: text for name, text in contents(folder).items() if HIDDEN_FOLDER not in name} == OLD | OTHERS
     assert contents(folder) == AFTER
-    assert not (folder / STAGE).exists()
+    assert not (folder / HIDDEN_FOLDER).exists()
 
 
-def test_a_folder_that_is_not_there_is_made(tmp_path):
+def test_a_missing_folder_is_created(tmp_path):
     replace(tmp_path / "a" / "b")
     assert contents(tmp_path / "a" / "b") == NEW
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
-def test_after_an_error_outside_of_the_parts_all_is_as_before(folder, error):
+def test_after_an_error_outside_of_the_parts_all_files_are_unchanged(folder, error):
     def fail():
         with replacing_files(folder) as new:
             (new.folder / "report.html").write_text("new")
@@ -87,7 +87,7 @@ def test_after_an_error_outside_of_the_parts_all_is_as_before(folder, error):
 
 
 @pytest.mark.parametrize("name", sorted(NEW))
-def test_a_part_that_fails_is_named_and_beside_an_outdated_file_of_it_nothing_changes(folder, name):
+def test_a_failed_part_is_named_and_an_outdated_file_of_it_keeps_the_old_set(folder, name):
     with pytest.raises(OutputError, match=rf"{name}: ValueError: no {name}") as caught:
         replace(folder, failing=[name])
     if name in OLD:
@@ -96,10 +96,10 @@ def test_a_part_that_fails_is_named_and_beside_an_outdated_file_of_it_nothing_ch
     else:
         assert "All other files are written" in str(caught.value)
         assert contents(folder) == {one: text for one, text in AFTER.items() if one != name}
-    assert not (folder / STAGE).exists()
+    assert not (folder / HIDDEN_FOLDER).exists()
 
 
-def test_where_there_was_nothing_all_that_can_be_made_is_written_and_all_that_cannot_is_named(tmp_path):
+def test_in_an_empty_folder_all_other_parts_are_written_and_all_failed_parts_named(tmp_path):
     with pytest.raises(OutputError) as caught:
         replace(tmp_path, failing=["report.html", "records.csv"])
     assert contents(tmp_path) == dict.fromkeys(("pictures/body.svg", "tables/champion.csv"), "new")
@@ -108,19 +108,19 @@ def test_where_there_was_nothing_all_that_can_be_made_is_written_and_all_that_ca
     assert isinstance(caught.value.__cause__, ValueError)
 
 
-def test_beside_a_file_that_is_up_to_date_the_others_are_replaced(folder):
+def test_a_failed_part_with_an_up_to_date_file_does_not_block_the_others(folder):
     with pytest.raises(OutputError, match="All other files are written"):
         replace(folder, failing=["records.csv"], is_current=lambda path: path.name == "records.csv")
     assert contents(folder) == AFTER | {"records.csv": "old"}
 
 
 @pytest.mark.parametrize("broken", range(len(NEW)))
-def test_a_file_that_cannot_be_replaced_is_named_and_the_others_are_put_back(folder, broken, monkeypatch):
-    """As on Windows, where a table that is open in a spreadsheet cannot be."""
+def test_a_file_that_cannot_be_replaced_is_named_and_the_old_set_restored(folder, broken, monkeypatch):
+    """As on Windows for a table that is open in a spreadsheet program."""
     rename, calls = os.replace, iter(range(99))
 
     def replaced(source, target):
-        is_swap = f"{STAGE}{os.sep}new" in str(source) and STAGE not in str(target)
+        is_swap = f"{HIDDEN_FOLDER}{os.sep}new" in str(source) and HIDDEN_FOLDER not in str(target)
         if is_swap and next(calls) == broken:
             raise PermissionError(13, "held by another program", str(source), None, str(target))
         rename(source, target)
@@ -130,10 +130,10 @@ def test_a_file_that_cannot_be_replaced_is_named_and_the_others_are_put_back(fol
         replace(folder)
     assert contents(folder) == OLD | OTHERS
     assert not (folder / "tables").exists()
-    assert not (folder / STAGE).exists()
+    assert not (folder / HIDDEN_FOLDER).exists()
 
 
-def test_without_hard_links_it_is_the_same(folder, monkeypatch):
+def test_files_are_replaced_without_hard_links(folder, monkeypatch):
     def link(*_, **__):
         raise PermissionError(1, "Operation not permitted")
 
@@ -142,28 +142,28 @@ def test_without_hard_links_it_is_the_same(folder, monkeypatch):
     assert contents(folder) == AFTER
 
 
-def test_two_writers_take_turns(folder):
-    entered, may_go = threading.Event(), threading.Event()
+def test_two_writers_wait_for_each_other(folder):
+    entered, may_continue = threading.Event(), threading.Event()
 
     def first():
         with replacing_files(folder) as new:
             entered.set()
-            may_go.wait(10)
+            may_continue.wait(10)
             fill(new.folder, {"report.html": "first", "records.csv": "first"})
 
     thread = threading.Thread(target=first)
     thread.start()
     entered.wait(10)
     restore(folder)
-    assert (folder / STAGE).exists(), "a reader leaves a writer alone"
-    threading.Timer(0.1, may_go.set).start()
+    assert (folder / HIDDEN_FOLDER).exists(), "restore does nothing while another process writes"
+    threading.Timer(0.1, may_continue.set).start()
     replace(folder)
     thread.join()
     assert contents(folder) == AFTER
 
 
-def test_a_writer_that_does_not_end_is_told(folder, monkeypatch):
-    monkeypatch.setattr(file_sets, "PATIENCE", 0.0)
+def test_waiting_for_another_writer_ends_with_an_error(folder, monkeypatch):
+    monkeypatch.setattr(file_sets, "LOCK_TIMEOUT", 0.0)
     with replacing_files(folder), pytest.raises(OutputError, match="another program is writing"):
         replace(folder)
     assert contents(folder) == OLD | OTHERS
@@ -176,15 +176,15 @@ import json, os, shutil, signal, sys, tempfile
 from multiprocessing import resource_tracker
 from pathlib import Path
 sys.path.insert(0, sys.argv[1])
-from walkerlab.system import file_sets, files
+from walkerlab.system import file_sets, files, folder_locks
 
-os.fsync = lambda file: None  # it is for power cuts, and takes its time
-resource_tracker.ensure_running()  # or each child starts one
+os.fsync = lambda file: None  # slow, and has an effect only after a power failure
+resource_tracker.ensure_running()  # otherwise each child starts one
 step, old, new, others = map(json.loads, sys.argv[2:6])
-memory = "/dev/shm"  # quicker than a disk, where there is one
+memory = "/dev/shm"  # faster than a disk, if it exists
 passing = tempfile.TemporaryDirectory(dir=memory if os.access(memory, os.W_OK) else None)
 top = Path(passing.name)
-CODE = {files.__file__, file_sets.__file__}
+CODE = {files.__file__, file_sets.__file__, folder_locks.__file__}
 
 def fill(folder, texts):
     for name, text in texts.items():
@@ -193,7 +193,7 @@ def fill(folder, texts):
 
 def contents(folder, hidden=True):
     found = {p.relative_to(folder).as_posix(): p.read_text() for p in folder.rglob("*") if p.is_file()}
-    return {name: text for name, text in found.items() if hidden or file_sets.STAGE not in name}
+    return {name: text for name, text in found.items() if hidden or file_sets.HIDDEN_FOLDER not in name}
 
 def replace(folder):
     with file_sets.replacing_files(folder) as made:
@@ -252,69 +252,83 @@ print(json.dumps([seen, ends, again]))
 
 
 @posix
-def test_killed_at_any_line_it_is_the_old_set_or_the_new_one_as_soon_as_anybody_looks(request):
+def test_after_a_kill_at_any_line_restore_gives_the_old_set_or_the_new_one(request):
     given = map(json.dumps, (number(4, 1), OLD, NEW, OTHERS))
     command = [sys.executable, "-c", KILLS, str(request.config.rootpath), *given]
     seen, ends, again = json.loads(subprocess.run(command, capture_output=True, check=True, text=True).stdout)
-    print(f"\n{len(seen)} kills; seen before anybody looked: { {one: seen.count(one) for one in set(seen)} }")
+    print(f"\n{len(seen)} kills; state before restoring: { {one: seen.count(one) for one in set(seen)} }")
     assert set(ends) == {"before", "after"}
     assert set(again) == {"before"}
-    assert ends == sorted(ends, reverse=True), "before the commit it is the old set, and then the new one"
+    assert ends == sorted(ends, reverse=True), "the old set before the commit, the new one afterwards"
     assert 0 < seen.count("mixed") < len(seen) / 3
 
 
-# ---------------------------------------------------------------------------------------------- from a stranger
+# ------------------------------------------------------------------------------------------ untrusted folders
 
 
 @posix
-def test_a_strangers_folder_changes_no_other_file_than_its_own_outputs(folder, tmp_path_factory):
+def test_an_untrusted_folder_changes_only_its_own_output_files(folder, tmp_path_factory):
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     fill(elsewhere, {"report.html": "precious", "body.svg": "precious"})
-    fill(folder, {f"{STAGE}/old/notes.md": "forged", f"{STAGE}/old/{RUN_FILE}": "forged", f"{STAGE}/old/x/y": "forged"})
+    fill(
+        folder,
+        {
+            f"{HIDDEN_FOLDER}/old/notes.md": "forged",
+            f"{HIDDEN_FOLDER}/old/{RUN_FILE}": "forged",
+            f"{HIDDEN_FOLDER}/old/x/y": "forged",
+        },
+    )
     absent = ["notes.md", RUN_FILE, "../report.html", str(elsewhere / "report.html"), "pictures/body.svg", 5, None, []]
-    (folder / STAGE / MARKER).write_text(json.dumps(absent))
+    (folder / HIDDEN_FOLDER / JOURNAL).write_text(json.dumps(absent))
     (folder / "pictures" / "body.svg").unlink()
     (folder / "pictures").rmdir()
     (folder / "pictures").symlink_to(elsewhere)
     before = {path: path.read_text() for path in (folder / "notes.md", folder / RUN_FILE, *elsewhere.iterdir())}
     restore(folder)
     assert {path: path.read_text() for path in before} == before
-    with pytest.raises(OutputError, match="is a link"):
+    with pytest.raises(OutputError, match="is a symbolic link"):
         replace(folder)
     assert {path: path.read_text() for path in before} == before
 
 
 @posix
-@pytest.mark.parametrize("inside", ["", "old", "new", "lock", MARKER])
-def test_a_hidden_folder_that_leads_elsewhere_is_not_followed(folder, tmp_path_factory, inside):
+@pytest.mark.parametrize("inside", ["", "old", "new", "lock", JOURNAL])
+def test_links_in_a_hidden_folder_are_not_followed(folder, tmp_path_factory, inside):
     elsewhere = tmp_path_factory.mktemp("elsewhere")
-    fill(elsewhere, {"report.html": "precious", "lock": "precious", MARKER: "[]"})
+    fill(elsewhere, {"report.html": "precious", "lock": "precious", JOURNAL: "[]"})
     before = contents(elsewhere)
     if inside:
-        (folder / STAGE).mkdir()
-        is_file = inside in ("lock", MARKER)
-        (folder / STAGE / inside).symlink_to(elsewhere / inside if is_file else elsewhere)
+        (folder / HIDDEN_FOLDER).mkdir()
+        is_file = inside in ("lock", JOURNAL)
+        (folder / HIDDEN_FOLDER / inside).symlink_to(elsewhere / inside if is_file else elsewhere)
     else:
-        (folder / STAGE).symlink_to(elsewhere)
+        (folder / HIDDEN_FOLDER).symlink_to(elsewhere)
     restore(folder)
     assert contents(elsewhere) == before
-    assert {name: text for name, text in contents(folder).items() if STAGE not in name} == OLD | OTHERS
+    assert {name: text for name, text in contents(folder).items() if HIDDEN_FOLDER not in name} == OLD | OTHERS
     with pytest.raises(OutputError) if inside == "lock" else nullcontext():
         replace(folder)
     assert contents(elsewhere) == before
 
 
 @pytest.mark.parametrize("text", ["", "{", "null", '{"a": 1}', "[" * 50_000, "x" * 200_000])
-def test_a_marker_that_is_not_ours_is_no_obstacle(folder, text):
-    (folder / STAGE).mkdir()
-    (folder / STAGE / MARKER).write_text(text)
+def test_an_invalid_journal_is_ignored(folder, text):
+    (folder / HIDDEN_FOLDER).mkdir()
+    (folder / HIDDEN_FOLDER / JOURNAL).write_text(text)
     restore(folder)
     assert contents(folder) == OLD | OTHERS
-    assert not (folder / STAGE).exists()
+    assert not (folder / HIDDEN_FOLDER).exists()
 
 
-def test_what_a_killed_writer_left_before_it_replaced_anything_is_deleted(folder):
-    fill(folder, {f"{STAGE}/new/report.html": "half", f"{STAGE}/lock": "", f"{STAGE}/old/records.csv": "old"})
+def test_files_of_a_writer_killed_before_replacing_are_deleted(folder):
+    fill(
+        folder,
+        {
+            f"{HIDDEN_FOLDER}/new/report.html": "half",
+            f"{HIDDEN_FOLDER}/lock": "",
+            f"{HIDDEN_FOLDER}/old/records.csv": "old",
+        },
+    )
     restore(folder)
     assert contents(folder) == OLD | OTHERS
-    assert not Path(folder / STAGE).exists()
+    assert not Path(folder / HIDDEN_FOLDER).exists()

@@ -1,4 +1,4 @@
-"""Paths from users are absolute and plain; a file is replaced whole or not at all."""
+"""Paths from users, and files that are replaced in one step."""
 
 import os
 import shlex
@@ -46,7 +46,7 @@ def here(tmp_path, monkeypatch):
         ("walk/", "walk"),
     ],
 )
-def test_a_path_is_absolute_with_the_home_folder_in_place_of_a_tilde(here, given, meant):
+def test_a_path_is_made_absolute_and_its_tilde_is_expanded(here, given, meant):
     assert absolute_path(given) == here / meant
 
 
@@ -55,31 +55,31 @@ def test_a_path_is_absolute_with_the_home_folder_in_place_of_a_tilde(here, given
     ["", " ", ":memory:", "file:y.walk", "FILE:y", "file:///y", "https://x/y", "a\0b", "\ud800", "~no-such-user/x"],
 )
 @pytest.mark.parametrize("read", [absolute_path, file_path, folder_path])
-def test_what_is_no_plain_path_is_rejected_with_name_and_value(given, read):
+def test_an_invalid_path_raises_with_its_name_and_value(given, read):
     with pytest.raises(PathError) as caught:
         read(given, "somewhere")
     assert str(caught.value).startswith(f"somewhere is {given!r}")
 
 
 @pytest.mark.parametrize("given", [None, 5, 1.5, ["a"]])
-def test_what_is_no_path_at_all_is_a_type_error(given):
+def test_a_value_of_another_type_raises_a_type_error(given):
     with pytest.raises(TypeError, match="must be a path"):
         absolute_path(given)
 
 
-def test_a_folder_is_no_file_and_a_file_no_folder(here):
+def test_files_and_folders_are_not_interchangeable(here):
     Path("file").touch()
     for folder in (".", "..", "new/", str(here), "/"):
-        with pytest.raises(PathError, match="that is a folder"):
+        with pytest.raises(PathError, match="which is a folder"):
             file_path(folder)
-    with pytest.raises(PathError, match="that is a file"):
+    with pytest.raises(PathError, match="which is a file"):
         folder_path("file")
     assert file_path("file") == here / "file"
     assert folder_path("new/") == here / "new"
 
 
 @posix
-def test_up_from_a_link_is_where_the_system_finds_it(here):
+def test_the_parent_of_a_link_is_that_of_its_target(here):
     (here / "far" / "away").mkdir(parents=True)
     Path("link").symlink_to("far/away")
     assert absolute_path("link/../x") == here / "far" / "x"
@@ -87,7 +87,7 @@ def test_up_from_a_link_is_where_the_system_finds_it(here):
 
 
 @posix
-def test_without_a_current_folder_only_absolute_paths_will_do(here, monkeypatch):
+def test_without_a_current_folder_relative_paths_raise(here, monkeypatch):
     (here / "gone").mkdir()
     monkeypatch.chdir(here / "gone")
     (here / "gone").rmdir()
@@ -98,7 +98,7 @@ def test_without_a_current_folder_only_absolute_paths_will_do(here, monkeypatch)
 
 
 @pytest.mark.parametrize("name", ["walk", "a b/c", "~/x", "-x", ":memory:", "file:y", "it's", '"$HOME"', "a\\b", "!!"])
-def test_what_is_shown_means_the_same_path_for_us_and_for_a_shell(here, name):
+def test_a_shown_path_is_read_as_the_same_path_by_walkerlab_and_by_a_shell(here, name):
     path = here / name
     assert absolute_path(shown(path)) == path
     if os.name != "nt":
@@ -107,7 +107,7 @@ def test_what_is_shown_means_the_same_path_for_us_and_for_a_shell(here, name):
         assert not word.startswith("-")
 
 
-def test_what_is_shown_is_short_in_the_current_folder_only(here):
+def test_a_shown_path_is_relative_only_in_the_current_folder(here):
     assert shown(here / "a" / "b") == os.path.join("a", "b")
     assert shown(here.parent) == str(here.parent)
     assert shown("as it is") == "as it is"
@@ -116,25 +116,25 @@ def test_what_is_shown_is_short_in_the_current_folder_only(here):
 # ------------------------------------------------------------------------------------------------- replacing a file
 
 
-def test_a_file_is_new_when_the_block_ends_and_not_before(tmp_path):
+def test_a_file_is_replaced_when_the_block_ends(tmp_path):
     path = tmp_path / "file.txt"
     path.write_text("old")
-    with replacing(path) as part:
-        part.write_text("new")
+    with replacing(path) as temporary:
+        temporary.write_text("new")
         assert path.read_text() == "old"
-        assert part.parent == tmp_path
+        assert temporary.parent == tmp_path
     assert path.read_text() == "new"
     assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.mark.parametrize("error", [ValueError, OSError, KeyboardInterrupt])
-def test_after_an_error_all_is_as_before(tmp_path, error):
+def test_after_an_error_the_old_file_is_unchanged(tmp_path, error):
     path = tmp_path / "file.txt"
     path.write_text("old")
 
     def fail(one):
-        with replacing(one) as part:
-            part.write_text("half")
+        with replacing(one) as temporary:
+            temporary.write_text("half")
             raise error
 
     for one in (path, tmp_path / "new.txt"):
@@ -144,7 +144,7 @@ def test_after_an_error_all_is_as_before(tmp_path, error):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_what_cannot_be_renamed_leaves_the_old_file_and_is_named(tmp_path, monkeypatch):
+def test_an_error_of_renaming_names_the_file_and_leaves_it_unchanged(tmp_path, monkeypatch):
     path = tmp_path / "file.txt"
     path.write_text("old")
 
@@ -160,7 +160,7 @@ def test_what_cannot_be_renamed_leaves_the_old_file_and_is_named(tmp_path, monke
 
 
 @posix
-def test_a_link_is_replaced_and_not_followed(tmp_path):
+def test_a_symbolic_link_is_replaced_and_not_followed(tmp_path):
     precious, link = tmp_path / "precious", tmp_path / "link"
     precious.write_text("three years of work")
     link.symlink_to(precious)
@@ -171,7 +171,7 @@ def test_a_link_is_replaced_and_not_followed(tmp_path):
 
 
 @posix
-def test_no_device_or_folder_is_replaced(tmp_path):
+def test_devices_and_folders_are_not_replaced(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "folder").mkdir()
     (tmp_path / "link").symlink_to(os.devnull)
@@ -182,15 +182,15 @@ def test_no_device_or_folder_is_replaced(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"pipe", "folder", "link"}
 
 
-def test_a_missing_folder_is_named_in_words_alone(here):
+def test_a_missing_folder_is_named_without_an_error_number(here):
     with pytest.raises(FileNotFoundError) as caught:
         write_text(here / "none" / "file.txt", "new")
-    assert str(caught.value) == "there is no folder none; make it first, for the file file.txt."
+    assert str(caught.value) == "there is no folder none for the file file.txt; create it first."
 
 
 @posix
 @pytest.mark.parametrize("mask", [0o022, 0o077])
-def test_permissions_are_those_of_any_new_file(tmp_path, mask):
+def test_the_new_file_has_default_permissions(tmp_path, mask):
     before = os.umask(mask)
     try:
         write_text(tmp_path / "file.txt", "new")
@@ -200,7 +200,7 @@ def test_permissions_are_those_of_any_new_file(tmp_path, mask):
 
 
 @posix
-def test_a_name_may_be_as_long_as_names_can_be_and_no_longer(tmp_path):
+def test_a_name_may_have_the_maximum_length_of_the_file_system(tmp_path):
     path = tmp_path / ("w" * 255)
     write_text(path, "new")
     with pytest.raises(OSError, match="long"):

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 import walkerlab as wl
 from tests.simulation.test_validity import WALKER
 from tests.view.test_plots import evolved_table
-from walkerlab.evolution import evolution
+from walkerlab.evolution import running
 from walkerlab.evolution.evolution import Generation
 from walkerlab.runfile.records import Individual, name_fitness
 from walkerlab.simulation.evaluation import Evaluation
@@ -136,7 +136,7 @@ def progress(run):
 
     done, words = Finished(), []
     done.run = run
-    evolution._finish(done, SimpleNamespace(set_postfix_str=words.append))
+    running._run_to_end(done, SimpleNamespace(set_postfix_str=words.append))
     return words[0]
 
 

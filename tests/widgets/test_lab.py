@@ -317,7 +317,7 @@ def test_no_forecast_is_made_during_a_run(lab, monkeypatch):
     wait_for_drawings(lab)
     press(lab, "start")
     forecasts = []
-    monkeypatch.setattr("walkerlab.widgets.lab.seconds_of", forecasts.append)
+    monkeypatch.setattr("walkerlab.widgets.lab.estimate_seconds", forecasts.append)
     lab._forecast()
     assert forecasts == []
 

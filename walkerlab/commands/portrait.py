@@ -13,7 +13,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from walkerlab.evolution.run import Run, load
+from walkerlab.evolution.loading import load
+from walkerlab.evolution.run import Run
 from walkerlab.simulation.rollout import simulate
 from walkerlab.system.files import file_path, replacing
 from walkerlab.text.numbers import with_unit

@@ -20,9 +20,9 @@ def evolve(arguments: argparse.Namespace) -> int:
     """Run an evolution and write it into a new folder; return the exit code."""
     with interrupts_held():
         from walkerlab.commands import flags
-        from walkerlab.evolution.run import load
+        from walkerlab.evolution.loading import load
         from walkerlab.runfile.opening import RunFileError
-        from walkerlab.runfile.store import RUN_FILE
+        from walkerlab.runfile.paths import RUN_FILE
         from walkerlab.simulation.workers import n_cores
         from walkerlab.view import summary
 
@@ -37,9 +37,9 @@ def evolve(arguments: argparse.Namespace) -> int:
     if not arguments.quiet:
         print(summary.describe_start(settings, n_cores()), flush=True)
     with interrupts_held():
-        from walkerlab.evolution import evolution  # imports mujoco
+        from walkerlab.evolution import running  # imports mujoco
     try:
-        run = evolution.evolve(settings, path, progress=not arguments.quiet)
+        run = running.evolve(settings, path, progress=not arguments.quiet)
     except KeyboardInterrupt:
         if not path.exists() or not (run := load(path)).n_generations:
             raise
@@ -50,11 +50,12 @@ def resume(arguments: argparse.Namespace) -> int:
     """Resume a run; if it is complete, write missing output files. Return the exit code."""
     with interrupts_held():
         from walkerlab.evolution import outputs
-        from walkerlab.evolution.run import load, with_functions
+        from walkerlab.evolution.loading import load
+        from walkerlab.evolution.stored_functions import restore_user_functions
         from walkerlab.simulation.workers import n_cores
         from walkerlab.view import summary
 
-    run = with_functions(load(arguments.path), {})
+    run = restore_user_functions(load(arguments.path), {})
     done, wanted = run.n_generations, arguments.generations
     wanted = run.settings.algorithm.generations if wanted is None else wanted
     if done == wanted and run.path:
@@ -66,9 +67,9 @@ def resume(arguments: argparse.Namespace) -> int:
     if not arguments.quiet and done < wanted:
         print(summary.describe_start(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
     with interrupts_held():
-        from walkerlab.evolution import evolution
+        from walkerlab.evolution import running
     return _finish(
-        evolution.resume(arguments.path, arguments.generations, progress=not arguments.quiet), quiet=arguments.quiet
+        running.resume(arguments.path, arguments.generations, progress=not arguments.quiet), quiet=arguments.quiet
     )
 
 
@@ -80,10 +81,10 @@ def _resume_words(run: Run) -> str:
 
 def _run_path(run: Run) -> str:
     """Return the shortest quoted path of a run: its folder, if the file has the default name."""
-    from walkerlab.runfile import store
+    from walkerlab.runfile.paths import RUN_FILE
 
     assert run.path
-    return quoted(run.path.parent if run.path.name == store.RUN_FILE else run.path)
+    return quoted(run.path.parent if run.path.name == RUN_FILE else run.path)
 
 
 def _finish(run: Run, *, quiet: bool) -> int:
@@ -133,11 +134,11 @@ def _write_outputs(run: Run) -> None:
 
 def show(arguments: argparse.Namespace) -> int:
     """Print a summary of a run; return the exit code."""
-    from walkerlab.evolution.run import load
-    from walkerlab.runfile import store
+    from walkerlab.evolution.loading import load
+    from walkerlab.runfile import paths, store
     from walkerlab.view import summary
 
-    run, path = load(arguments.path), store.locate(arguments.path)
+    run, path = load(arguments.path), paths.locate(arguments.path)
     settings, records = run.settings.model_dump(), run.records
     print_safely(f"{shown(path)}: {run.n_generations} of {run.settings.algorithm.generations} generations")
     run_facts, versions = store.read_facts(path)
@@ -161,14 +162,14 @@ def show(arguments: argparse.Namespace) -> int:
 
 def rescue(arguments: argparse.Namespace) -> int:
     """Save the intact generations of a damaged run in a new folder; return the exit code."""
-    from walkerlab.evolution import run as runs
+    from walkerlab.evolution import loading
     from walkerlab.runfile.opening import RunFileError
-    from walkerlab.runfile.store import RUN_FILE
+    from walkerlab.runfile.paths import RUN_FILE
 
     out = shown(folder_path(arguments.out, "--out"))
     if (arguments.out / RUN_FILE).exists():
         raise RunFileError(f"{out} already holds a run. Choose another folder for the saved one: --out ANOTHER-FOLDER")
-    run = runs.rescue(arguments.path, arguments.out / RUN_FILE)
+    run = loading.rescue(arguments.path, arguments.out / RUN_FILE)
     done, wanted = run.n_generations, run.settings.algorithm.generations
     saved = f"{done} of {wanted} intact generations are" if done else "No generation is intact; the settings are"
     print(f"{saved} saved in {out}; {shown(arguments.path)} was not changed.")
@@ -180,7 +181,7 @@ def describe_stop(arguments: argparse.Namespace) -> str:
     """Return the message for a command that was stopped: what is saved, and how to resume."""
     if arguments.run not in (evolve, resume):
         return "Stopped."
-    from walkerlab.evolution.run import load
+    from walkerlab.evolution.loading import load
     from walkerlab.runfile.opening import RunFileError
 
     try:

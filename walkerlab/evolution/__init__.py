@@ -1,1 +1,1 @@
-"""From settings to generation after generation, and the run that results."""
+"""Evolve a run, store it, resume it, and write its output files."""

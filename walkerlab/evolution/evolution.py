@@ -1,4 +1,4 @@
-"""The wiring: settings become generation after generation, each tabulated and stored."""
+"""Evolve one generation at a time: breed it, let it walk, store it."""
 
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -6,12 +6,10 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from threading import Lock
 from typing import Any, ClassVar, Self
 
 import numpy as np
 import pandas as pd
-from tqdm.auto import tqdm
 
 from walkerlab.breeding import (
     check_user_operators,
@@ -20,8 +18,11 @@ from walkerlab.breeding import (
     generate_robot_population,
     resolve_operators,
 )
-from walkerlab.evolution.rerating import Recorded, changed_operators, confirm_ratings, function_facts
-from walkerlab.evolution.run import Run, check_storable, load, own_slots, with_functions
+from walkerlab.evolution.insertion import InsertedGenomes
+from walkerlab.evolution.interruption import save_after
+from walkerlab.evolution.rerating import Recorded, confirm_ratings, function_facts
+from walkerlab.evolution.run import Run
+from walkerlab.evolution.stored_functions import check_storable
 from walkerlab.ga.genes import Floats
 from walkerlab.ga.loop import first_population, next_population
 from walkerlab.ga.population import Population
@@ -29,29 +30,27 @@ from walkerlab.ga.user_functions import OperatorError
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.repair import genes_of, repair
 from walkerlab.readonly import ReadOnlyProperties
-from walkerlab.runfile import provenance, records, store
+from walkerlab.runfile import paths, provenance, records
 from walkerlab.runfile.archive import Archive
-from walkerlab.runfile.opening import DamagedError, RunFileError
+from walkerlab.runfile.opening import DamagedError
 from walkerlab.runfile.records import Individual, Walked
 from walkerlab.settings.arguments import require_settings
-from walkerlab.settings.fields import SettingsError, count, did_you_mean, pasted
+from walkerlab.settings.fields import did_you_mean, pasted
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation import fitness, workers
 from walkerlab.simulation.evaluation import evaluate
 from walkerlab.simulation.pausable import Stopped
 from walkerlab.simulation.validity import REJECTED
-from walkerlab.system.files import shown
 from walkerlab.system.interrupts import interrupts_held
 from walkerlab.system.time_limit import effective_limit
-from walkerlab.text.numbers import significant
 
 
 @dataclass(frozen=True, eq=False)
 class Generation:
-    """One generation.
+    """One evaluated generation.
 
     Attributes:
-        number: 0 for the random one.
+        number: Number of the generation; 0 is the random one.
     """
 
     number: int
@@ -59,17 +58,17 @@ class Generation:
 
     @property
     def records(self) -> pd.DataFrame:
-        """A copy of its part of the tidy table."""
+        """Copy of the rows of this generation in the tidy table."""
         return records.copy_of(self._table)
 
     @property
     def champion(self) -> Individual:
-        """The fittest of this generation."""
+        """Fittest robot of this generation."""
         return records.champion(self._table)
 
 
 class Evolution(ReadOnlyProperties):
-    """An evolution, one generation at a time: iterate over it, stop when you like, and go on later.
+    """An evolution that yields one generation at a time; it can be stopped and continued.
 
     Iterate over it:
 
@@ -93,23 +92,23 @@ class Evolution(ReadOnlyProperties):
         on_walks: Callable[[int], None] = lambda _: None,
         **unknown: Any,
     ) -> None:
-        """Check all that can be checked before any physics runs.
+        """Check the arguments and create the run file, without any simulation.
 
         Args:
-            settings: of all four domains.
-            path: Run file, created here with the settings; if None, nothing is left of the run once it is unused.
-            executor: any ``concurrent.futures.Executor``; loky on all cores if None.
-            on_walks: told how many more walks are done.
+            settings: Complete settings of the run.
+            path: Run file to create; if None, the run is lost once it is unused.
+            executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
+            on_walks: Function that is called with the number of further walks that are done.
             **unknown: Rejected; single settings belong to ``settings``.
 
         Raises:
             TypeError: If an argument is of the wrong type, or its name is unknown.
-            OperatorError: if an operator or fitness of the user's own does not do what its slot needs.
-            SettingsError: if no run file can hold the settings.
-            RuntimeError: if the executor is closed.
-            RunFileError: if there is a file at ``path``, or none can be made there.
+            OperatorError: If a user function does not do what its slot requires.
+            SettingsError: If the settings cannot be stored in a run file.
+            RuntimeError: If the executor is closed.
+            RunFileError: If ``path`` exists already or cannot be created.
         """
-        _reject_unknown("Evolution", unknown)
+        reject_unknown_arguments("Evolution", unknown)
         require_settings(settings)
         check_user_operators(settings.algorithm, genes_of(settings.robot))
         fitness.check_user_function(settings.algorithm.fitness)
@@ -118,42 +117,56 @@ class Evolution(ReadOnlyProperties):
         effective_limit(1.0)  # a wrong environment variable raises before the file is created
         check_storable(settings)
         self._settings = settings
-        self._path = None if path is None else store.new_path(path)
+        self._path = None if path is None else paths.new_path(path)
         self._on_walks = on_walks
-        self._archive = Archive.create(settings.model_dump(), self._path)  # all else is valid
+        self._archive = Archive.create(settings.model_dump(), self._path)  # after all checks
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._population: Population[Walked] | None = None
-        self._functions, self._rated_since = function_facts(settings), 0
-        self._is_warned = False
-        self._guests, self._next_bred, self._breeding = list[Genome](), 0, Lock()
+        self._functions = function_facts(settings)
+        self._rated_since = 0
+        self._has_warned = False
+        self._inserted = InsertedGenomes(settings.algorithm)
 
     @classmethod
-    def _of(
+    def continued(
         cls, run: Run, path: Path, settings: Settings, facts: Mapping[str, str], rerate: bool, **options: Any
     ) -> Self:
-        """Take up a run where its table ends; ``facts`` are those of its last generation."""
+        """Return an evolution that continues a stored run after its last generation.
+
+        Args:
+            run: Loaded run, with its user functions.
+            path: Its run file.
+            settings: Settings of the run, perhaps with more generations.
+            facts: What the last generation was made with.
+            rerate: Whether to continue from new ratings of the last generation if they differ from the stored ones.
+            **options: Keyword arguments of ``Evolution``.
+
+        Raises:
+            RunFileError: If the ratings differ and ``rerate`` is false, or the file is damaged.
+        """
         evolution = cls(settings, **options)
-        evolution._path, table = path, run.records
+        table = run.records
+        evolution._path = path
         evolution._rated_since = run.rated_since
         if not table.empty:
             try:
                 evolution._population = records.last_population(table)
-                evolution._next_bred = evolution._population.generation + 1
+                evolution._inserted.begin(evolution.n_generations)
             except ValueError as error:
                 raise DamagedError(path, str(error)) from error
             if evolution.n_generations < settings.algorithm.generations:
                 evolution._confirm_ratings(table, facts, rerate)
         if evolution._rated_since:
             evolution._functions[provenance.RATED_SINCE] = str(evolution._rated_since)
-        current = table.loc[table.generation >= evolution._rated_since, :]  # older numbers are of another fitness
-        evolution._archive = Archive.of(path, current, settings.model_dump())
+        current = table.loc[table.generation >= evolution._rated_since, :]  # older ratings are of another function
+        evolution._archive = Archive.resume(path, current, settings.model_dump())
         return evolution
 
     def _confirm_ratings(self, table: pd.DataFrame, facts: Mapping[str, str], rerate: bool) -> None:
-        """Make sure that the last generation has the ratings of the fitness given."""
+        """Make sure that the last generation is rated by the current fitness function."""
         assert self._path
         assert self._population
-        is_elsewhere = bool(provenance.differences(facts, provenance.here()))
+        is_elsewhere = bool(provenance.describe_differences(facts, provenance.current_facts()))
         recorded = Recorded(self._path, facts, is_elsewhere, has_fitness=bool(np.isfinite(table.fitness).any()))
         walk_again = partial(self._evaluate, on_done=lambda _: None)
         self._population, is_new = confirm_ratings(self._population, self.settings, recorded, walk_again, rerate=rerate)
@@ -162,129 +175,83 @@ class Evolution(ReadOnlyProperties):
 
     @property
     def settings(self) -> Settings:
-        """The settings of the run."""
+        """Settings of the run."""
         return self._settings
 
     @property
     def path(self) -> Path | None:
-        """The run file, or None."""
+        """Run file, or None."""
         return self._path
 
     @property
     def run(self) -> Run:
-        """All that is done so far."""
-        since = self._rated_since if self._rated_since < self.n_generations else 0  # none has new ratings yet
+        """The run so far."""
+        has_new_ratings = self._rated_since < self.n_generations
+        since = self._rated_since if has_new_ratings else 0
         return Run(self.settings, partial(self._archive.table, self.n_generations), self.path, since)
 
     @property
     def n_generations(self) -> int:
-        """How many generations are done."""
+        """Number of generations that are done."""
         return 0 if self._population is None else self._population.generation + 1
 
-    @property
-    def _room(self) -> int:
-        """How many children a generation has."""
-        return self.settings.algorithm.population_size - self.settings.algorithm.n_elites
-
     def insert(self, genome: Genome | str) -> int:
-        """Put a genome of your own into the next generation that is bred, in the place of a child.
+        """Insert a genome into the next generation to be bred, in the place of a child.
 
         Args:
-            genome: a genome or its text; brought within the limits.
+            genome: Genome or its text; its genes are clipped to the limits of the settings.
 
         Returns:
-            The number of that generation; the one that is walking has been bred already.
+            Number of that generation; a generation that is walking has been bred already.
 
         Raises:
-            GenomeError: if a text is no genome.
-            ValueError: if there is no room for it, no generation yet that another could follow, or none to come.
+            GenomeError: If a text is not a valid genome.
+            ValueError: If the next generation has no place for it, or there is no generation before or after it.
         """
-        genome = Genome.of(genome).within(self.settings.robot)
-        algorithm = self.settings.algorithm
-        with self._breeding:
-            if self._population is None:
-                raise ValueError("the first generation is random; let it walk, and put the gene into the next one")
-            if self._next_bred >= algorithm.generations:
-                raise ValueError(f"no generation is bred any more: generation {algorithm.generations - 1} is the last")
-            if len(self._guests) >= self._room:
-                raise ValueError(
-                    f"the next generation has {self._room} places for children, and genes of yours have them all"
-                )
-            self._guests.append(genome)
-            return self._next_bred
+        return self._inserted.add(Genome.of(genome).within(self.settings.robot))
 
     def __iter__(self) -> Iterator[Generation]:
-        """Yield each further generation once it is evaluated and stored, until the settings' number is reached."""
+        """Yield each further generation once it is evaluated and stored, up to the number in the settings."""
         algorithm = self.settings.algorithm
-        while self._population is None or self._population.generation + 1 < algorithm.generations:
+        while self.n_generations < algorithm.generations:
             try:
-                population = self._next()
+                population = self._breed()
                 table = records.tabulate(population, describe_operators(algorithm))
                 records.name_fitness(table, *fitness.name_and_unit(algorithm.fitness))
-                with interrupts_held():  # what is stored and what is in hand must not part
+                with interrupts_held():  # so that the file and this object always agree
                     self._archive.add(table, self._functions)
                     self._population = population
+                    self._inserted.begin(population.generation + 1)
             except Stopped:
                 raise
             except Exception as error:
-                self._keep(error)
+                if self.n_generations or self.path:
+                    save_after(error, self._archive, self.settings, self.n_generations)
                 raise
             self._warn_once(population)
             yield Generation(population.generation, table)
 
     def _warn_once(self, population: Population[Walked]) -> None:
-        """Warn if selection cannot tell the robots of a generation apart, once a run."""
-        if self._is_warned:
+        """Warn if selection cannot distinguish the robots of a generation, once in a run."""
+        if self._has_warned:
             return
-        if all(one.verdict == REJECTED for one in population.evaluations):
-            why = (
-                f"{population.evaluations[0].reason} for every robot, so that parents are random. Is a return missing?"
-            )
+        if all(walked.verdict == REJECTED for walked in population.evaluations):
+            cause = population.evaluations[0].reason
+            problem = f"{cause} for every robot, so that parents are random. Is a return missing?"
         else:
-            why = explain_lost_pressure(population.fitness, self.settings.algorithm)
-        if why:
-            self._is_warned = True
-            warnings.warn(f"In generation {population.generation}, {why}", stacklevel=2)
+            problem = explain_lost_pressure(population.fitness, self.settings.algorithm)
+        if problem:
+            self._has_warned = True
+            warnings.warn(f"In generation {population.generation}, {problem}", stacklevel=2)
 
-    def _keep(self, error: Exception) -> None:
-        """Keep what is done in a file, and note on the error that ends the run where that is and how to go on."""
-        if not self.n_generations and not self.path:
-            return  # the caller has the settings, and there is nothing else
-        try:
-            path = self._archive.keep()
-        except RunFileError as fault:
-            error.add_note(str(fault))
-            return
-        done = f"What is done is kept in {shown(path)}: {count(self.n_generations, 'generation')}."
-        if not self.n_generations:
-            done = f"No generation was done; the settings are kept in {shown(path)}."
-        error.kept = path  # type: ignore[attr-defined]
-        error.add_note(f"{done} When the fault is fixed, resume with:\n    run = {self._resume_call(path)}")
-
-    def _resume_call(self, path: Path) -> str:
-        """Return the Python call that resumes the run."""
-        own = "".join(f", {slot}={how}" for slot, how in own_slots(self.settings).items())
-        return f"wl.resume({shown(path)!r}{own})"
-
-    @property
-    def unfinished(self) -> str:
-        """What is kept of a run that was interrupted before its first generation was done, and how to resume it."""
-        if not self.path:
-            return "before the first generation was done; the run has no file, so nothing of it is kept"
-        return (
-            f"before the first generation was done; the settings are kept, resume with: {self._resume_call(self.path)}"
-        )
-
-    def _next(self) -> Population[Walked]:
-        robot, algorithm = self.settings.robot, self.settings.algorithm
+    def _breed(self) -> Population[Walked]:
+        """Return the next generation, evaluated."""
+        robot = self.settings.robot
+        algorithm = self.settings.algorithm
         if self._population is None:
             genomes = generate_robot_population(robot, algorithm.population_size, seed=algorithm.seed)
-            self._next_bred = 1
             return first_population(genomes, self._walk)
-        with self._breeding:
-            guests, self._guests = self._guests[: self._room], self._guests[self._room :]
-            self._next_bred = self._population.generation + 2
-        try:
+        with self._inserted.taken_for(self.n_generations) as inserted:
             return next_population(
                 self._population,
                 resolve_operators(algorithm),
@@ -293,160 +260,38 @@ class Evolution(ReadOnlyProperties):
                 repair=partial(repair, robot=robot),
                 n_elites=algorithm.n_elites,
                 seed=algorithm.seed,
-                inserted=np.array([genome.values for genome in guests]) if guests else None,
+                inserted=np.array([genome.values for genome in inserted]) if inserted else None,
             )
-        except BaseException:  # as Ctrl-C while they walk: it will be bred anew, and guests wait for that
-            with self._breeding:
-                self._guests, self._next_bred = guests + self._guests, self._population.generation + 1
-            raise
 
     def _walk(self, genomes: Floats) -> list[Walked]:
-        """Let each genome walk that has not walked before in this run; walks are repeatable, so once is enough."""
+        """Evaluate (n, n_genes) genomes; those that the run has evaluated before, or that are equal, do not walk."""
         texts = [str(Genome(values)) for values in genomes]
         known = self._archive.find(texts)
-        fresh = {text: i for i, text in enumerate(texts) if text not in known}
-        if fresh:
-            rows = list(fresh.values())
+        new = {text: row for row, text in enumerate(texts) if text not in known}
+        if new:
+            rows = list(new.values())
             try:
                 evaluations = self._evaluate(genomes[rows])
             except OperatorError as error:
                 individual = rows[error.robot_index] + (self._population.n_born if self._population else 0)
                 error.context = f"for individual {individual} of generation {self.n_generations}"
                 raise
-            known |= {text: Walked.of(one, text) for text, one in zip(fresh, evaluations, strict=True)}
-        if len(fresh) < len(texts):
-            self._on_walks(len(texts) - len(fresh))
+            known |= {text: Walked.of(one, text) for text, one in zip(new, evaluations, strict=True)}
+        if len(new) < len(texts):
+            self._on_walks(len(texts) - len(new))
         return [known[text] for text in texts]
 
 
-def evolve(
-    settings: Settings | None = None,
-    path: str | Path | None = None,
-    executor: Executor | None = None,
-    progress: bool = True,
-    **unknown: Any,
-) -> Run:
-    """Evolve walkers from a random first generation; Ctrl-C stops and keeps the generations that are done.
-
-    If Ctrl-C comes before the first generation is done, it is raised; a run file keeps the settings all the same.
+def reject_unknown_arguments(function: str, unknown: dict[str, Any]) -> None:
+    """Raise a TypeError if there are arguments of unknown names; for a setting, it says where that belongs.
 
     Args:
-        settings: of all four domains; the defaults if None.
-        path: Run file, created before the first walk; if None, nothing is left of the run once it is unused.
-        executor: any ``concurrent.futures.Executor``; loky on all cores if None.
-        progress: whether to show a bar.
-        **unknown: Rejected; single settings belong to ``settings``.
-
-    Returns:
-        The run: ``.records``, ``.champion``, ``.lineage(individual)``.
-
-    Warns:
-        UserWarning: once a run, if one very low fitness takes the pressure from ``gradient`` selection, or the fitness
-            function rejects every robot of a generation.
-
-    Raises:
-        OperatorError: if a function of the user's own does not do what its slot needs.
-        RunFileError: if there is a file at ``path``, or it cannot be written.
-        TypeError: If an argument is of the wrong type, or its name is unknown.
-        WorkersLostError: if those who walk give no answer, or have no memory left.
-
-    What is raised has a note that says in which file the run so far is kept, ``error.kept``: its own, or if it has none
-    and a generation is done, ``kept.walk``.
+        function: Name of the function that was called, ``evolve`` or ``Evolution``.
+        unknown: Arguments that it does not have, by name.
     """
-    _reject_unknown("evolve", unknown)
-    settings = Settings() if settings is None else require_settings(settings)
-    with _bar(settings, progress) as bar:
-        return _finish(Evolution(settings, path, executor, on_walks=bar.update), bar)
-
-
-def resume(
-    path: str | Path,
-    generations: int | None = None,
-    executor: Executor | None = None,
-    progress: bool = True,
-    *,
-    rerate: bool = False,
-    **functions: Any,
-) -> Run:
-    """Go on with a run, to the very table that it would have had without the stop.
-
-    Args:
-        path: its run file, or the folder with it.
-        generations: how many it shall have in all; as the settings say if None.
-        executor: any ``concurrent.futures.Executor``; loky on all cores if None.
-        progress: whether to show a bar.
-        rerate: Whether to continue from new ratings of the last generation where its fitness function has changed.
-            Earlier generations keep their numbers, and the champion is taken from later ones.
-        **functions: the user's own functions, by slot, if the run was made with any: ``mutation=my_mutation``.
-            With a fitness among them, the last generation walks again, to see if it is rated as before.
-
-    Warns:
-        UserWarning: if the run was made with other versions, or on another kind of processor, or an operator's source
-            has changed.
-
-    Raises:
-        RunFileError: if there is no such file, it is not a run, or a function of the user's own was not given back,
-            or another was given in its place, or the fitness rates the last generation otherwise than the file.
-        SettingsError: if ``generations`` is out of range.
-    """
-    run = with_functions(load(path), functions)
-    path, done = store.locate(path), run.n_generations
-    facts = store.read_facts(path)[1]
-    if changed := provenance.differences(facts, provenance.here()):
-        warnings.warn(
-            f"{shown(path)} was made with {changed}. What is done stays as it is; what comes now can differ in its "
-            "last digits from what it would have been there, and so can all that follows from it. The file says of "
-            "each generation what it was made with.",
-            stacklevel=2,
-        )
-    settings = run.settings if generations is None else run.settings.with_(generations=generations)
-    if settings.algorithm.generations < done:
-        raise SettingsError(
-            f"{shown(path)} has {done} generations already; generations must be {done} or more, in all."
-        )
-    if changed := changed_operators(facts, function_facts(settings)):
-        warnings.warn(
-            f"{shown(path)} was made with another source of its {changed}. The run continues with the functions given; "
-            "its file records for each generation which source it was made with.",
-            stacklevel=2,
-        )
-    with _bar(settings, progress, done=done) as bar:
-        evolution = Evolution._of(run, path, settings, facts, rerate, executor=executor, on_walks=bar.update)
-        del run  # its table is in the file, and need not be kept while it grows
-        return _finish(evolution, bar)
-
-
-def _reject_unknown(function: str, unknown: dict[str, Any]) -> None:
-    """Raise a TypeError if there are arguments of unknown names; of a setting, it says where that belongs."""
     for name, value in unknown.items():
         if name in Settings.places():
-            belongs = f"wl.{function}(wl.Settings().with_({name}={pasted(value)}))"
-            raise TypeError(f"{function} has no argument {name!r}, which is a setting: {belongs}")
+            call = f"wl.{function}(wl.Settings().with_({name}={pasted(value)}))"
+            raise TypeError(f"{function} has no argument {name!r}, which is a setting: {call}")
         known = ("settings", "path", "executor", "progress" if function == "evolve" else "on_walks")
         raise TypeError(f"{function} has no argument {name!r}; it has {', '.join(known)}.{did_you_mean(name, known)}")
-
-
-def n_walks(settings: Settings, done: int = 0) -> int:
-    """Count the walks that a run still takes, when so many of its generations are done; elites do not walk again."""
-    algorithm = settings.algorithm
-    children = algorithm.population_size - algorithm.n_elites
-    first = 0 if done else algorithm.n_elites
-    return first + max(0, algorithm.generations - done) * children
-
-
-def _bar(settings: Settings, progress: bool, done: int = 0) -> Any:
-    total = n_walks(settings, done)
-    return tqdm(total=total, unit=" walks", disable=not progress or not total, leave=True)
-
-
-def _finish(evolution: Evolution, bar: Any) -> Run:
-    """Run to the end, or to Ctrl-C, telling how it goes."""
-    try:
-        for generation in evolution:
-            best = generation.champion
-            reached = f"best {significant(best.fitness)}" if best.verdict == "ok" else "no walk counted"
-            bar.set_postfix_str(f"generation {generation.number}, {reached}")
-    except KeyboardInterrupt:
-        if not evolution.n_generations:
-            raise KeyboardInterrupt(evolution.unfinished) from None
-    return evolution.run

@@ -1,4 +1,4 @@
-"""How long a run will take on this computer, from a few short walks that are timed."""
+"""Forecast how long a run will take: its number of walks, and the time of a walk on this computer."""
 
 import time
 from functools import lru_cache
@@ -6,46 +6,65 @@ from functools import lru_cache
 import numpy as np
 
 from walkerlab.breeding import generate_robot_population
-from walkerlab.evolution.evolution import n_walks
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.settings import Robot, Settings, Simulation, Terrain
 from walkerlab.simulation.rollout import simulate
 from walkerlab.simulation.workers import n_cores
 
-N_PROBES = 4  # robots that walk
-SHORT, LONG = 1.0, 3.0  # s of their two walks each; what both have in common is building and settling
+N_SAMPLES = 4  # robots that are timed
+SHORT_WALK = 1.0  # s of simulated time
+LONG_WALK = 3.0  # s of simulated time
 
 
-def seconds_of(settings: Settings) -> float:
-    """Estimate how long a run of these settings takes, by letting a few random robots walk for a second or less.
+def n_walks(settings: Settings, done: int = 0) -> int:
+    """Count the walks that a run still requires; elites do not walk again.
+
+    Args:
+        settings: Complete settings of the run.
+        done: Number of generations that are done.
+    """
+    algorithm = settings.algorithm
+    children = algorithm.population_size - algorithm.n_elites
+    first = 0 if done else algorithm.n_elites
+    return first + max(0, algorithm.generations - done) * children
+
+
+def estimate_seconds(settings: Settings) -> float:
+    """Estimate how long a run takes, by timing short walks of a few random robots.
+
+    Args:
+        settings: Complete settings of the run.
 
     Returns:
-        s, without the time that the workers take to start.
+        Time in seconds, without the start of the workers.
     """
-    return n_walks(settings) * _seconds_of_a_walk(settings.terrain, settings.robot, settings.simulation) / n_cores()
+    return n_walks(settings) * _seconds_per_walk(settings.terrain, settings.robot, settings.simulation) / n_cores()
 
 
 @lru_cache(maxsize=64)
-def _seconds_of_a_walk(terrain: Terrain, robot: Robot, simulation: Simulation) -> float:
-    world = Settings(terrain=terrain, robot=robot, simulation=simulation)
-    genomes = [Genome(values) for values in generate_robot_population(robot, N_PROBES, seed=0)]
+def _seconds_per_walk(terrain: Terrain, robot: Robot, simulation: Simulation) -> float:
+    settings = Settings(terrain=terrain, robot=robot, simulation=simulation)
+    genomes = [Genome(values) for values in generate_robot_population(robot, N_SAMPLES, seed=0)]
     for genome in genomes:
-        simulate(genome, world.with_(duration=SHORT), poses=False)  # builds what is built once for each kind of body
+        simulate(genome, settings.with_(duration=SHORT_WALK), poses=False)  # fills the caches of compiled models
     short, long = (
-        np.median([_timed(genome, world.with_(duration=duration)) for genome in genomes]) for duration in (SHORT, LONG)
+        np.median([_timed(genome, settings.with_(duration=duration)) for genome in genomes])
+        for duration in (SHORT_WALK, LONG_WALK)
     )
-    each_second = max(0.0, float(long - short)) / (LONG - SHORT)
-    return simulation.n_starts * (float(short) + each_second * (simulation.duration - SHORT))
+    # Both walks include the same time for building and settling, which the difference cancels.
+    per_simulated_second = max(0.0, float(long - short)) / (LONG_WALK - SHORT_WALK)
+    return simulation.n_starts * (float(short) + per_simulated_second * (simulation.duration - SHORT_WALK))
 
 
 def _timed(genome: Genome, settings: Settings) -> float:
+    """Return the time that a walk takes, in seconds."""
     started = time.perf_counter()
     simulate(genome, settings, poses=False)
     return time.perf_counter() - started
 
 
-def in_words(seconds: float) -> str:
-    """Say how long it is, as one would: ``about 40 s``, ``about 3 minutes``, ``about 2 hours``."""
+def describe_duration(seconds: float) -> str:
+    """Write a duration as text: ``about 40 s``, ``about 3 minutes``, ``about 2 hours``."""
     if seconds < 2:
         return "a moment"
     if seconds < 90:

@@ -1,4 +1,4 @@
-"""An evolution on a thread of its own: it can be paused, stepped and stopped, and the notebook goes on meanwhile."""
+"""Evolution in a background thread: it can be paused, stepped and stopped, and the notebook stays responsive."""
 
 import threading
 import time
@@ -8,7 +8,8 @@ from enum import StrEnum
 from pathlib import Path
 from weakref import WeakSet
 
-from walkerlab.evolution.evolution import Evolution, n_walks
+from walkerlab.evolution.evolution import Evolution
+from walkerlab.evolution.forecast import n_walks
 from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome
 from walkerlab.readonly import ReadOnlyProperties
@@ -18,7 +19,7 @@ from walkerlab.simulation.workers import WorkerLostWarning, check_executor, defa
 
 
 class State(StrEnum):
-    """What a run is doing."""
+    """State of a run."""
 
     running = "running"
     paused = "paused"
@@ -30,17 +31,17 @@ class State(StrEnum):
 OVER = {State.stopped, State.finished, State.failed}
 
 _RUNS = WeakSet["LiveRun"]()
-"""All that there are: they share the workers, who go home with the last."""
+"""All live runs: they share the default executor, which is shut down when none of them needs it."""
 
 
 class LiveRun(ReadOnlyProperties):
-    """A run that goes on by itself.
+    """A run in a background thread.
 
     Attributes:
-        state: what it is doing.
-        error: what made it fail, or None.
-        n_done: walks that are done.
-        n_walks: walks that there will be.
+        state: State of the run.
+        error: Error that made it fail, or None.
+        n_done: Number of walks that are done.
+        n_walks: Total number of walks.
     """
 
     INSTEAD = Evolution.INSTEAD
@@ -51,19 +52,20 @@ class LiveRun(ReadOnlyProperties):
         path: str | Path | None = None,
         executor: Executor | None = None,
         *,
-        on_news: Callable[["LiveRun"], None] = lambda _: None,
+        on_change: Callable[["LiveRun"], None] = lambda _: None,
     ) -> None:
-        """Check the settings, and wait to be told to go on.
+        """Check the settings; the run is paused until ``go_on`` starts it.
 
         Args:
-            settings: of all four domains.
-            path: its run file; without one, nothing of it is kept.
-            executor: any ``concurrent.futures.Executor``; loky on all cores if None.
-            on_news: called with it, on its thread or the caller's, when more walks are done or its state has changed.
+            settings: Complete settings of the run.
+            path: Run file to create; if None, the run is lost once it is unused.
+            executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
+            on_change: Function that is called with the run when walks are done or its state has changed, in the thread
+                of the run or of the caller.
 
         Raises:
-            OperatorError: if an operator or fitness of the user's own does not do what its slot needs.
-            RunFileError: if there is a file at ``path``, or none can be made there.
+            OperatorError: If a user function does not do what its slot requires.
+            RunFileError: If ``path`` exists already or cannot be created.
         """
         check_executor(executor)
         self._settings = settings
@@ -71,142 +73,160 @@ class LiveRun(ReadOnlyProperties):
         self.n_done = 0
         self.error: BaseException | None = None
         self.n_walks = n_walks(settings)
-        self._executor, self._on_news = executor, on_news
-        self._gate = PausableExecutor(self._workers, n_workers)
-        self._evolution = Evolution(settings, path, self._gate, on_walks=self._walked)
-        self._may_go, self._pause_at = threading.Event(), settings.algorithm.generations
-        self._since, self._seconds, self._first = 0.0, 0.0, (0.0, 0)
+        self._executor = executor
+        self._on_change = on_change
+        self._pausable = PausableExecutor(self._create_executor, n_workers)
+        self._evolution = Evolution(settings, path, self._pausable, on_walks=self._count_walks)
+        self._may_continue = threading.Event()
+        self._pause_at = settings.algorithm.generations  # number of generations
+        self._resumed_at = 0.0  # s, of the monotonic clock
+        self._seconds = 0.0  # until the last pause
+        self._first_results = (0.0, 0)  # seconds and number of walks
         self._lock = threading.RLock()
         self._thread = threading.Thread(target=self._evolve, name="walkerlab run", daemon=True)
-        self._pool: Executor | None = None
+        self._default_executor: Executor | None = None
         self._n_losses = 0
         _RUNS.add(self)
 
     @property
     def settings(self) -> Settings:
-        """The settings of the run."""
+        """Settings of the run."""
         return self._settings
 
     @property
     def run(self) -> Run:
-        """All that is done so far."""
+        """The run so far."""
         return self._evolution.run
 
     @property
     def n_generations(self) -> int:
-        """How many generations are done."""
+        """Number of generations that are done."""
         return self._evolution.n_generations
 
     @property
     def is_over(self) -> bool:
-        """Whether it will never go on."""
+        """Whether the run has ended."""
         return self.state in OVER
 
     def go_on(self, generations: int | None = None) -> None:
-        """Start, or go on, to the end, or for so many generations more."""
+        """Start or continue the run.
+
+        Args:
+            generations: Number of further generations; all that remain if None.
+        """
         with self._lock:
             if self.is_over:
                 return
             total = self.settings.algorithm.generations
             self._pause_at = total if generations is None else self.n_generations + generations
             if self.state == State.paused:
-                self._since = time.monotonic()
+                self._resumed_at = time.monotonic()
             self.state = State.running
-            self._gate.resume()
-            self._may_go.set()
+            self._pausable.resume()
+            self._may_continue.set()
             if not self._thread.ident:
                 self._thread.start()
-        self._on_news(self)
+        self._on_change(self)
 
     def pause(self) -> None:
-        """Let the robots that are walking finish, and no other begin."""
-        self._rest(State.paused, self._gate.pause, self._may_go.clear)
+        """Let the current walks finish, and begin no other."""
+        self._halt(State.paused, self._pausable.pause, self._may_continue.clear)
 
     def stop(self) -> None:
-        """End it here: the generations that are done are kept, the one that is walking is not."""
-        self._rest(State.stopped, self._gate.stop, self._may_go.set)
+        """End the run; the generations that are done are saved, and the current one is lost."""
+        self._halt(State.stopped, self._pausable.stop, self._may_continue.set)
 
     def close(self, timeout: float = 2.0) -> None:
-        """Stop, wait for the thread, and send the workers home if no other run needs them; a later one starts others.
+        """Stop the run, wait for its thread, and shut the default executor down if no other run needs it.
 
         Args:
-            timeout: s to wait for the thread.
+            timeout: Time to wait for the thread, in seconds.
         """
         self.stop()
         if self._thread.ident:
             self._thread.join(timeout)
-        if self._pool and all(run.is_over for run in _RUNS):
-            self._pool.shutdown(wait=False)
+        if self._default_executor and all(run.is_over for run in _RUNS):
+            self._default_executor.shutdown(wait=False)
 
     def insert(self, genome: Genome | str) -> int:
-        """Put a genome into a generation to come, as ``Evolution.insert`` does.
+        """Insert a genome into the next generation to be bred, as ``Evolution.insert`` does.
+
+        Args:
+            genome: Genome or its text.
+
+        Returns:
+            Number of that generation.
 
         Raises:
-            ValueError: if the run is over, or for what ``Evolution.insert`` does.
+            GenomeError: If a text is not a valid genome.
+            ValueError: If the run is over, or ``Evolution.insert`` raises it.
         """
         if self.is_over:
-            raise ValueError("this run is over; start another, and put the gene into that")
+            raise ValueError("this run is over; start another one, and insert the genome into that")
         return self._evolution.insert(genome)
 
     @property
     def seconds(self) -> float:
-        """How long it has been running, without its pauses."""
-        return self._seconds + (time.monotonic() - self._since if self.state == State.running else 0.0)
+        """Running time in seconds, without pauses."""
+        current = time.monotonic() - self._resumed_at if self.state == State.running else 0.0
+        return self._seconds + current
 
     @property
     def pace(self) -> float | None:
-        """How many s a walk has taken since the first robots were back, all cores together; None before that."""
-        at_first, n_first = self._first
-        more = self.n_done - n_first
-        return (self.seconds - at_first) / more if more else None
+        """Seconds per walk since the first results, with all cores together; None before there are any others."""
+        first_seconds, n_first = self._first_results
+        n_further = self.n_done - n_first
+        return (self.seconds - first_seconds) / n_further if n_further else None
 
     @property
     def seconds_left(self) -> float | None:
-        """How long it will still take at its pace; None before it has one."""
+        """Estimated remaining time in seconds; None while ``pace`` is None."""
         return None if self.pace is None else self.pace * (self.n_walks - self.n_done)
 
     @property
     def note(self) -> str:
-        """What befell its workers last, in words; "" if nothing has."""
-        losses = getattr(self._pool, "losses", [])[self._n_losses :]
+        """Message about the last worker that this run lost; "" if it lost none."""
+        losses = getattr(self._default_executor, "losses", [])[self._n_losses :]
         return str(WorkerLostWarning(losses[-1])) if losses else ""
 
-    def _workers(self) -> Executor:
+    def _create_executor(self) -> Executor:
         if self._executor:
             return self._executor
-        self._pool = default_executor()
-        self._n_losses = len(getattr(self._pool, "losses", []))
-        return self._pool
+        self._default_executor = default_executor()
+        self._n_losses = len(getattr(self._default_executor, "losses", []))
+        return self._default_executor
 
-    def _walked(self, n: int) -> None:
+    def _count_walks(self, n: int) -> None:
         self.n_done += n
-        if not self._first[1]:  # until now the workers were started, and bodies built for the first time
-            self._first = self.seconds, n
-        self._on_news(self)
+        _, n_first = self._first_results
+        if not n_first:  # the time until now includes the start of the workers and the compilation of the first models
+            self._first_results = self.seconds, n
+        self._on_change(self)
 
-    def _rest(self, state: State, *steps: Callable[[], None]) -> None:
-        """Change from running or paused to a state of rest, take the steps to it, and say so; or leave it as it is."""
+    def _halt(self, state: State, *steps: Callable[[], None]) -> None:
+        """Change to a state other than running, call the steps to it, and report it; do nothing if the run is over."""
         with self._lock:
             if self.is_over or self.state == state:
                 return
-            self._seconds, self.state = self.seconds, state
+            self._seconds = self.seconds  # while the state is still running
+            self.state = state
             for step in steps:
                 step()
-        self._on_news(self)
+        self._on_change(self)
 
     def _evolve(self) -> None:
-        """Go from generation to generation: the whole life of the thread."""
+        """Evolve until the run is over; runs in the thread."""
         try:
             for generation in self._evolution:
                 if generation.number + 1 == self._pause_at < self.settings.algorithm.generations:
                     self.pause()
-                self._on_news(self)
-                self._may_go.wait()
+                self._on_change(self)
+                self._may_continue.wait()
                 if self.is_over:
                     return
-            self._rest(State.finished)
+            self._halt(State.finished)
         except Stopped:
             pass
-        except BaseException as error:  # whatever a student's function may raise
+        except BaseException as error:  # a user function may raise anything
             self.error = error
-            self._rest(State.failed)
+            self._halt(State.failed)

@@ -1,4 +1,7 @@
-"""Resuming with a function that has changed: the fitness must rate the last generation as the file does."""
+"""Check, before a run is resumed, that its user functions are still the same.
+
+The fitness function must rate the last generation as the file does; a changed operator is reported.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -7,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from walkerlab.breeding import slot_entries
-from walkerlab.evolution.run import own_slots
+from walkerlab.evolution.stored_functions import user_functions
 from walkerlab.ga.genes import Floats
 from walkerlab.ga.population import Population
 from walkerlab.ga.user_functions import OperatorError
@@ -22,19 +25,24 @@ FITNESS = "fitness function"
 
 
 def function_facts(settings: Settings) -> dict[str, str]:
-    """Return the name and source digest of each function of the user's own, to be recorded with each generation."""
+    """Return the name and source digest of each user function, to be recorded with each generation."""
     return {
         f"{slot} function": ", ".join(
-            f"{function_name(one)} (source {source_digest(one) or UNKNOWN})"
-            for one in slot_entries(getattr(settings.algorithm, slot))
-            if callable(one)
+            f"{function_name(function)} (source {source_digest(function) or UNKNOWN})"
+            for function in slot_entries(getattr(settings.algorithm, slot))
+            if callable(function)
         )
-        for slot in own_slots(settings)
+        for slot in user_functions(settings)
     }
 
 
 def changed_operators(then: Mapping[str, str], now: Mapping[str, str]) -> str:
-    """Name the operators whose source is not the recorded one; "" where all that is known is the same."""
+    """Name the operators whose source differs from the recorded one; "" if there is no difference.
+
+    Args:
+        then: Recorded facts.
+        now: Facts of the functions given.
+    """
     return " and ".join(
         name.removesuffix(" function")
         for name, fact in now.items()
@@ -44,12 +52,12 @@ def changed_operators(then: Mapping[str, str], now: Mapping[str, str]) -> str:
 
 @dataclass(frozen=True)
 class Recorded:
-    """What a run file says of the fitness function.
+    """What a run file records about its ratings.
 
     Attributes:
-        path: The run file.
+        path: Run file.
         facts: What its last generation was made with.
-        is_elsewhere: Whether it was made with other versions or on another processor, where walks can end differently.
+        is_elsewhere: Whether it was made with other versions or on another processor, where walks can differ.
         has_fitness: Whether any robot of the run has a fitness other than -inf.
     """
 
@@ -67,17 +75,17 @@ def confirm_ratings(
     *,
     rerate: bool,
 ) -> tuple[Population[Walked], bool]:
-    """Let the last generation walk again if its fitness is a function of the user's own, and compare the ratings.
+    """Let the last generation walk again if its fitness is a user function, and compare the ratings.
 
     Args:
-        population: The last generation, with the ratings in the file.
+        population: Last generation, with the ratings in the file.
         settings: Settings of the run, with the functions given.
-        recorded: What the file says of the fitness function.
+        recorded: What the file records about its ratings.
         evaluate: Function that returns the evaluations of (n, n_genes) genomes.
-        rerate: Whether to take new ratings where they differ.
+        rerate: Whether to take new ratings if they differ.
 
     Returns:
-        The population to breed from, and whether it has new ratings.
+        Population to breed from, and whether it has new ratings.
 
     Raises:
         RunFileError: If the ratings differ, or cannot be compared, and ``rerate`` is false.
@@ -94,7 +102,7 @@ def confirm_ratings(
         return population, False
     if rerate:
         return rated, True
-    raise RunFileError(_refusal(population, rated, settings, recorded))
+    raise RunFileError(_difference_message(population, rated, settings, recorded))
 
 
 def _rate(population: Population[Walked], evaluate: Callable[[Floats], Sequence[Evaluation]]) -> Population[Walked]:
@@ -111,27 +119,30 @@ def _rate(population: Population[Walked], evaluate: Callable[[Floats], Sequence[
     return replace(population, evaluations=[rated[text] for text in texts])
 
 
-def _refusal(population: Population[Walked], rated: Population[Walked], settings: Settings, recorded: Recorded) -> str:
-    """Say how the ratings differ, by the fittest robot that has two, and how to go on."""
-    number, path = population.generation, str(recorded.path)
+def _difference_message(
+    population: Population[Walked], rated: Population[Walked], settings: Settings, recorded: Recorded
+) -> str:
+    """Describe how the ratings differ, by the fittest robot with different ones, and how to continue."""
+    number = population.generation
+    path = str(recorded.path)
     differing = np.flatnonzero(rated.fitness != population.fitness)
     if differing.size:
         row = differing[np.argmax(population.fitness[differing])]
         stored, now = (number_text(float(ratings.fitness[row])) for ratings in (population, rated))
-        why = (
+        problem = (
             f"Robot {population.individuals[row]} of generation {number} has fitness {stored} in the file, and {now} "
             "with the function given."
         )
     else:
-        why = f"No walk of generation {number} counts, so that the function given cannot be compared with the file."
+        problem = f"No walk of generation {number} counts, so the function given cannot be compared with the file."
     if recorded.is_elsewhere:
-        why += " The run was made with other versions or on another processor, so the walks may differ as well."
-    functions = ", ".join(f"{slot}={how}" for slot, how in own_slots(settings).items())
+        problem += " The run was made with other versions or on another processor, so the walks may differ as well."
+    functions = ", ".join(f"{slot}={code}" for slot, code in user_functions(settings).items())
     return (
-        f"{path} is not resumed, because its fitness function may have changed. {why} A run must not mix the numbers "
-        f"of two functions. Either start a new run with this function:\n"
+        f"{path} is not resumed, because its fitness function may have changed. {problem} A run must not mix the "
+        f"ratings of two functions. Either start a new run with this function:\n"
         f"    wl.evolve(wl.load({path!r}).settings.with_({functions}), 'new.walk')\n"
-        f"or continue this one from new ratings of generation {number}:\n"
+        f"or continue this run from new ratings of generation {number}:\n"
         f"    wl.resume({path!r}, {functions}, rerate=True)\n"
         f"Then generations 0 to {number} keep their numbers in the file, and the champion is taken from later ones."
     )

@@ -1,6 +1,7 @@
-"""What a run has brought forth so far: all of it in a file, and of each genome a hash that says where it is there.
+"""Generations of a run that is being evolved: stored in a file, and indexed by genome.
 
-So a run does not outgrow the memory, whether anybody keeps its file or not, and no genome need walk twice.
+Only a hash of each genome is held in memory, so a run of any length fits, with or without a file that is saved. The
+index finds earlier evaluations, so that no genome has to walk twice.
 """
 
 import weakref
@@ -18,85 +19,120 @@ from walkerlab.runfile.records import Walked, copy_of, join
 
 
 class Archive:
-    """The generations of a run that goes on."""
+    """Generations of a run that is being evolved."""
 
     def __init__(self, file: store.File, run_id: str) -> None:
-        """Use a run file, of whose generations none is known yet."""
-        self._file, self._id = file, run_id
-        self._known = list[NDArray[np.int64]]()  # (3, n) each: hash, ascending; generation of birth; number
-        self._table, self._lock = join([]), Lock()
+        """Use a run file, without an index of its generations.
+
+        Args:
+            file: Path of the run file, or a temporary one.
+            run_id: Id of the run that the file must hold.
+        """
+        self._file = file
+        self._run_id = run_id
+        self._index: list[NDArray[np.int64]] = []  # (3, n) each: hash (ascending), generation of birth, individual
+        self._table = join([])
+        self._lock = Lock()
 
     @classmethod
     def create(cls, settings: dict[str, Any], path: Path | None = None) -> Self:
-        """Create the run file, with the settings and no generation.
+        """Create the run file, with the settings and without generations.
 
         Args:
             settings: Settings as plain data.
-            path: Run file; if None, one without a name that is gone with the archive.
+            path: Run file to create; if None, a temporary one that is deleted with the archive.
 
         Raises:
-            RunFileError: if something exists at ``path``, or nothing can be written there.
+            RunFileError: If ``path`` exists already or cannot be created.
         """
-        file = path or store.passing()
+        file = path or store.open_temporary()
         archive = cls(file, store.create(file, settings))
         if not isinstance(file, Path):
             weakref.finalize(archive, file.close)
         return archive
 
     @classmethod
-    def of(cls, path: Path, table: pd.DataFrame, settings: dict[str, Any]) -> Self:
-        """Take up a run file, to go on with it under these settings, plain data; its table is not kept."""
-        archive = cls(path, store.go_on(path, settings))
-        archive._remember(table)
+    def resume(cls, path: Path, table: pd.DataFrame, settings: dict[str, Any]) -> Self:
+        """Continue a run file.
+
+        Args:
+            path: Run file.
+            table: Its generations whose evaluations may be used again; only their index is kept in memory.
+            settings: Settings of the further generations, as plain data.
+
+        Raises:
+            RunFileError: If the file cannot be written.
+        """
+        archive = cls(path, store.prepare_resume(path, settings))
+        archive._add_to_index(table)
         return archive
 
     def add(self, generation: pd.DataFrame, functions: Mapping[str, str] = {}) -> None:
-        """Store a generation, with facts about the functions that it was made with."""
-        with self._lock:
-            store.append(self._file, generation, self._id, functions)
-            self._remember(generation)
+        """Store a generation.
 
-    def keep(self) -> Path:
-        """Return the file that it is in; what would go with the archive is kept in one from now on.
+        Args:
+            generation: Tidy table of the generation.
+            functions: Facts about the user functions that it was made with.
 
         Raises:
-            RunFileError: if it is there no more, or none can be made.
+            RunFileError: If it cannot be written, or the file has changed since.
+        """
+        with self._lock:
+            store.append(self._file, generation, self._run_id, functions)
+            self._add_to_index(generation)
+
+    def save(self) -> Path:
+        """Return the path of the run file; a temporary file is first copied to one with a name.
+
+        Raises:
+            RunFileError: If the file no longer holds this run, or no file can be created.
         """
         with self._lock:
             if not isinstance(self._file, Path):
-                self._file = store.keep(self._file)
-            store.require(self._file, self._id)
+                self._file = store.save_temporary(self._file)
+            store.require_run(self._file, self._run_id)
             return self._file
 
     def table(self, n_generations: int) -> pd.DataFrame:
-        """Return the table of the first so many generations, the caller's own; what was read once is not read again."""
+        """Return the table of the first generations, as a copy; each generation is read from the file once.
+
+        Args:
+            n_generations: Number of generations, at most those that are stored.
+        """
         with self._lock:
             n_read = 0 if self._table.empty else int(self._table.generation.iloc[-1]) + 1
             if n_read < n_generations:
-                self._table = join([self._table, store.read_generations(self._file, self._id, n_read, n_generations)])
+                new = store.read_generations(self._file, self._run_id, n_read, n_generations)
+                self._table = join([self._table, new])
             end = int(self._table.generation.searchsorted(n_generations))
             return copy_of(self._table.iloc[:end])
 
     def find(self, genomes: Collection[str]) -> dict[str, Walked]:
-        """Return what is known of these genomes, by their texts; of most, nothing."""
+        """Return the stored evaluations of genomes, by their texts; those without one are left out.
+
+        Args:
+            genomes: Texts of the genomes.
+        """
         hashes = np.fromiter(map(hash, genomes), np.int64, len(genomes))
-        births = list[list[int]]()
-        for known in self._known:
-            found = known.take(known[0].searchsorted(hashes), axis=1, mode="clip")
+        births: list[list[int]] = []
+        for block in self._index:
+            found = block.take(block[0].searchsorted(hashes), axis=1, mode="clip")
             births += found[1:, found[0] == hashes].T.tolist()
         with self._lock:
-            rows = store.read_births(self._file, self._id, Walked._fields, births) if births else []
-        return {one.genome: one for one in map(Walked._make, rows)}  # of two with the same hash, the one it is
+            rows = store.read_births(self._file, self._run_id, Walked._fields, births) if births else []
+        # Another genome may have the same hash; its row is then returned under its own text.
+        return {walked.genome: walked for walked in map(Walked._make, rows)}
 
-    def _remember(self, table: pd.DataFrame) -> None:
-        """Lay down the hashes of those born in these generations; what is as large is merged, so that parts are few."""
+    def _add_to_index(self, table: pd.DataFrame) -> None:
+        """Index the individuals born in these generations; blocks of similar size are merged, so that few remain."""
         born = table.loc[table.born == table.generation, ["genome", "generation", "individual"]]
         if born.empty:
             return
-        self._known.append(_sorted(np.array([list(map(hash, born.genome)), born.generation, born.individual])))
-        while len(self._known) > 1 and self._known[-1].size >= self._known[-2].size:
-            self._known[-2:] = [_sorted(np.concatenate(self._known[-2:], axis=1))]
+        self._index.append(_sorted(np.array([list(map(hash, born.genome)), born.generation, born.individual])))
+        while len(self._index) > 1 and self._index[-1].size >= self._index[-2].size:
+            self._index[-2:] = [_sorted(np.concatenate(self._index[-2:], axis=1))]
 
 
-def _sorted(known: NDArray[np.int64]) -> NDArray[np.int64]:
-    return known[:, known[0].argsort(kind="stable")]
+def _sorted(block: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Sort the columns of a (3, n) block by hash."""
+    return block[:, block[0].argsort(kind="stable")]

@@ -1,4 +1,4 @@
-"""Stand-ins for functions of the user's own: a run file holds their names and results, but no code."""
+"""Stand-ins for the user functions of a loaded run: a run file holds their names and results, but no code."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -17,79 +17,86 @@ from walkerlab.settings.settings import Settings
 from walkerlab.simulation.rollout import Rollout
 from walkerlab.simulation.validity import REJECTED
 
-NAMELESS = "my_function"
-"""How a function without a name, such as a lambda, is called in code that a message suggests."""
+PLACEHOLDER_NAME = "my_function"
+"""Name in suggested code for a function without a name of its own, such as a lambda."""
 
 
-class Missing:
-    """Stands for a function of which the run file has the name only."""
+class MissingFunction:
+    """Stand-in for a user function of which the run file holds only the name."""
 
     def __init__(self, name: str, slot: str) -> None:
-        """Keep the name of the function and of the slot that it filled."""
+        """Create a stand-in.
+
+        Args:
+            name: Name of the function.
+            slot: Slot that the function filled, such as ``mutation``.
+        """
         self.__name__ = name
         self.slot = slot
 
     def __call__(self, *_: object, **__: object) -> Any:
-        """Say that the function is missing, and how to give it again.
+        """Report that the function is missing, and how to supply it.
 
         Raises:
-            RunFileError: always.
+            RunFileError: Always.
         """
-        again = f"{self.slot}={typed_name(self)}"
-        confirm = f", or run.confirm({again})" if self.slot == "fitness" else ""
+        argument = f"{self.slot}={function_as_python(self)}"
+        confirm = f", or run.confirm({argument})" if self.slot == "fitness" else ""
         raise RunFileError(
-            f"these settings come from a run file, which holds no code: Algorithm.{self.slot} was your own function "
-            f"{self.__name__!r}. Give it again: settings.with_({again}){confirm}"
+            f"these settings come from a run file, which holds no code: Algorithm.{self.slot} was your function "
+            f"{self.__name__!r}. Supply it again: settings.with_({argument}){confirm}"
         )
 
 
-class MissingFitness(Missing):
-    """Stands for a fitness function: which of a robot's walks counted follows from what the run file has of it."""
+class MissingFitness(MissingFunction):
+    """Stand-in for a fitness function that finds the counted walk of a robot from the table of the run."""
 
     table: pd.DataFrame | None = None
-    world: object = None
+    conditions: object = None
 
     def counted(self, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Rollout:
-        """Return the one of a robot's walks that counted in the run.
+        """Return the walk of a robot that counted in the run.
 
-        Walks are repeatable: it is the walk whose verdict, distance and velocity the run file has, or on another kind
-        of machine the nearest. Of a robot or a world that the file does not have, it is the walk of the least distance.
+        Walks are repeatable: it is the walk with the verdict, distance and velocity in the run file, or on another kind
+        of machine the nearest to them. If the table does not have the robot, or the settings are others, it is the walk
+        with the smallest distance.
 
         Args:
-            genome: of the robot, within the limits.
-            rollouts: its walks, one from each start.
-            settings: in which it walked.
+            genome: Genome of the robot, within the limits.
+            rollouts: Walks of the robot, one from each start.
+            settings: Settings of the walks.
         """
         rows = self.table[self.table.genome == str(genome)] if self.table is not None else ()
-        if not len(rows) or self.world != _world(settings):
-            return min(rollouts, key=lambda one: one.distance if one.counts else -np.inf)
+        if not len(rows) or self.conditions != _conditions(settings):
+            return min(rollouts, key=lambda rollout: rollout.distance if rollout.counts else -np.inf)
         row: Any = rows.iloc[0]  # type: ignore[union-attr]
-        judged = "ok" if row.verdict == REJECTED else row.verdict
+        verdict_of_walk = "ok" if row.verdict == REJECTED else row.verdict
 
         def difference(rollout: Rollout) -> tuple[bool, float]:
-            far = abs(rollout.distance - row.distance) + abs(rollout.velocity - row.velocity)
-            return rollout.verdict != judged, far if np.isfinite(far) else np.inf
+            deviation = abs(rollout.distance - row.distance) + abs(rollout.velocity - row.velocity)
+            return rollout.verdict != verdict_of_walk, deviation if np.isfinite(deviation) else np.inf
 
-        walk = min(rollouts, key=difference)
-        return replace(walk, verdict=REJECTED, reason=row.reason) if row.verdict == REJECTED else walk
+        nearest = min(rollouts, key=difference)
+        return replace(nearest, verdict=REJECTED, reason=row.reason) if row.verdict == REJECTED else nearest
 
 
 def remember_walks(settings: Settings, table: pd.DataFrame) -> None:
-    """Let the stand-in for a loaded run's fitness function, if there is one, know the table of that run."""
+    """Give the table of a run to the stand-in for its fitness function, if the settings have one."""
     fitness: Any = settings.algorithm.fitness
     function = fitness.func if isinstance(fitness, partial) else fitness
     if isinstance(function, MissingFitness):
-        function.table, function.world = table, _world(settings)
+        function.table = table
+        function.conditions = _conditions(settings)
 
 
-def _world(settings: Settings) -> object:
-    """Return all on which a walk depends."""
+def _conditions(settings: Settings) -> object:
+    """Return all settings that a walk depends on."""
     return settings.terrain, settings.robot, settings.simulation.model_copy(update={"camera": Camera.side})
 
 
-def typed_name(function: Callable[..., Any]) -> str:
-    """Write a function as it is typed in Python; one whose name cannot be typed is called ``my_function``."""
+def function_as_python(function: Callable[..., Any]) -> str:
+    """Return the Python code that names a function; ``my_function`` if its name is not valid in Python."""
     if isinstance(function, partial):
-        return f"partial({', '.join([typed_name(function.func), *arguments_as_python(function)])})"
+        return f"partial({', '.join([function_as_python(function.func), *arguments_as_python(function)])})"
     name = function_name(function)
-    return name if name.isidentifier() else NAMELESS
+    return name if name.isidentifier() else PLACEHOLDER_NAME

@@ -1,4 +1,4 @@
-"""A run file opened: for one transaction, with bounds on what it may take, and in words where it cannot be."""
+"""Open a run file for one transaction, with limits on what an untrusted file may cost."""
 
 import os
 import shutil
@@ -12,49 +12,55 @@ from uuid import uuid4
 
 from walkerlab.errors import Fault
 from walkerlab.runfile import schema
-from walkerlab.runfile.schema import LAYOUT, NotARun
+from walkerlab.runfile.schema import LAYOUT, LayoutError
 from walkerlab.system.files import quoted, shown
 
-PAGE = 8192  # bytes; rows of nearly a kilobyte leave less of it empty than of the 4096 that SQLite takes
-PATIENCE = 60  # s that a writer waits for who is reading, and the other way round
-LONGEST = 200_000  # bytes of a text in the file; a longer one is refused before memory is taken for it
-STEPS = 5_000_000  # of SQLite's machine that anything may take, and one more for each byte: ten times what is usual
-STRIDE = 1000  # steps between two looks at how many are left
+PAGE_SIZE = 8192  # bytes; rows of nearly a kilobyte waste less of it than of SQLite's default, 4096
+LOCK_TIMEOUT = 60  # s to wait while another program reads or writes the file
+MAX_TEXT_SIZE = 200_000  # bytes; a longer text is rejected before memory is allocated for it
+MAX_STEPS = 5_000_000  # of SQLite's virtual machine for a transaction, in addition to one per byte; ten times the usual
+STEPS_PER_CHECK = 1000  # steps between two checks of MAX_STEPS
+MAX_FREE_PAGES = 9  # of an earlier layout; no run leaves as many
 
 File: TypeAlias = Path | sqlite3.Connection
-"""A run file, by its path; or a passing one, which has none."""
+"""Path of a run file, or the connection to a temporary one, which has no path."""
 
 
 class RunFileError(Fault, ValueError):
-    """A run file that cannot be used as asked; it says why, and what would."""
+    """A run file cannot be used as requested; the message says why, and how to fix it."""
 
 
 class DamagedError(RunFileError):
-    """A run file of which something is not as it was written."""
+    """The contents of a run file are not as they were written."""
 
     def __init__(self, file: File | str, what: str) -> None:
-        """Say what is the matter, and how to save what is whole."""
+        """Compose the message, which says how to save the undamaged part.
+
+        Args:
+            file: Damaged file.
+            what: Description of the damage.
+        """
         name = shown(file)
         super().__init__(
-            f"{name} is damaged: {what}. The generations before the damage can be saved as a run of their own: "
+            f"{name} is damaged: {what}. The generations before the damage can be saved as a new run: "
             f'walkerlab rescue {quoted(file)}, or in Python wl.rescue({name!r}, "rescued.walk").'
         )
         self.what = what
 
 
 @contextmanager
-def drafted(path: Path) -> Generator[Path]:
-    """Create a file complete and exclusively: yield the path of an empty draft beside it, which then gets its name.
+def draft_of(path: Path) -> Generator[Path]:
+    """Yield the path of an empty draft beside a new file; when the block ends, the draft gets the name of the file.
 
-    No reader sees a part of the file, and if several processes create it at once, all but one get an error.
+    Readers never see an incomplete file. If several processes create the same file at once, all but one get an error.
 
     Args:
         path: File to create; its folder is created if it does not exist.
 
     Raises:
-        RunFileError: if something exists at ``path`` (a run is never overwritten), or nothing can be written there.
+        RunFileError: If ``path`` exists already (a run is never overwritten) or cannot be created.
     """
-    with _in_words_if_impossible(path):
+    with _errors_explained(path):
         if path.exists():
             raise FileExistsError
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -62,7 +68,7 @@ def drafted(path: Path) -> Generator[Path]:
         draft.touch(exist_ok=False)
     try:
         yield draft
-        with _in_words_if_impossible(path):
+        with _errors_explained(path):
             _publish(draft, path)
     finally:
         draft.unlink(missing_ok=True)
@@ -87,106 +93,112 @@ def _publish(draft: Path, path: Path) -> None:
 
 
 @contextmanager
-def _in_words_if_impossible(path: Path) -> Generator[None]:
+def _errors_explained(path: Path) -> Generator[None]:
     """Turn the errors of creating a file into a ``RunFileError``."""
     try:
         yield
     except FileExistsError as error:
         if error.filename and Path(error.filename) in path.parents:
-            raise RunFileError(_impossible(path, f"{error.filename} is not a folder")) from error
+            raise RunFileError(_cannot_create(path, f"{error.filename} is not a folder")) from error
         raise RunFileError(
             f"{path} exists already, and a run is never overwritten. "
             "Resume it, or give the new run another name or folder."
         ) from error
     except OSError as error:
-        raise RunFileError(_impossible(path, error.strerror)) from error
+        raise RunFileError(_cannot_create(path, error.strerror)) from error
     except ValueError as error:
-        raise RunFileError(_impossible(path, str(error))) from error
+        raise RunFileError(_cannot_create(path, str(error))) from error
 
 
-def _impossible(path: Path, why: str | None) -> str:
-    return f"no run file can be made at {str(path)!r}: {why}. Give it another name or folder."
+def _cannot_create(path: Path, reason: str | None) -> str:
+    return f"no run file can be created at {str(path)!r}: {reason}. Give it another name or folder."
 
 
 @contextmanager
-def opened(
-    file: File, how: Literal["make", "look", "check", "rescue", "change"] = "look", name: Path | None = None
+def open_run(
+    file: File, mode: Literal["create", "read", "check", "rescue", "write"] = "read", name: Path | None = None
 ) -> Generator[sqlite3.Connection, None, None]:
-    """Open a run file for one transaction; of one of an earlier layout, a renewed copy in memory.
+    """Open a run file for one transaction; a file of an earlier layout is read from an upgraded copy in memory.
 
     Args:
-        file: a run file.
-        how: ``make`` it; ``look`` into it; ``check`` first if all of its pages hold together; ``rescue`` what can be
-            read, also where the end is cut off; or ``change`` it, which renews the file itself.
-        name: what messages call the file; its own path if None.
+        file: Run file.
+        mode: ``create`` fills an empty file; ``read`` reads; ``check`` reads after checking the integrity of all pages;
+            ``rescue`` reads as much as possible, also of a truncated file; ``write`` writes, and upgrades the layout.
+        name: Path for messages; that of the file if None.
+
+    Raises:
+        RunFileError: If the file does not exist, is not a run, or cannot be used.
+        DamagedError: If its contents are not as they were written.
     """
-    if isinstance(file, Path) and how != "make" and not file.is_file():
+    if isinstance(file, Path) and mode != "create" and not file.is_file():
         raise RunFileError(f"there is no run file at {shown(file)}")
     db = file
     try:
         db = connect(file) if isinstance(file, Path) else file
-        if how == "make":
-            db.execute("PRAGMA journal_mode = MEMORY")  # nobody knows a draft, so nobody needs to repair one
-            db.set_progress_handler(None, 0)  # all that is in it comes from here
-        db.execute(f"PRAGMA page_size = {PAGE}")  # of a new file; any other has its own
-        db.execute(f"PRAGMA writable_schema = {how == 'rescue'}")  # or SQLite refuses a file that is cut off
-        layout = LAYOUT if how == "make" else schema.recognise(db)
-        if how == "change":
-            db.execute("PRAGMA journal_mode = DELETE")  # also where another program has set a mode of several files
-        if (how == "check" or layout < LAYOUT) and db.execute("PRAGMA quick_check(1)").fetchone() != ("ok",):
-            raise DamagedError(file, "its pages do not hold together")
-        if layout < LAYOUT and how != "change":
-            if db.execute("PRAGMA freelist_count").fetchone()[0] > 9:  # pages that no run leaves empty
+        if mode == "create":
+            db.execute("PRAGMA journal_mode = MEMORY")  # an incomplete draft is deleted, and never repaired
+            db.set_progress_handler(None, 0)  # no limit, since all contents are our own
+        db.execute(f"PRAGMA page_size = {PAGE_SIZE}")  # has an effect on a new file only
+        db.execute(f"PRAGMA writable_schema = {mode == 'rescue'}")  # without it SQLite rejects a truncated file
+        layout = LAYOUT if mode == "create" else schema.read_layout(db)
+        if mode == "write":
+            db.execute("PRAGMA journal_mode = DELETE")  # another program may have set a mode with several files
+        if (mode == "check" or layout < LAYOUT) and db.execute("PRAGMA quick_check(1)").fetchone() != ("ok",):
+            raise DamagedError(file, "its pages are inconsistent")
+        if layout < LAYOUT and mode != "write":
+            if db.execute("PRAGMA freelist_count").fetchone()[0] > MAX_FREE_PAGES:
                 raise DamagedError(file, "most of it is empty")
-            old, db = db, connect(":memory:", n_bytes=file.stat().st_size if isinstance(file, Path) else 0)
-            with closing(old):
-                old.backup(db)
+            original = db
+            db = connect(":memory:", n_bytes=file.stat().st_size if isinstance(file, Path) else 0)
+            with closing(original):
+                original.backup(db)
         db.execute("BEGIN")
         try:
             if layout < LAYOUT:
-                schema.renew(db, layout)
+                schema.upgrade(db, layout)
             yield db
-            if how in ("make", "change"):
+            if mode in ("create", "write"):
                 db.commit()
         finally:
-            db.rollback()  # of what is not committed
-    except NotARun as error:
+            db.rollback()  # has no effect after a commit
+    except LayoutError as error:
         raise RunFileError(f"{shown(file)} {error}.") from error
     except sqlite3.Error as error:
-        code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF  # none where a text is no text
+        code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF  # text that is not UTF-8 has no code
         if code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_TOOBIG):
-            raise DamagedError(name or file, f"as SQLite says, {error}") from error
+            raise DamagedError(name or file, f"SQLite reports: {error}") from error
         if code == sqlite3.SQLITE_INTERRUPT:
-            raise DamagedError(name or file, "there is no end to what is in it, as far as one can see") from error
-        whole = " What was in it is whole." if how == "change" else ""
-        raise RunFileError(f"{shown(name or file)} cannot be used: {_WORDS.get(code, error)}.{whole}") from error
+            raise DamagedError(name or file, "reading it takes far longer than its size allows") from error
+        unchanged = " Its contents have not changed." if mode == "write" else ""
+        raise RunFileError(f"{shown(name or file)} cannot be used: {_FIXES.get(code, error)}.{unchanged}") from error
     finally:
         if isinstance(db, sqlite3.Connection) and db is not file:
             db.close()
 
 
 def connect(file: Path | str, n_bytes: int = 0) -> sqlite3.Connection:
-    """Open a file with the bounds that hold for a stranger's.
+    """Open a SQLite file with the limits for an untrusted file.
 
     Args:
         file: Path of the file, or ``:memory:``.
         n_bytes: Size of what will be copied into it.
     """
-    db = sqlite3.connect(file, timeout=PATIENCE)
-    db.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, LONGEST)
-    left = count(STEPS + (Path(file).stat().st_size if Path(file).is_file() else n_bytes), -STRIDE)
-    db.set_progress_handler(lambda: next(left) < 0, STRIDE)
+    db = sqlite3.connect(file, timeout=LOCK_TIMEOUT)
+    db.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_TEXT_SIZE)
+    n_bytes = Path(file).stat().st_size if Path(file).is_file() else n_bytes
+    steps_left = count(MAX_STEPS + n_bytes, -STEPS_PER_CHECK)
+    db.set_progress_handler(lambda: next(steps_left) < 0, STEPS_PER_CHECK)
     db.execute("PRAGMA trusted_schema = OFF")
     return db
 
 
-_WORDS = {
-    sqlite3.SQLITE_FULL: "the disk is full. Make room",
-    sqlite3.SQLITE_READONLY: "it, or the folder that it is in, cannot be written to. Copy it into a folder of your own",
-    sqlite3.SQLITE_CANTOPEN: "it, or the folder that it is in, cannot be opened. Copy it into a folder of your own",
-    sqlite3.SQLITE_PERM: "you may not write to it. Copy it into a folder of your own",
-    sqlite3.SQLITE_BUSY: f"another program has been busy with it for {PATIENCE} s. Try again when that is done",
-    sqlite3.SQLITE_NOTADB: "it is not a database, but something else",
-    sqlite3.SQLITE_IOERR: "the disk is full, or failed, or the network before it is gone",
+_FIXES = {
+    sqlite3.SQLITE_FULL: "the disk is full. Free some space",
+    sqlite3.SQLITE_READONLY: "the file or its folder cannot be written to. Copy it into a folder that you can write to",
+    sqlite3.SQLITE_CANTOPEN: "the file or its folder cannot be opened. Copy it into a folder that you can write to",
+    sqlite3.SQLITE_PERM: "you have no permission to write to it. Copy it into a folder that you can write to",
+    sqlite3.SQLITE_BUSY: f"another program has used it for {LOCK_TIMEOUT} s. Try again when that program is done",
+    sqlite3.SQLITE_NOTADB: "it is not a database",
+    sqlite3.SQLITE_IOERR: "the disk is full or has failed, or its network connection is lost",
 }
-"""What is the matter, and the mend, by what SQLite calls it."""
+"""What is wrong and how to fix it, by SQLite's error code."""

@@ -1,4 +1,4 @@
-"""The tidy table: a row for each individual and generation. What is written, shown and plotted is this table."""
+"""Tidy table of a run: one row for each individual and generation. It is stored, shown and plotted."""
 
 import re
 from dataclasses import dataclass
@@ -39,11 +39,11 @@ COLUMNS: dict[str, tuple[type, str, str]] = {
 """Each column: its type, unit and meaning."""
 
 HAS_COPY_ON_WRITE = int(pd.__version__.partition(".")[0]) >= 3
-BY_HAND = "by hand"  # what made a robot that somebody put into a generation
+BY_HAND = "by hand"  # in the column operators, for an inserted genome
 
 
 class Walked(NamedTuple):
-    """What has come of a walk, as the table has it: its columns from ``fitness`` on."""
+    """Evaluation of a genome, as the columns of the table from ``fitness`` on."""
 
     fitness: float
     verdict: str
@@ -58,22 +58,27 @@ class Walked(NamedTuple):
 
     @classmethod
     def of(cls, evaluation: Evaluation, genome: str) -> Self:
-        """Take what was measured, and the text of the genome, which takes longer to write than all else."""
-        return cls._make((*_measured(evaluation), genome))
+        """Combine an evaluation with the text of its genome, which is slow to write and so is passed in.
+
+        Args:
+            evaluation: Evaluation of the genome.
+            genome: Text of the genome.
+        """
+        return cls._make((*_measurements(evaluation), genome))
 
 
-_measured = attrgetter(*Walked._fields[:-1])
+_measurements = attrgetter(*Walked._fields[:-1])
 
 
 def tabulate(population: Population[Walked], operators: str) -> pd.DataFrame:
     """Write a generation as a table.
 
     Args:
-        population: evaluated.
-        operators: what made those that were born in this generation.
+        population: Evaluated generation.
+        operators: Names of the operators that made the children of this generation.
 
     Returns:
-        A row for each individual, with the columns of ``COLUMNS`` and their units in ``.attrs``.
+        Table with a row for each individual, the columns of ``COLUMNS``, and their units in ``.attrs``.
     """
     origins = zip(population.parents, population.born.tolist(), strict=True)
     columns = {
@@ -88,60 +93,62 @@ def tabulate(population: Population[Walked], operators: str) -> pd.DataFrame:
 
 
 def tidy(table: pd.DataFrame) -> pd.DataFrame:
-    """Give a table the columns, types and units of ``COLUMNS``."""
+    """Return a table with the columns, types and units of ``COLUMNS``."""
     table = table.reindex(columns=list(COLUMNS)).astype({name: kind for name, (kind, *_) in COLUMNS.items()})
     table.attrs = {"units": {name: unit for name, (_, unit, _) in COLUMNS.items() if unit}}
     return table
 
 
 def check(table: pd.DataFrame) -> pd.DataFrame:
-    """Return a table that comes from elsewhere, as it is, if it is one that a run can have.
+    """Check that an untrusted table can be that of a run, and return it.
 
-    A verdict that is not in ``VERDICTS`` is an error: its meaning is unknown, also if a newer walkerlab wrote it.
+    An unknown verdict is an error even if a newer walkerlab wrote it, because its meaning is unknown.
 
     Raises:
-        ValueError: if not; it names the column.
+        ValueError: If a column has a value that no run writes.
     """
     numbers = table[["generation", "individual", "born"]]
     wrong = {
-        "individual": (numbers < 0).any(axis=1) | (table.individual > _MOST) | (table.born > table.generation),
+        "individual": (numbers < 0).any(axis=1)
+        | (table.individual > _MAX_INDIVIDUAL)
+        | (table.born > table.generation),
         "fitness": ~(table.fitness.abs() < MAX_FITNESS) & (table.fitness != NOT_COUNTED),
         "parents": ~table.parents.str.fullmatch(r"(\d{1,10}( \d{1,10})*)?", flags=re.ASCII),
-        **{name: table[name].str.contains(_CONTROLS) for name in ("operators", "reason", "genome")},
+        **{name: table[name].str.contains(_CONTROL_CHARACTERS) for name in ("operators", "reason", "genome")},
     }
     for name, rows in wrong.items():
         if rows.any():
-            raise ValueError(f"the column {name} has something in it that no run writes there")
+            raise ValueError(f"the column {name} has a value that no run writes")
     if unknown := sorted(set(table.verdict) - VERDICTS.keys()):
         raise ValueError(
-            f"the column verdict has {brief(unknown[0])}, and the verdicts known here are {', '.join(VERDICTS)}. If a "
-            "newer walkerlab wrote the file, update this one: pip install --upgrade walkerlab"
+            f"the column verdict has {brief(unknown[0])}; the known verdicts are {', '.join(VERDICTS)}. If a newer "
+            "walkerlab wrote the file, update this one: pip install --upgrade walkerlab"
         )
     return table
 
 
-_MOST = 10**9  # robots of a run, ten times as many as the settings allow
-_CONTROLS = "[\x00-\x08\x0b-\x1f\x7f-\x9f]"  # what moves a terminal's cursor, or worse
+_MAX_INDIVIDUAL = 10**9  # ten times the number of robots that the settings allow
+_CONTROL_CHARACTERS = "[\x00-\x08\x0b-\x1f\x7f-\x9f]"  # would control a terminal in which the table is printed
 
 
 def name_fitness(table: pd.DataFrame, name: str, unit: str) -> None:
-    """Write on a table what its fitness is, for the axes of plots."""
+    """Set the name and unit of the fitness in a table's ``.attrs``, for the axes of plots."""
     table.attrs["fitness"] = name
     table.attrs["units"] = {**table.attrs.get("units", {}), "fitness": unit}
 
 
 def join(tables: list[pd.DataFrame]) -> pd.DataFrame:
-    """Lay generations under each other."""
+    """Concatenate the tables of generations."""
     return tidy(pd.concat(tables, ignore_index=True)) if tables else tidy(pd.DataFrame(columns=list(COLUMNS)))
 
 
 def copy_of(table: pd.DataFrame) -> pd.DataFrame:
-    """Return a copy of a table that can be changed without changing the table; its cells are copied when needed."""
+    """Return an independent copy of a table; cells are copied only when they are changed, if pandas can do that."""
     return table.copy(deep=not HAS_COPY_ON_WRITE)
 
 
 def last_population(records: pd.DataFrame) -> Population[Walked]:
-    """Read the last generation back out of the table, ready to breed: the inverse of ``tabulate``."""
+    """Rebuild the last generation from a table, ready to breed: the inverse of ``tabulate``."""
     last = records[records.generation == records.generation.max()]
     walked = [Walked(*row) for row in zip(*(last[name].tolist() for name in Walked._fields), strict=True)]
     return Population(
@@ -163,7 +170,7 @@ def parent_numbers(parents: object) -> tuple[int, ...]:
 
 
 def births(records: pd.DataFrame) -> pd.DataFrame:
-    """Return the first row of each individual that a table has, by its number; an elite's others are left out."""
+    """Return the first row of each individual, indexed by its number; later rows of elites are left out."""
     in_order = records.generation.is_monotonic_increasing
     ordered = records if in_order else records.sort_values("generation", kind="stable")
     first = ordered.drop_duplicates("individual").set_index("individual", drop=False)
@@ -174,14 +181,19 @@ def births(records: pd.DataFrame) -> pd.DataFrame:
 
 
 def fitter_line(born: pd.DataFrame, individual: int) -> list[int]:
-    """Name an individual, its fitter parent, that one's and so on, as far back as a table of ``births`` goes.
+    """Return the numbers of an individual, its fitter parent, the fitter parent of that one, and so on.
 
-    Parents have lower numbers than their children; in a table that says otherwise the line ends there.
+    The line ends at a parent that the table does not have, or whose number is not lower than that of its child.
+
+    Args:
+        born: Table that ``births`` returns.
+        individual: Number of the individual.
     """
-    parents, fitness = born.parents.to_dict(), born.fitness.to_dict()
+    parents = born.parents.to_dict()
+    fitness = born.fitness.to_dict()
     line = [individual]
-    while known := [one for one in parent_numbers(parents[line[-1]]) if one in parents and one < line[-1]]:
-        line.append(max(known, key=lambda one: float(fitness[one])))
+    while known := [number for number in parent_numbers(parents[line[-1]]) if number in parents and number < line[-1]]:
+        line.append(max(known, key=lambda number: float(fitness[number])))
     return line
 
 
@@ -190,13 +202,13 @@ class Individual:
     """One robot of a run.
 
     Attributes:
-        individual: its number in the run.
-        genome: its genome.
-        fitness: higher is better; ``-inf`` if its walk does not count.
-        verdict: ``ok``, or why it does not count.
-        reason: the figures behind the verdict, in words.
-        generation: in which it was born.
-        parents: their numbers; none in generation 0.
+        individual: Number of the robot in the run.
+        genome: Genome of the robot.
+        fitness: Fitness; higher is better, ``-inf`` if the walk does not count.
+        verdict: ``ok``, or why the walk does not count.
+        reason: Figures behind the verdict, as text.
+        generation: Generation in which it was born.
+        parents: Numbers of the parents; empty in generation 0.
     """
 
     individual: int
@@ -209,24 +221,24 @@ class Individual:
 
     def _repr_html_(self) -> str:
         meaning = VERDICTS.get(self.verdict, "")
-        known = (
-            ("fitness", significant(self.fitness) if self.verdict == "ok" else "none, for its walk does not count"),
+        rows = (
+            ("fitness", significant(self.fitness) if self.verdict == "ok" else "none, because its walk does not count"),
             ("verdict", f"{self.verdict}: {meaning}{f' That is, {self.reason}.' if self.reason else ''}"),
             ("generation", f"{self.generation}, in which it was born"),
-            ("parents", ", ".join(map(str, self.parents)) or "none: it was drawn by chance"),
+            ("parents", ", ".join(map(str, self.parents)) or "none: it was generated at random"),
         )
-        return shown(facts(f"Robot {self.individual}", known), genome_html(self.genome.values))
+        return shown(facts(f"Robot {self.individual}", rows), genome_html(self.genome.values))
 
 
 def champion(records: pd.DataFrame) -> Individual:
-    """Return the fittest of a table; among equals, the one that was born first.
+    """Return the fittest robot of a table; the first-born of several with the same fitness.
 
     Raises:
-        ValueError: if the table is empty.
+        ValueError: If the table is empty.
     """
     if records.empty:
         raise ValueError("no robot has walked yet, so there is no champion")
-    since = records.attrs.get("rated_since", 0)  # what is older has the numbers of another fitness
+    since = records.attrs.get("rated_since", 0)  # earlier ratings are of another fitness function
     current = records.loc[records.generation >= since, :]
     records = records if current.empty else current
     fitness = records.fitness.fillna(-np.inf)
@@ -244,21 +256,28 @@ def champion(records: pd.DataFrame) -> Individual:
 
 
 def lineage(records: pd.DataFrame, individual: int) -> pd.DataFrame:
-    """Return the rows of an individual and all its ancestors, youngest first, each at its birth.
+    """Return the first rows of an individual and all its ancestors, youngest first.
 
-    A parent that the table does not have ends the line there.
+    Ancestors that the table does not have are left out.
+
+    Args:
+        records: Tidy table.
+        individual: Number of the individual.
 
     Raises:
-        ValueError: if no such individual has walked.
+        ValueError: If the table does not have the individual.
     """
     born = births(records)
     if individual not in born.index:
         low, high = born.index.min(), born.index.max()
-        raise ValueError(f"individual {individual} is not in this run; its numbers go from {low} to {high}")
+        raise ValueError(
+            f"individual {individual} is not in this run; its individuals have the numbers {low} to {high}"
+        )
     parents = born.parents.to_dict()
-    waiting, found = [individual], {individual}
+    found = {individual}
+    waiting = [individual]
     while waiting:
-        fresh = {one for one in parent_numbers(parents[waiting.pop()]) if one in parents} - found
-        found |= fresh
-        waiting += fresh
+        new = {number for number in parent_numbers(parents[waiting.pop()]) if number in parents} - found
+        found |= new
+        waiting += new
     return tidy(born.loc[sorted(found, reverse=True)].reset_index(drop=True))

@@ -1,7 +1,8 @@
-"""How a run file is laid out inside, now and in earlier releases; and the seals by which damage is known.
+"""Layout of the tables in a run file, of this and earlier releases, and the seals that detect damage.
 
-A file of layout 3 has four tables: ``run``, facts by name; ``records``, the tidy table; ``provenance``, with what
-generations were made; ``generations``, of each its provenance and its seal.
+A file of layout 3 has four tables: ``run``, facts by name; ``records``, the tidy table; ``provenance``, what the
+generations were made with; ``generations``, the provenance and the seal of each generation. A seal is a digest of all
+rows of a generation.
 """
 
 import json
@@ -15,9 +16,9 @@ from uuid import uuid4
 from walkerlab.runfile.records import COLUMNS
 from walkerlab.text import strict_json
 
-APPLICATION = 0x77616C6B  # "walk", in the file's header
+APPLICATION_ID = 0x77616C6B  # "walk", in the header of the file
 LAYOUT = 3
-OLDEST = 2  # that can be read; layout 1 was never released
+OLDEST_LAYOUT = 2  # that can be read; layout 1 was never released
 
 _SQL = {int: "INTEGER", float: "REAL", str: "TEXT"}
 _RUN = "CREATE TABLE run (fact TEXT PRIMARY KEY, value TEXT NOT NULL)"
@@ -31,16 +32,24 @@ _GENERATIONS = (
 )
 _TABLES = {2: (_RUN, _RECORDS), 3: (_RUN, _RECORDS, _PROVENANCE, _GENERATIONS)}
 
-_ROWS = f"SELECT {', '.join(COLUMNS)} FROM records WHERE generation = ? ORDER BY rowid"
+_SELECT_ROWS = f"SELECT {', '.join(COLUMNS)} FROM records WHERE generation = ? ORDER BY rowid"
 
 
-class NotARun(Exception):
-    """A SQLite file that is not laid out as a run of ours; it says how."""
+class LayoutError(Exception):
+    """A SQLite file does not have the layout of a run file; the message continues the name of the file."""
 
 
-def lay_out(db: sqlite3.Connection, settings: str) -> str:
-    """Make the tables of a new run, with its facts, and return its id."""
-    db.execute(f"PRAGMA application_id = {APPLICATION}")
+def create_tables(db: sqlite3.Connection, settings: str) -> str:
+    """Create the tables of a new run.
+
+    Args:
+        db: Open transaction on an empty file.
+        settings: Settings as JSON.
+
+    Returns:
+        Id of the run.
+    """
+    db.execute(f"PRAGMA application_id = {APPLICATION_ID}")
     db.execute(f"PRAGMA user_version = {LAYOUT}")
     for table in _TABLES[LAYOUT]:
         db.execute(table)
@@ -51,87 +60,98 @@ def lay_out(db: sqlite3.Connection, settings: str) -> str:
 
 
 def write_settings(db: sqlite3.Connection, settings: str) -> None:
-    """Write down the settings, and their digest."""
+    """Write the settings, as JSON, and their digest."""
     facts = {"settings": settings, "settings digest": digest(settings)}
     db.executemany("INSERT OR REPLACE INTO run VALUES (?, ?)", facts.items())
 
 
-def recognise(db: sqlite3.Connection) -> int:
-    """Return the layout of a file, of which nothing is used before: one that has anything else in it is none.
+def read_layout(db: sqlite3.Connection) -> int:
+    """Return the number of a file's layout, after checking that it has exactly the tables of that layout.
+
+    Nothing else of an untrusted file may be read before this.
 
     Raises:
-        NotARun: if it is no run, of a layout that is not known, or holds more or less than its layout says.
+        LayoutError: If the file is not a run, its layout is unknown, or it holds more or less than its layout.
     """
     found = db.execute("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL LIMIT 9").fetchall()
     if not found:
-        raise NotARun(
-            "is empty: it is being created just now, nothing was ever written to it, or its contents are lost. If it "
-            "stays empty, delete it and evolve again"
+        raise LayoutError(
+            "is empty: it is being created by another program, or its contents are lost. If it stays empty, delete it "
+            "and evolve again"
         )
-    if db.execute("PRAGMA application_id").fetchone() != (APPLICATION,):
-        raise NotARun("is a SQLite file, but not a run of walkerlab's")
+    if db.execute("PRAGMA application_id").fetchone() != (APPLICATION_ID,):
+        raise LayoutError("is a SQLite file, but not a run file of walkerlab. Give the path of a run file")
     layout: int = db.execute("PRAGMA user_version").fetchone()[0]
     if layout > LAYOUT:
-        raise NotARun(
-            f"has layout {layout}, and this walkerlab knows layouts up to {LAYOUT}: a newer one wrote it. "
+        raise LayoutError(
+            f"has layout {layout}, which a newer walkerlab wrote; this one reads layouts up to {LAYOUT}. "
             "Update with: pip install --upgrade walkerlab"
         )
-    if layout < OLDEST:
-        raise NotARun(
-            f"has layout {layout}, from before walkerlab's first release, and cannot be read any more. Evolve it anew"
+    if layout < OLDEST_LAYOUT:
+        raise LayoutError(
+            f"has layout {layout}, from before walkerlab's first release, and can no longer be read. Evolve it again"
         )
     if sorted(str(sql) for (sql,) in found) != sorted(_TABLES[layout]):
-        raise NotARun("is damaged, or somebody has meddled with it: it is not laid out as a run file is")
+        raise LayoutError("is damaged or was changed by another program: its tables are not those of a run file")
     return layout
 
 
-def renew(db: sqlite3.Connection, layout: int) -> None:
-    """Bring a file of an earlier layout to this one, a step at a time."""
+def upgrade(db: sqlite3.Connection, layout: int) -> None:
+    """Convert a file of an earlier layout to the current one, by one layout at a time."""
     for step in range(layout, LAYOUT):
-        _STEPS[step](db)
+        _UPGRADES[step](db)
     db.execute(f"PRAGMA user_version = {LAYOUT}")
 
 
-def rows(db: sqlite3.Connection, generation: int) -> list[tuple[Any, ...]]:
-    """Read the rows of a generation in the order in which they were written."""
-    return db.execute(_ROWS, [generation]).fetchall()
+def read_rows(db: sqlite3.Connection, generation: int) -> list[tuple[Any, ...]]:
+    """Read the rows of a generation, in the order in which they were written."""
+    return db.execute(_SELECT_ROWS, [generation]).fetchall()
 
 
-def seal(db: sqlite3.Connection, generation: int, made_with: str) -> None:
-    """Seal a generation, whose rows are written, with what it was made with."""
+def seal_generation(db: sqlite3.Connection, generation: int, made_with: str) -> None:
+    """Seal a generation whose rows are written.
+
+    Args:
+        db: Open transaction.
+        generation: Number of the generation.
+        made_with: Facts about what it was made with, as JSON.
+    """
     db.execute("INSERT OR IGNORE INTO provenance (made_with) VALUES (?)", [made_with])
-    of_it = _seal(db, generation, made_with, rows(db, generation))
-    whose = "SELECT ?, number, ? FROM provenance WHERE made_with = ?"
-    db.execute(f"INSERT INTO generations {whose}", [generation, of_it, made_with])
+    seal = _seal_of(db, generation, made_with, read_rows(db, generation))
+    row = "SELECT ?, number, ? FROM provenance WHERE made_with = ?"
+    db.execute(f"INSERT INTO generations {row}", [generation, seal, made_with])
 
 
-def generations(
+def sealed_generations(
     db: sqlite3.Connection, first: float = -math.inf, end: float = math.inf
 ) -> Iterator[tuple[int, str, list[tuple[Any, ...]] | None]]:
-    """Yield the generations from the first to before the end: number, what it was made with, rows as they were written.
+    """Yield the number of each generation, what it was made with, and its rows; None if they do not match the seal.
 
-    Of one in which anything is otherwise there are no rows, but None.
+    Args:
+        db: Open transaction.
+        first: Number of the first generation.
+        end: Number of the generation after the last.
     """
     sealed = (
         "SELECT generation, made_with, seal FROM generations LEFT JOIN provenance ON number = provenance "
         "WHERE generation >= ? AND generation < ? ORDER BY generation"
     )
-    for generation, made_with, of_it in db.execute(sealed, (first, end)):
-        found = rows(db, generation)
-        yield generation, made_with, found if of_it == _seal(db, generation, made_with, found) else None
+    for generation, made_with, seal in db.execute(sealed, (first, end)):
+        rows = read_rows(db, generation)
+        yield generation, made_with, rows if seal == _seal_of(db, generation, made_with, rows) else None
 
 
-def made_with(db: sqlite3.Connection) -> dict[str, str]:
+def read_made_with(db: sqlite3.Connection) -> dict[str, str]:
     """Return what the last generation was made with."""
     last = "SELECT max(generation), made_with FROM generations JOIN provenance ON number = provenance"
     _, facts = db.execute(last).fetchone()
     return {name: str(value) for name, value in strict_json.loads(facts or "{}").items()}
 
 
-def fact(db: sqlite3.Connection, name: str) -> str:
-    """Return a fact of the run; "" if there is none of that name."""
-    found = db.execute("SELECT value FROM run WHERE fact = ?", [name]).fetchone()
-    return str(found[0]) if found else ""
+def read_fact(db: sqlite3.Connection, name: str) -> str:
+    """Return a fact of the run; "" if it has no fact of this name."""
+    row = db.execute("SELECT value FROM run WHERE fact = ?", [name]).fetchone()
+    return str(row[0]) if row else ""
 
 
 def digest(text: str) -> str:
@@ -139,22 +159,22 @@ def digest(text: str) -> str:
     return sha256(text.encode(errors="replace")).hexdigest()
 
 
-def _seal(db: sqlite3.Connection, *sealed: object) -> str:
-    """Digest what is sealed, together with whose it is, so that no generation fits into another run."""
-    return digest(repr((fact(db, "id"), *sealed)))
+def _seal_of(db: sqlite3.Connection, *contents: object) -> str:
+    """Return the digest of contents and of the id of the run, so that a generation cannot be moved to another run."""
+    return digest(repr((read_fact(db, "id"), *contents)))
 
 
-def _from_2(db: sqlite3.Connection) -> None:
-    """Give each generation the versions, which were facts of the whole run, and a seal."""
+def _upgrade_from_2(db: sqlite3.Connection) -> None:
+    """Record the versions, which were facts of the run, with each generation, and seal it."""
     db.execute(_PROVENANCE)
     db.execute(_GENERATIONS)
     versions = dict(db.execute("SELECT fact, value FROM run WHERE fact != 'settings'"))
-    settings = fact(db, "settings")
+    settings = read_fact(db, "settings")
     db.execute("DELETE FROM run")
     db.execute("INSERT INTO run VALUES ('id', ?)", [digest(repr((settings, versions)))[:32]])
     write_settings(db, settings)
     for (generation,) in db.execute("SELECT DISTINCT generation FROM records").fetchall():
-        seal(db, generation, json.dumps(versions))
+        seal_generation(db, generation, json.dumps(versions))
 
 
-_STEPS: dict[int, Callable[[sqlite3.Connection], None]] = {2: _from_2}
+_UPGRADES: dict[int, Callable[[sqlite3.Connection], None]] = {2: _upgrade_from_2}

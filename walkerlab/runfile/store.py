@@ -1,8 +1,8 @@
-"""The run file: one SQLite file that holds the settings and the tidy table, a generation to a transaction.
+"""The run file: a SQLite file with the settings and the tidy table, written in one transaction per generation.
 
-Whatever moment the process dies at, the file holds whole generations; whatever happens to the file afterwards, what is
-read of it is as it was written, for each generation has a seal. It stores text and numbers only: nothing in it can run
-when it is opened, and a file with anything else in it is not used.
+If the process is killed, the file holds complete generations. Every generation has a seal, so later changes and damage
+are detected. The file stores text and numbers only, and a file with anything else in it is rejected: opening a run file
+never executes code.
 """
 
 import json
@@ -18,257 +18,230 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.runfile import provenance, schema
-from walkerlab.runfile.opening import DamagedError, File, RunFileError, connect, drafted, opened
+from walkerlab.runfile.opening import DamagedError, File, RunFileError, connect, draft_of, open_run
+from walkerlab.runfile.paths import new_path
 from walkerlab.runfile.records import COLUMNS, check, tidy
-from walkerlab.system.files import PathError, absolute_path, file_path, shown
+from walkerlab.system.files import shown
 from walkerlab.text import strict_json
 
-RUN_FILE = "run.walk"  # its name in a folder of its own
-SHOWN = 16  # digits of a digest, enough to tell two apart
+DIGEST_DIGITS = 16  # digits of a digest that are reported
 
 
-def locate(path: str | Path) -> Path:
-    """Return the absolute path of a run file, given its own path, or that of its folder, if that has one only.
+def open_temporary() -> sqlite3.Connection:
+    """Open a temporary file for a run without a path.
 
-    Raises:
-        RunFileError: If no file can have this path, or it is a folder with no run file, or with several.
-    """
-    try:
-        path = absolute_path(path)
-    except PathError as error:
-        raise RunFileError(str(error)) from error
-    if not path.is_dir():
-        return path
-    found = sorted(path.glob("*.walk"))
-    if len(found) == 1 or path / RUN_FILE in found:
-        return found[0] if len(found) == 1 else path / RUN_FILE
-    if not found:
-        raise RunFileError(f"the folder {shown(path)} has no run file in it: no file ends in .walk")
-    names = ", ".join(one.name for one in found[:9]) + (" …" if len(found) > 9 else "")
-    raise RunFileError(
-        f"the folder {shown(path)} has {len(found)} run files in it: {names}. Name one of them: {shown(found[0])!r}"
-    )
-
-
-def new_path(path: str | Path, name: str = "path") -> Path:
-    """Return the absolute path of a run file to be created.
-
-    Args:
-        path: Path of the file.
-        name: Name of the argument, for messages.
-
-    Raises:
-        RunFileError: If no file can have this path.
-        TypeError: If it is not a path.
-    """
-    try:
-        return file_path(path, name)
-    except PathError as error:
-        folder = Path(path).expanduser()
-        example = f" For example: {shown(folder.absolute() / RUN_FILE)!r}." if _is_folder(folder) else ""
-        raise RunFileError(f"no run file can be created: {error}{example}") from error
-
-
-def _is_folder(path: Path) -> bool:
-    try:
-        return path.is_dir()
-    except ValueError:  # a null character
-        return False
-
-
-def passing() -> sqlite3.Connection:
-    """Make a file for a run without a path: it has no name, and is gone when it is closed or its process ends.
-
-    It is in memory while it is small. It is for one thread at a time, whichever that is.
+    It has no name, is deleted when it is closed or its process ends, and is in memory while it is small. Any thread may
+    use it, one at a time.
     """
     return sqlite3.connect("", check_same_thread=False)
 
 
-def keep(db: sqlite3.Connection) -> Path:
-    """Copy a passing file into one with a name, ``kept.walk`` or ``kept-2.walk`` and so on, and return its path.
+def save_temporary(db: sqlite3.Connection) -> Path:
+    """Copy a temporary file to a new file with a name: ``kept.walk``, or else ``kept-2.walk`` and so on.
 
-    It is in this folder, or if nothing can be written here, in that of the system for such things.
+    Args:
+        db: Temporary file.
+
+    Returns:
+        Path of the new file, in the current folder, or if that cannot be written to, in the system's temporary folder.
+
+    Raises:
+        RunFileError: If no file can be created in either folder.
     """
     for folder in (Path(), Path(gettempdir())):
         names = (folder / f"kept{f'-{n}' if n > 1 else ''}.walk" for n in count(1))
         with suppress(RunFileError):
             path = new_path(next(path for path in names if not path.exists()))
-            with drafted(path) as draft, closing(connect(draft)) as named:
+            with draft_of(path) as draft, closing(connect(draft)) as named:
                 db.backup(named)
             return path
-    raise RunFileError("this run has no file, and none can be made: neither here nor in the system's temporary folder.")
+    raise RunFileError(
+        "this run has no file, and none can be created in the current folder or the system's temporary folder."
+    )
 
 
 def create(file: File, settings: dict[str, Any]) -> str:
-    """Create a run file that has no generation yet: complete, or not at all.
+    """Create a run file without generations: complete, or not at all.
 
     Args:
-        file: Path of the new file, or a passing file.
+        file: Path of the new file, or a temporary file.
         settings: Settings as plain data.
 
     Returns:
-        The run's id.
+        Id of the run.
 
     Raises:
-        RunFileError: if something exists at this path (a run is never overwritten), or nothing can be written there.
+        RunFileError: If the file exists already (a run is never overwritten) or cannot be created.
     """
     text = json.dumps(settings)
     if not isinstance(file, Path):
-        with opened(file, "make") as db:
-            return schema.lay_out(db, text)
-    with drafted(file) as draft, opened(draft, "make", file) as db:
-        return schema.lay_out(db, text)
+        with open_run(file, "create") as db:
+            return schema.create_tables(db, text)
+    with draft_of(file) as draft, open_run(draft, "create", file) as db:
+        return schema.create_tables(db, text)
 
 
 def append(file: File, generation: pd.DataFrame, run_id: str, functions: Mapping[str, str] = {}) -> None:
-    """Add one generation: all of it, or nothing.
+    """Add one generation, in one transaction.
 
     Args:
-        file: of the run.
-        generation: its tidy table.
-        run_id: of the run that it belongs to.
-        functions: facts about the functions that it was made with.
+        file: Run file.
+        generation: Tidy table of the generation.
+        run_id: Id of the run that it belongs to.
+        functions: Facts about the user functions that it was made with.
 
     Raises:
-        RunFileError: if it cannot be written, or another run is in the file, or another process has gone on with it.
+        RunFileError: If the file cannot be written, holds another run, or was changed by another process.
     """
-    with opened(file, "change") as db:
-        _require(db, file, run_id)
+    with open_run(file, "write") as db:
+        _require_id(db, file, run_id)
         (n_done,) = db.execute("SELECT count(*) FROM generations").fetchone()
         if not generation.empty and int(generation.generation.iloc[0]) != n_done:
             raise RunFileError(
-                f"somebody else has changed {shown(file)} meanwhile, which has {n_done} generations now: another "
-                "process has gone on with it, or an older copy was put in its place. Go on with that when nobody else "
-                "does."
+                f"{shown(file)} was changed by another program and has {n_done} generations now: another process has "
+                "continued the run, or an older copy was put in its place. Resume it when no other process uses it."
             )
-        _insert(db, generation, _made_with_here(functions))
+        _insert_generations(db, generation, _made_with_now(functions))
 
 
-def go_on(path: Path, settings: dict[str, Any]) -> str:
-    """Make ready to go on with a run: bring its file to this layout, and write down under which settings.
+def prepare_resume(path: Path, settings: dict[str, Any]) -> str:
+    """Upgrade a run file to the current layout, and write the settings of its further generations.
+
+    Args:
+        path: Run file.
+        settings: Settings as plain data.
 
     Returns:
-        The run's id.
+        Id of the run.
     """
-    with opened(path, "change") as db:
+    with open_run(path, "write") as db:
         schema.write_settings(db, json.dumps(settings))
-        return schema.fact(db, "id")
+        return schema.read_fact(db, "id")
 
 
-def _insert(db: sqlite3.Connection, generation: pd.DataFrame, made_with: str) -> None:
-    rows = zip(*(generation[name].tolist() for name in COLUMNS), strict=True)
+def _insert_generations(db: sqlite3.Connection, table: pd.DataFrame, made_with: str) -> None:
+    rows = zip(*(table[name].tolist() for name in COLUMNS), strict=True)
     db.executemany(f"INSERT INTO records VALUES ({', '.join('?' * len(COLUMNS))})", rows)
-    for number in generation.generation.unique().tolist():
-        schema.seal(db, number, made_with)
+    for number in table.generation.unique().tolist():
+        schema.seal_generation(db, number, made_with)
 
 
-def _made_with_here(functions: Mapping[str, str]) -> str:
-    return json.dumps({**provenance.here(), **functions})
+def _made_with_now(functions: Mapping[str, str]) -> str:
+    return json.dumps({**provenance.current_facts(), **functions})
 
 
 def read(path: Path) -> tuple[dict[str, Any], pd.DataFrame]:
-    """Read a run file: its settings as plain data, and its table.
+    """Read the settings of a run, as plain data, and its table.
 
     Raises:
-        RunFileError: if there is no such file, or it is not one of ours.
-        DamagedError: if anything in it is not as it was written.
+        RunFileError: If the file does not exist, or is not a run file.
+        DamagedError: If its contents are not as they were written.
     """
-    with opened(path, "check") as db:
-        return _settings(db, path), _table(db, path)
+    with open_run(path, "check") as db:
+        return _read_settings(db, path), _read_table(db, path)
 
 
 def read_facts(path: Path) -> tuple[dict[str, str], dict[str, str]]:
-    """Read what a run says of itself: its id and the digest of its settings; what its last generation was made with."""
-    with opened(path) as db:
+    """Read the facts of a run.
+
+    Returns:
+        Id of the run and digest of its settings; and what its last generation was made with.
+    """
+    with open_run(path) as db:
         try:
-            whose = {"id": schema.fact(db, "id"), "settings digest": schema.fact(db, "settings digest")[:SHOWN]}
-            return whose, schema.made_with(db)
+            settings_digest = schema.read_fact(db, "settings digest")[:DIGEST_DIGITS]
+            return {"id": schema.read_fact(db, "id"), "settings digest": settings_digest}, schema.read_made_with(db)
         except (AttributeError, ValueError, RecursionError) as error:
             raise DamagedError(path, str(error)) from error
 
 
 def read_generations(file: File, run_id: str, first: int, end: int) -> pd.DataFrame:
-    """Read the table of some generations of a run: the first of them, and those after it that are before the end."""
-    with opened(file) as db:
-        _require(db, file, run_id)
-        return _table(db, file, first, end)
+    """Read the table of some generations.
+
+    Args:
+        file: Run file.
+        run_id: Id of the run.
+        first: Number of the first generation.
+        end: Number of the generation after the last.
+    """
+    with open_run(file) as db:
+        _require_id(db, file, run_id)
+        return _read_table(db, file, first, end)
 
 
 def read_births(
     file: File, run_id: str, columns: Sequence[str], births: Iterable[Sequence[int]]
 ) -> list[tuple[Any, ...]]:
-    """Read some columns of some individuals, each in the generation given, where it is there.
+    """Read some columns of some individuals; those that the file does not have are left out.
 
     Args:
-        file: of the run.
-        run_id: of the run.
-        columns: their names.
-        births: generation and number of each individual.
+        file: Run file.
+        run_id: Id of the run.
+        columns: Names of the columns.
+        births: Generation and number of each individual.
     """
-    of_one = f"SELECT {', '.join(columns)} FROM records WHERE generation = ? AND individual = ?"
-    with opened(file) as db:
-        _require(db, file, run_id)
-        return [row for birth in births for row in db.execute(of_one, birth)]
+    select = f"SELECT {', '.join(columns)} FROM records WHERE generation = ? AND individual = ?"
+    with open_run(file) as db:
+        _require_id(db, file, run_id)
+        return [row for birth in births for row in db.execute(select, birth)]
 
 
 def rescue(path: Path, to: Path) -> int:
-    """Copy what is whole of a damaged run, its generations before the damage, into a new run file.
+    """Copy the undamaged part of a damaged run, its generations before the damage, to a new run file.
 
     Args:
-        path: of the damaged run.
-        to: of the new one.
+        path: Damaged run file.
+        to: Run file to create.
 
     Returns:
-        How many generations were saved; if none, the settings are, from which the run can begin again.
+        Number of generations that were saved; if 0, the new file holds the settings.
 
     Raises:
-        RunFileError: if nothing can be saved, or the new file cannot be made; there is none then.
+        RunFileError: If nothing can be saved, or the new file cannot be created.
     """
     if not path.is_file():
         raise RunFileError(f"there is no run file at {shown(path)}")
-    with drafted(to) as draft:
+    with draft_of(to) as draft:
         return _rescue(path, draft, to)
 
 
 def _rescue(path: Path, draft: Path, to: Path) -> int:
-    whole = list[tuple[str, pd.DataFrame]]()
+    undamaged: list[tuple[str, pd.DataFrame]] = []
     try:
-        with opened(path, "rescue") as db:
-            settings = _settings(db, path)
+        with open_run(path, "rescue") as db:
+            settings = _read_settings(db, path)
             with suppress(sqlite3.Error, ValueError):
-                for number, (generation, made_with, rows) in enumerate(schema.generations(db)):
+                for number, (generation, made_with, rows) in enumerate(schema.sealed_generations(db)):
                     if rows is None or generation != number:
                         break
-                    whole.append((made_with, check(_tidied(rows, path))))
+                    undamaged.append((made_with, check(_as_table(rows, path))))
     except DamagedError as error:
         raise RunFileError(f"nothing can be saved of {shown(path)}: {error.what}.") from error
-    with opened(draft, "make", to) as db:
-        schema.lay_out(db, json.dumps(settings))
-        for made_with, table in whole:
-            _insert(db, table, made_with)
-    return len(whole)
+    with open_run(draft, "create", to) as db:
+        schema.create_tables(db, json.dumps(settings))
+        for made_with, table in undamaged:
+            _insert_generations(db, table, made_with)
+    return len(undamaged)
 
 
-def require(file: File, run_id: str) -> None:
-    """Make sure that a run is in a file still.
+def require_run(file: File, run_id: str) -> None:
+    """Check that a file still holds a run.
 
     Raises:
-        RunFileError: if not.
+        RunFileError: If it does not.
     """
-    with opened(file) as db:
-        _require(db, file, run_id)
+    with open_run(file) as db:
+        _require_id(db, file, run_id)
 
 
-def _require(db: sqlite3.Connection, file: File, run_id: str) -> None:
-    if schema.fact(db, "id") != run_id:
-        raise RunFileError(
-            f"{shown(file)} was replaced by another run while this one went on; that one is left as it is."
-        )
+def _require_id(db: sqlite3.Connection, file: File, run_id: str) -> None:
+    if schema.read_fact(db, "id") != run_id:
+        raise RunFileError(f"{shown(file)} was replaced by another run in the meantime; that run is not changed.")
 
 
-def _settings(db: sqlite3.Connection, file: File) -> dict[str, Any]:
-    text = schema.fact(db, "settings")
-    if schema.digest(text) != schema.fact(db, "settings digest"):
+def _read_settings(db: sqlite3.Connection, file: File) -> dict[str, Any]:
+    text = schema.read_fact(db, "settings")
+    if schema.digest(text) != schema.read_fact(db, "settings digest"):
         raise DamagedError(file, "its settings are not as they were written")
     try:
         return strict_json.loads(text)
@@ -276,19 +249,19 @@ def _settings(db: sqlite3.Connection, file: File) -> dict[str, Any]:
         raise DamagedError(file, str(error)) from error
 
 
-def _table(db: sqlite3.Connection, file: File, first: float = -math.inf, end: float = math.inf) -> pd.DataFrame:
-    table = list[tuple[Any, ...]]()
-    for generation, _, rows in schema.generations(db, first, end):
+def _read_table(db: sqlite3.Connection, file: File, first: float = -math.inf, end: float = math.inf) -> pd.DataFrame:
+    table: list[tuple[Any, ...]] = []
+    for generation, _, rows in schema.sealed_generations(db, first, end):
         if rows is None:
             raise DamagedError(file, f"generation {generation} is not as it was written")
         table += rows
     n_rows = "SELECT count(*) FROM records WHERE generation >= ? AND generation < ?"
     if db.execute(n_rows, (first, end)).fetchone() != (len(table),):
-        raise DamagedError(file, "there are robots of a generation that is not there")
-    return _tidied(table, file)
+        raise DamagedError(file, "it has robots of a generation that is missing")
+    return _as_table(table, file)
 
 
-def _tidied(rows: list[tuple[Any, ...]], file: File) -> pd.DataFrame:
+def _as_table(rows: list[tuple[Any, ...]], file: File) -> pd.DataFrame:
     try:
         return tidy(pd.DataFrame(rows, columns=list(COLUMNS)))
     except (TypeError, ValueError) as error:

@@ -14,8 +14,7 @@ from typing import cast
 import ipywidgets
 
 from walkerlab.errors import Fault
-from walkerlab.evolution.evolution import n_walks
-from walkerlab.evolution.forecast import in_words, seconds_of
+from walkerlab.evolution.forecast import describe_duration, estimate_seconds, n_walks
 from walkerlab.evolution.live import LiveRun, State
 from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome
@@ -147,14 +146,15 @@ class Lab(HasSnapshot, ipywidgets.Box):
         if (settings := self.settings) and not self._is_running():
             algorithm = settings.algorithm
             run = f"{algorithm.generations} generations of {algorithm.population_size} robots"
-            self.transport.forecast = f"A new run: {run}, {in_words(self._seconds_of(settings))} on this computer."
+            duration = describe_duration(self._seconds_of(settings))
+            self.transport.forecast = f"A new run: {run}, {duration} on this computer."
 
     def _seconds_of(self, settings: Settings) -> float:
         """Estimate the duration of a run, s: at the pace of the last run if that was in the same world."""
         last = self._active
         if last and last.pace and _world_of(last.settings) == _world_of(settings):
             return last.pace * n_walks(settings)
-        return seconds_of(settings)
+        return estimate_seconds(settings)
 
     # ------------------------------------------------------------------------------------------------------ live runs
 
@@ -195,9 +195,9 @@ class Lab(HasSnapshot, ipywidgets.Box):
     def _create_live_run(self, settings: Settings) -> LiveRun:
         """Create a run with a run file, or without one if the folder is not writable."""
         try:
-            return LiveRun(settings, new_run_path(self._folder), self._executor, on_news=self._run_progressed)
+            return LiveRun(settings, new_run_path(self._folder), self._executor, on_change=self._run_progressed)
         except (RunFileError, OSError) as error:
-            live = LiveRun(settings, None, self._executor, on_news=self._run_progressed)
+            live = LiveRun(settings, None, self._executor, on_change=self._run_progressed)
             self.runs.drawer.words = f"This run will not be saved. {error}"
             return live
 
@@ -226,7 +226,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         where = f"after generation {n_done - 1} of 0 to {last}" if n_done else f"during generation 0 of 0 to {last}"
         match live.state:
             case State.running:
-                left = " …" if seconds_left is None else f": {in_words(seconds_left)} left."
+                left = " …" if seconds_left is None else f": {describe_duration(seconds_left)} left."
                 words = f"Generation {n_done} of 0 to {last} is running{left}"
             case State.failed:
                 words = f"Failed {where}. {_error_text(live.error)}"

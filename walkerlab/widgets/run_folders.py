@@ -7,7 +7,7 @@ from pathlib import Path
 
 from walkerlab.evolution.live import LiveRun
 from walkerlab.evolution.run import Run
-from walkerlab.runfile.store import RUN_FILE
+from walkerlab.runfile.paths import RUN_FILE
 from walkerlab.settings.glossary import rows_of
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import name_and_unit

@@ -9,7 +9,8 @@ import ipywidgets
 
 from walkerlab.errors import Fault
 from walkerlab.evolution import outputs
-from walkerlab.evolution.run import Run, load
+from walkerlab.evolution.loading import load
+from walkerlab.evolution.run import Run
 from walkerlab.system.files import absolute_path, shown
 from walkerlab.text.html import Html, join
 from walkerlab.view.plots.style import RUN_COLOURS

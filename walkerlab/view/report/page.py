@@ -288,7 +288,7 @@ def _versions(path: Path | None) -> dict[str, str]:
     if path and path.exists():
         identity, versions = store.read_facts(path)
         return versions | identity
-    return dict(provenance.here())
+    return dict(provenance.current_facts())
 
 
 def _walk_table(rollout: Rollout) -> pd.DataFrame:

@@ -1,0 +1,61 @@
+"""Read a run from its file, also from a damaged one."""
+
+from pathlib import Path
+
+from walkerlab.evolution.run import Run
+from walkerlab.evolution.stored_functions import restore_settings
+from walkerlab.runfile import paths, provenance, records, store
+from walkerlab.runfile.missing_functions import remember_walks
+from walkerlab.runfile.opening import DamagedError, RunFileError
+from walkerlab.system import file_sets
+from walkerlab.system.files import shown
+
+
+def load(path: str | Path) -> Run:
+    """Read a run from its file; user functions are known by name only, which is enough to view the run.
+
+    ``resume`` and ``run.confirm(fitness=my_function)`` require the user functions themselves.
+
+    Args:
+        path: Run file, or the folder that holds it.
+
+    Raises:
+        RunFileError: If the file does not exist, is not a run, or is damaged.
+    """
+    path = paths.locate(path)
+    file_sets.restore(path.parent)
+    plain, table = store.read(path)
+    _, facts = store.read_facts(path)
+    try:
+        records.check(table)
+        settings = restore_settings(plain)
+        since = provenance.rated_since(facts, int(table.generation.nunique()))
+    except (TypeError, KeyError, ValueError, RecursionError) as error:
+        raise DamagedError(path, str(error)) from error
+    sizes = table.groupby("generation").size()
+    if sizes.to_dict() != dict.fromkeys(range(len(sizes)), settings.algorithm.population_size):
+        raise DamagedError(path, "its table has too few or too many robots")
+    remember_walks(settings, table)
+    return Run(settings, table, path, since)
+
+
+def rescue(path: str | Path, to: str | Path) -> Run:
+    """Save the undamaged part of a damaged run, its generations before the damage, in a new run file.
+
+    Args:
+        path: Damaged run file, or the folder that holds it; it is not changed.
+        to: Run file to create.
+
+    Returns:
+        The new run, which ``resume(to)`` continues; without generations if only the settings could be saved.
+
+    Raises:
+        RunFileError: If nothing can be saved, or the new file exists already or cannot be created.
+    """
+    path, to = paths.locate(path), paths.new_path(to, "to")
+    store.rescue(path, to)
+    try:
+        return load(to)
+    except DamagedError as error:  # the damage is older than the seals of the generations
+        to.unlink()
+        raise RunFileError(f"nothing can be saved of {shown(path)}: {error.what}.") from error
