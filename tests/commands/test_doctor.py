@@ -84,7 +84,7 @@ def test_it_speaks_where_no_package_can_be_loaded(missing, tmp_path):
 def test_where_a_package_is_missing_every_command_names_the_doctor(monkeypatch, capsys):
     monkeypatch.delitem(sys.modules, "walkerlab.commands.flags", raising=False)
     monkeypatch.setitem(sys.modules, "pydantic", None)
-    monkeypatch.delitem(sys.modules, "walkerlab.settings.fields", raising=False)
+    monkeypatch.delitem(sys.modules, "walkerlab.settings.model", raising=False)
     monkeypatch.delattr("walkerlab.commands.flags", raising=False)
     assert main(["evolve"]) == 1
     assert "walkerlab doctor" in capsys.readouterr().err

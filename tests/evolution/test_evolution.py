@@ -16,7 +16,7 @@ import walkerlab as wl
 from walkerlab.breeding import lost_pressure
 from walkerlab.ga import crossover, mutation, selection
 from walkerlab.runfile import provenance, store
-from walkerlab.settings.settings import Crossover, Fitness, Mutation, Selection
+from walkerlab.settings.choices import Crossover, Fitness, Mutation, Selection
 from walkerlab.text.numbers import significant
 
 SETTINGS = wl.Settings().with_(duration=1.0, population_size=6, generations=3, n_elites=1, seed=5)

@@ -19,8 +19,9 @@ from tests.faults import mutants, number
 from tests.genome.test_genome import obeys_every_limit
 from tests.strategies import all_settings
 from walkerlab.genome.genome import Genome, GenomeError
-from walkerlab.settings.fields import SettingsError
-from walkerlab.settings.settings import Robot, Settings
+from walkerlab.settings.model import SettingsError
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
 
 ROBOTS = [
     Robot(),

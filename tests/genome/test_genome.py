@@ -11,17 +11,19 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
+from tests.strategies import finite, genomes, robots, tables
 from walkerlab.breeding import crossover_population, generate_robot_population, mutate_population
 from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome, GenomeError, read_genomes
 from walkerlab.genome.phenotype import express
 from walkerlab.genome.repair import gene_table, genes_of, repair
 from walkerlab.runfile import records
-from walkerlab.settings.settings import Algorithm, Crossover, Feature, Mutation, Robot, Settings
+from walkerlab.settings.algorithm import Algorithm
+from walkerlab.settings.choices import Crossover, Feature, Mutation
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
 from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.simulation.rollout import simulate
-
-from .strategies import finite, genomes, robots, tables
 
 NEARLY = 1e-9
 

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import walkerlab as wl
 from walkerlab.settings import binding, choices
 from walkerlab.settings.binding import BoundFunction
-from walkerlab.settings.fields import Choice
+from walkerlab.settings.choices import Choice
 
 SETTINGS = wl.Settings().with_(duration=1, population_size=4, generations=1, n_elites=1)
 KINDS = {kind.__name__: kind for kind in Choice.__subclasses__() if kind.__module__ == choices.__name__}

@@ -9,33 +9,16 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from walkerlab.settings.fields import (
-    PAIR,
-    Choice,
-    OneOf,
-    Quantity,
-    SettingsError,
-    function_name,
-    number_text,
-    shown_numbers,
-)
-from walkerlab.settings.settings import (
-    LIGHTEST,
-    MAX_PIECES,
-    Algorithm,
-    Camera,
-    Crossover,
-    Fitness,
-    Mutation,
-    Robot,
-    Selection,
-    Settings,
-    Simulation,
-    Structure,
-    Terrain,
-)
-
-from .strategies import all_settings, finite, robots
+from tests.strategies import all_settings, finite, robots
+from walkerlab.settings.algorithm import Algorithm
+from walkerlab.settings.choices import Camera, Choice, Crossover, Fitness, Mutation, Selection, Structure
+from walkerlab.settings.fields import PAIR, OneOf, Quantity
+from walkerlab.settings.model import SettingsError
+from walkerlab.settings.robot import LIGHTEST, Robot
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.simulation import Simulation
+from walkerlab.settings.terrain import MAX_PIECES, Terrain
+from walkerlab.settings.values import function_name, number_text, shown_numbers
 
 DOMAINS = {"terrain": Terrain, "robot": Robot, "algorithm": Algorithm, "simulation": Simulation}
 FIELDS = [(domain, name) for domain in DOMAINS.values() for name in domain.declared()]

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 import walkerlab as wl
 from benchmarks import plain_walk
 from walkerlab.randomness import stream
-from walkerlab.settings.settings import Obstacle, Structure
+from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.simulation.export import _exact_xml
 from walkerlab.simulation.rollout import walk
 from walkerlab.world.scene import describe_scene

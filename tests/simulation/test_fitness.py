@@ -16,7 +16,7 @@ import pytest
 import walkerlab as wl
 from walkerlab.ga import OperatorError
 from walkerlab.randomness import stream
-from walkerlab.settings.settings import Fitness
+from walkerlab.settings.choices import Fitness
 from walkerlab.simulation import fitness
 from walkerlab.simulation.rollout import walk_from_every_start
 from walkerlab.simulation.validity import REJECTED

@@ -11,7 +11,7 @@ import walkerlab as wl
 from walkerlab.genome.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.genome.repair import FREQUENCY
 from walkerlab.randomness import stream
-from walkerlab.settings.settings import Guard, Obstacle, Structure, Texture
+from walkerlab.settings.choices import Guard, Obstacle, Structure, Texture
 from walkerlab.simulation import validity as judging
 from walkerlab.simulation.fitness import distance, score
 from walkerlab.simulation.rollout import walk

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.settings.settings import Texture
+from walkerlab.settings.choices import Texture
 from walkerlab.world.entities import generate_terrain
 from walkerlab.world.materials import MATERIALS
 

@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 import walkerlab as wl
 from tests.strategies import domains, robots
 from walkerlab.randomness import stream
-from walkerlab.settings.fields import SettingsError
-from walkerlab.settings.settings import FIELD, MAX_PIECES, PLANETS, Obstacle, Structure
+from walkerlab.settings.choices import Obstacle, Structure
+from walkerlab.settings.model import SettingsError
+from walkerlab.settings.terrain import FIELD, MAX_PIECES, PLANETS
 from walkerlab.simulation.rollout import _start_overlap
 from walkerlab.simulation.validity import OVERLAP
 from walkerlab.world import heights, placement

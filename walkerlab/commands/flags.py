@@ -8,8 +8,11 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from walkerlab.settings.fields import Choice, Declared, Domain, OneOf, Quantity, number_text, told_with
+from walkerlab.settings.choices import Choice
+from walkerlab.settings.fields import Declared, OneOf, Quantity
+from walkerlab.settings.model import Domain, told_with
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import number_text
 from walkerlab.system.files import PathError, absolute_path
 
 NEGATIVE = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)

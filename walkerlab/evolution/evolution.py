@@ -27,8 +27,9 @@ from walkerlab.runfile.archive import Archive
 from walkerlab.runfile.records import Individual, Walked
 from walkerlab.runfile.store import DamagedError, RunFileError
 from walkerlab.settings.arguments import require_settings
-from walkerlab.settings.fields import SettingsError, count, did_you_mean, pasted
+from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import count, did_you_mean, pasted
 from walkerlab.simulation import fitness, workers
 from walkerlab.simulation.evaluation import evaluate
 from walkerlab.simulation.pausable import Stopped

@@ -14,8 +14,8 @@ from walkerlab.ga.user_functions import OperatorError
 from walkerlab.runfile.provenance import UNKNOWN, source_digest
 from walkerlab.runfile.records import Walked
 from walkerlab.runfile.store import RunFileError
-from walkerlab.settings.fields import function_name
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import function_name
 from walkerlab.simulation.evaluation import Evaluation
 
 FITNESS = "fitness function"

@@ -19,9 +19,10 @@ from walkerlab.runfile.missing_functions import Missing, MissingFitness, remembe
 from walkerlab.runfile.records import Individual, copy_of
 from walkerlab.runfile.store import DamagedError, RunFileError
 from walkerlab.settings import binding, choices
-from walkerlab.settings.choices import Camera, Fitness
-from walkerlab.settings.fields import MAX_JSON, STORED_MODULES, Choice, SettingsError, brief, function_name
+from walkerlab.settings.choices import Camera, Choice, Fitness
+from walkerlab.settings.model import MAX_JSON, STORED_MODULES, SettingsError
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import brief, function_name
 from walkerlab.simulation import fitness
 from walkerlab.simulation.robustness import N_NUDGES, Confirmation, confirm
 from walkerlab.system import file_sets

@@ -23,8 +23,9 @@ from walkerlab.genome.repair import MAX_SEGMENTS, PART, WHOLE, genes_of, repair
 from walkerlab.readonly import ReadOnlyArrays
 from walkerlab.settings.arguments import require_generator
 from walkerlab.settings.choices import Feature
-from walkerlab.settings.fields import brief, count
-from walkerlab.settings.settings import Robot, Settings
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import brief, count
 from walkerlab.text.html import Html, code, details, join, shown, table, tag
 
 

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from walkerlab.ga.genes import Floats, Genes, Kind
 from walkerlab.settings.choices import Feature
-from walkerlab.settings.settings import Robot
+from walkerlab.settings.robot import Robot
 
 GRID = 3
 """Decimals that repair keeps: a gene is whole in millimetres, grams, milliradians, so that it can be copied by hand."""

@@ -11,7 +11,7 @@ from pandas.api.types import is_numeric_dtype
 
 from walkerlab.ga.loop import NOT_COUNTED, Population
 from walkerlab.genome.genome import Genome, in_words
-from walkerlab.settings.fields import brief
+from walkerlab.settings.values import brief
 from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.simulation.fitness import LARGEST
 from walkerlab.simulation.validity import VERDICTS

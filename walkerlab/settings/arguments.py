@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from walkerlab.settings.fields import Domain, brief
-from walkerlab.settings.settings import Algorithm, Settings
+from walkerlab.settings.algorithm import Algorithm
+from walkerlab.settings.model import Domain
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import brief
 
 
 def require_settings(given: object) -> Settings:

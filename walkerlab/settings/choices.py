@@ -1,6 +1,20 @@
 """What there is to choose from: each kind with its members, their integer codes and a sentence on each."""
 
-from walkerlab.settings.fields import Choice
+from enum import IntEnum
+from typing import Self
+
+
+class Choice(IntEnum):
+    """One of a few named kinds; each member has an integer code and a sentence ``about`` it."""
+
+    about: str
+
+    def __new__(cls, code: int, about: str) -> Self:
+        """Make the member of this integer code."""
+        member = int.__new__(cls, code)
+        member._value_ = code
+        member.about = about
+        return member
 
 
 class Structure(Choice):

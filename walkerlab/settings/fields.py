@@ -9,64 +9,21 @@ Read by whoever asks for 0.9:
     Terrain.step_height is 0.9 m; it must be 0.01 to 0.4 m. It is the rise of each stair.
 """
 
-import math
-from collections.abc import Generator, Iterable, Mapping, Sequence, Set
-from contextlib import contextmanager
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass, field
-from difflib import get_close_matches
-from enum import IntEnum
 from functools import partial
 from itertools import islice
 from numbers import Integral
-from reprlib import Repr
-from typing import Any, Self, cast
+from typing import Any, cast
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, field_serializer, field_validator
+from pydantic import Field
 
-from walkerlab.errors import Fault
-from walkerlab.settings.binding import BoundFunction, arguments_as_python, written_arguments
-from walkerlab.text import strict_json
+from walkerlab.settings.binding import BoundFunction
+from walkerlab.settings.choices import Choice
+from walkerlab.settings.values import brief, did_you_mean, number_text, shown_numbers
 
-STORED_MODULES = {"walkerlab.simulation.fitness": "walkerlab.fitness"}
-"""Names of our modules in run files where they differ from the modules' own: they never change."""
-
-_LINE = 80  # characters of a value that a message shows
-_MOST_FAULTS = 100  # that a message tells
 _MOST_IN_TURN = 100  # choices in a list
-MAX_JSON = 100_000  # characters; settings take some two thousand
-
-
-class SettingsError(Fault, ValueError):
-    """Settings that cannot be: every fault of one call, a line each."""
-
-
-@contextmanager
-def told_with(faults: Sequence[str]) -> Generator[None]:
-    """Tell faults found beforehand, and those of the settings made within, at once.
-
-    Raises:
-        SettingsError: if there is any fault.
-    """
-    try:
-        yield
-    except SettingsError as error:
-        raise SettingsError("\n".join([*faults, str(error)])) from None
-    if faults:
-        raise SettingsError("\n".join(faults))
-
-
-class Choice(IntEnum):
-    """One of a few named kinds; each member has an integer code and a sentence ``about`` it."""
-
-    about: str
-
-    def __new__(cls, code: int, about: str) -> Self:
-        """Make the member of this integer code."""
-        member = int.__new__(cls, code)
-        member._value_ = code
-        member.about = about
-        return member
 
 
 @dataclass(frozen=True)
@@ -233,214 +190,8 @@ def _schema(declared: Declared, schema: dict[str, Any]) -> None:
         schema |= {"minimum": declared.low, "maximum": declared.high, "unit": declared.unit}
 
 
-class SettingsModel(BaseModel, frozen=True):
-    """Settings: frozen, checked as a whole when made, all their faults told at once."""
-
-    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
-
-    def __init__(self, *unnamed: object, **values: Any) -> None:
-        """Check the values.
-
-        Raises:
-            TypeError: If a value is given without a name.
-            SettingsError: naming each field, its value, unit, range and what it is for.
-        """
-        if unnamed:
-            name = type(self).__name__
-            raise TypeError(f"{name} takes settings by name, as in {name}(name=value); got {brief(unnamed[0])}")
-        with _in_our_words(type(self)):
-            super().__init__(**values)
-
-    @classmethod
-    def model_validate(cls, obj: Any, **how: Any) -> Self:
-        """Make settings from plain data; raises what ``__init__`` does."""
-        with _in_our_words(cls):
-            return super().model_validate(obj, **how)
-
-    @classmethod
-    def model_validate_json(cls, json_data: str | bytes | bytearray, **how: Any) -> Self:
-        """Make settings from a JSON text; raises what ``__init__`` does."""
-        is_text = isinstance(json_data, str | bytes | bytearray)  # pyright: ignore[reportUnnecessaryIsInstance]
-        if is_text and len(json_data) > MAX_JSON:
-            raise SettingsError(
-                f"settings as JSON have at most {MAX_JSON} characters; this text has {len(json_data)}, and is not read"
-            )
-        try:
-            strict_json.loads(json_data)
-        except strict_json.DuplicateKeyError as error:
-            raise SettingsError(f"in these settings as JSON, {error}; each setting must be given once.") from None
-        except (ValueError, TypeError, RecursionError):
-            pass  # pydantic reports what is wrong
-        with _in_our_words(cls):
-            return super().model_validate_json(json_data, **how)
-
-    def __setattr__(self, name: str, value: object) -> None:
-        """Refuse, and name the mend.
-
-        Raises:
-            SettingsError: always.
-        """
-        raise SettingsError(
-            f"{type(self).__name__}.{name} stays as it is: settings never change, so that a run is always of those it "
-            f"was made with. Make new ones from the whole Settings s: s = s.with_({name}={pasted(value)})"
-        )
-
-    @classmethod
-    def advice(cls, name: str) -> str:
-        """Say what might have been meant by a name that there is not."""
-        return did_you_mean(name, cls.model_fields) or f" It has {', '.join(cls.model_fields)}."
-
-    def __repr__(self) -> str:
-        """Show what can be pasted back: only what differs from the default."""
-        changed = [(name, value) for name, value in self if value != type(self).model_fields[name].default]
-        return f"{type(self).__name__}({', '.join(f'{name}={pasted(value)}' for name, value in changed)})"
-
-    __str__ = __repr__
-
-
-class Domain(SettingsModel, frozen=True):
-    """The settings of one thing, each field declared by one of the functions above."""
-
-    @classmethod
-    def declared(cls) -> dict[str, Declared]:
-        """Say for each field what was declared of it: the source of forms, flags and glossaries."""
-        extras = {name: field.json_schema_extra for name, field in cls.model_fields.items()}
-        return {name: extra.args[0] for name, extra in extras.items() if isinstance(extra, partial)}
-
-    @field_validator("*", mode="plain", check_fields=False)
-    @classmethod
-    def _check(cls, value: object, info: ValidationInfo) -> object:
-        name = info.field_name or ""
-        declared = cls.declared()[name]
-        try:
-            return declared(value)
-        except ValueError as error:
-            faults = (f"{cls.__name__}.{name}{fault} It is {declared.about}." for fault in error.args)
-            raise ValueError("\n".join(faults)) from None
-
-    @field_serializer("*", check_fields=False)
-    def _plain(self, value: object) -> object:
-        """Write a choice by its name, and a function as what ``load`` must be given back."""
-        match value:
-            case Choice():
-                return value.name
-            case tuple():
-                return [self._plain(item) for item in cast(tuple[object, ...], value)]
-            case int() | float():
-                return value
-            case partial():
-                return {"function": _address(value.func)} | written_arguments(value)
-            case _:
-                return {"function": _address(value), "with": {}}
-
-
 def _as_from_a_file(value: object) -> object:
     """Make a partial what it will be when read from a file; without arguments, it becomes its function."""
     if not isinstance(value, partial) or isinstance(value, BoundFunction):
         return value
     return BoundFunction(value.func, *value.args, **value.keywords) if value.args or value.keywords else value.func
-
-
-def _address(function: object) -> str:
-    module = getattr(function, "__module__", "")
-    return f"{STORED_MODULES.get(module, module)}.{function_name(function)}"
-
-
-def function_name(function: object) -> str:
-    """Name a function as people know it; ``partial(tournament, size=7)`` is ``tournament(size=7)``."""
-    if isinstance(function, partial):
-        arguments = ", ".join(arguments_as_python(function))
-        return f"{function_name(function.func)}({shortened(arguments)})"
-    return getattr(function, "__name__", type(function).__name__)
-
-
-def pasted(value: object) -> str:
-    """Show a setting as it would be typed: a choice, or a function, by its name.
-
-    A name that cannot be typed, as a lambda's or one made up in a hostile file, is given as a text, which does nothing.
-    """
-    match value:
-        case Choice():
-            return repr(value.name)
-        case tuple():
-            return f"({', '.join(map(pasted, cast(tuple[object, ...], value)))})"
-        case partial() if all(name.isidentifier() for name in value.keywords):
-            return f"partial({', '.join([pasted(value.func), *arguments_as_python(value)])})"
-        case _ if callable(value):
-            name = function_name(value)
-            return name if name.isidentifier() else repr(name)
-        case _:
-            return repr(value)
-
-
-@contextmanager
-def _in_our_words(model: type[SettingsModel]) -> Generator[None]:
-    """Turn pydantic's findings into a ``SettingsError``."""
-    try:
-        yield
-    except ValidationError as error:
-        raise SettingsError("\n".join(_sentences(model, error))) from None
-
-
-def _sentences(model: type[SettingsModel], error: ValidationError) -> list[str]:
-    """Turn each of pydantic's findings into a sentence of ours."""
-    sentences: list[str] = []
-    for fault in error.errors(include_url=False)[:_MOST_FAULTS]:
-        if fault["type"] == "extra_forbidden":
-            *_, name = fault["loc"]
-            sentences.append(f"{model.__name__} has no setting {brief(name)}.{model.advice(str(name))}")
-        elif fault["type"] == "value_error":
-            sentences.append(str(fault.get("ctx", {})["error"]))
-        else:
-            where = ".".join([model.__name__, *map(str, fault["loc"])])
-            sentences.append(f"{where} is {brief(fault['input'])}; {fault['msg']}.")
-    untold = error.error_count() - _MOST_FAULTS
-    return [*sentences, f"… and {untold} more."] if untold > 0 else sentences
-
-
-def brief(value: object) -> str:
-    """Show a value as Python does; of a long one, about as much as fits on a line."""
-    return shortened(_BRIEF.repr(value))
-
-
-def shortened(text: str) -> str:
-    """Cut a text to what fits on a line."""
-    return text if len(text) <= _LINE else f"{text[: _LINE - 1]}…"
-
-
-class _Brief(Repr):
-    """Looks at no more of a value than it shows, so that a huge or deep one takes no time."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.maxstring = self.maxother = _LINE - 10
-
-    def repr_int(self, x: int, level: int) -> str:  # noqa: ARG002
-        power = int(x.bit_length() * math.log10(2))
-        return repr(x) if power < self.maxother else f"some {'-' if x < 0 else ''}1e{power}"
-
-
-_BRIEF = _Brief()
-
-
-def did_you_mean(name: object, known: Iterable[str]) -> str:
-    """Ask for the known name that is most like this one; say nothing if none is."""
-    if not isinstance(name, str) or len(name) > _LINE:
-        return ""
-    close = get_close_matches(name.lower(), list(known), n=1, cutoff=0.6)
-    return f" Did you mean {close[0]!r}?" if close else ""
-
-
-def count(number: int, thing: str) -> str:
-    """Count things in words: 1 leg, 2 legs."""
-    return f"{number} {thing}{'' if number == 1 else 's'}"
-
-
-def shown_numbers(numbers: tuple[float, ...]) -> str:
-    """Show a vector, without needless zeros."""
-    return f"({', '.join(map(number_text, numbers))})"
-
-
-def number_text(number: float) -> str:
-    """Write a number with the fewest digits that read back as the same number, and without a needless ``.0``."""
-    return repr(number).removesuffix(".0")

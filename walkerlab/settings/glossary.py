@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 from typing import Any, cast
 
-from walkerlab.settings.fields import PAIR, Choice, Declared, Domain, OneOf, function_name, number_text, shown_numbers
+from walkerlab.settings.choices import Choice
+from walkerlab.settings.fields import PAIR, Declared, OneOf
+from walkerlab.settings.model import Domain
+from walkerlab.settings.values import function_name, number_text, shown_numbers
 from walkerlab.text.html import Html, details, join, shown, table, tag
 
 DRAWN = "_-‾/\\┌─ "  # what grounds are drawn with before their words, which are enough here

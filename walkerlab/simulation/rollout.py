@@ -15,8 +15,8 @@ from walkerlab.ga.genes import Floats, Indices
 from walkerlab.genome.genome import Genome
 from walkerlab.randomness import stream
 from walkerlab.readonly import ReadOnlyArrays
-from walkerlab.settings.fields import count
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import count
 from walkerlab.simulation.validity import VERDICTS, Trace, judge
 from walkerlab.text.html import facts, shown
 from walkerlab.text.numbers import significant, with_unit

@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from typing import Any, TypeAlias, cast
 
-from walkerlab.settings.fields import PAIR, Declared, Domain, OneOf, Quantity
+from walkerlab.settings.fields import PAIR, Declared, OneOf, Quantity
 from walkerlab.settings.glossary import DRAWN, rows_of
+from walkerlab.settings.model import Domain
 from walkerlab.settings.settings import Settings
 
 Control: TypeAlias = dict[str, Any]

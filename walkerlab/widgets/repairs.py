@@ -9,7 +9,7 @@ import numpy as np
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.repair import GRID, PART, WHOLE, genes_of
 from walkerlab.settings.choices import Feature
-from walkerlab.settings.settings import Robot
+from walkerlab.settings.robot import Robot
 
 ROUNDED = 0.51 * 10.0**-GRID  # a change that is no more than the rounding to the grid, and is not spoken of
 

@@ -11,8 +11,8 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.path import Path
 
 from walkerlab.runfile.records import champion, fitter_line, lineage, parent_numbers
-from walkerlab.settings.fields import count
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import count
 from walkerlab.view.plots.appearance import ink, new_axes, picture
 from walkerlab.view.plots.bodies import SLANT, Parts, add_body, at_rest
 from walkerlab.view.plots.style import QUIET, RUNS, describe, literal, nothing, table_of, unit_of, with_unit
