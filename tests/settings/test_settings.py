@@ -1,4 +1,5 @@
 import json
+import pydoc
 import re
 from functools import partial
 from math import inf, nan, nextafter
@@ -18,7 +19,7 @@ from walkerlab.settings.robot import LIGHTEST, Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.simulation import Simulation
 from walkerlab.settings.terrain import MAX_PIECES, Terrain
-from walkerlab.settings.values import function_name, number_text, shown_numbers
+from walkerlab.settings.values import code_text, function_name, number_text, vector_text
 
 DOMAINS = {"terrain": Terrain, "robot": Robot, "algorithm": Algorithm, "simulation": Simulation}
 FIELDS = [(domain, name) for domain in DOMAINS.values() for name in domain.declared()]
@@ -64,9 +65,37 @@ def test_every_field_of_every_domain_is_declared_with_a_range_and_a_meaning():
         assert declared.about
         assert declared.about[0].islower()
         assert not declared.about.endswith(".")
-        assert domain.model_fields[name].description == declared.about
+        assert domain.model_json_schema()["properties"][name]["description"] == declared.about
     for domain in DOMAINS.values():
         assert set(domain.declared()) == set(domain.model_fields)
+
+
+@every_number
+def test_an_annotation_agrees_with_its_declaration(domain, name):
+    declared = domain.declared()[name]
+    number = int if declared.whole else float
+    wanted = tuple[(number,) * len(declared.parts)] if declared.parts else number
+    assert domain.model_fields[name].annotation == wanted
+    assert type(default(domain, name)) is (tuple if declared.parts else number)
+    schema = domain.model_json_schema()["properties"][name]
+    assert (schema["minimum"], schema["maximum"], schema["unit"]) == (declared.low, declared.high, declared.unit)
+
+
+@every_choice
+def test_a_default_is_a_member_of_its_choices(domain, name):
+    assert default(domain, name) in domain.declared()[name].choices
+
+
+@pytest.mark.parametrize("domain", DOMAINS.values())
+def test_help_lists_each_setting_with_default_meaning_unit_and_range_and_nothing_of_pydantic(domain):
+    text = pydoc.plain(pydoc.render_doc(domain))
+    one_line = re.sub(r"[\s|]+", " ", text)
+    for name, declared in domain.declared().items():
+        about = declared.about[0].upper() + declared.about[1:]
+        assert f" {name} = {code_text(default(domain, name))} {about}. Allowed: {declared.range}." in one_line
+        assert f"{name}: typing.Annotated" not in text
+    assert "model_dump" not in text
+    assert len(text.splitlines()) < 100
 
 
 @every_number
@@ -441,7 +470,7 @@ def test_settings_are_frozen(domain, name):
     settings, whole, keyword = domain(), Settings(), domain.__name__.lower()
     for changed, attribute, value in ((settings, name, default(domain, name)), (whole, keyword, settings)):
         said = refusal(setattr, changed, attribute, value)
-        assert f"{type(changed).__name__}.{attribute} stays as it is: settings never change" in said
+        assert f"{type(changed).__name__}.{attribute} cannot be assigned: settings never change" in said
     assert (settings, whole) == (domain(), Settings())
 
 
@@ -508,7 +537,7 @@ def test_what_is_shown_can_be_pasted_back(settings):
 @given(finite)
 def test_a_number_is_read_as_it_was_written(number):
     assert float(number_text(number)) == number
-    assert eval(shown_numbers((number, 1.0, 0.0))) == (number, 1.0, 0.0)
+    assert eval(vector_text((number, 1.0, 0.0))) == (number, 1.0, 0.0)
 
 
 def test_a_value_is_not_rounded_to_one_that_is_allowed():

@@ -10,7 +10,7 @@ from typing import Any
 
 from walkerlab.settings.choices import Choice
 from walkerlab.settings.fields import Declared, OneOf, Quantity
-from walkerlab.settings.model import Domain, told_with
+from walkerlab.settings.model import Domain, report_together
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import number_text
 from walkerlab.system.files import PathError, absolute_path
@@ -45,10 +45,7 @@ def flag_names() -> dict[tuple[str, str], str]:
 def add_flags(parser: argparse.ArgumentParser) -> None:
     """Give a parser a flag for each setting, grouped by domain; what is not given leaves no trace."""
     parser._negative_number_matcher = NEGATIVE  # argparse by itself takes -1. and -1e5 for flags
-    groups = {
-        domain: parser.add_argument_group(domain, (model.__doc__ or "").partition("\n")[0])
-        for domain, model in DOMAINS.items()
-    }
+    groups = {domain: parser.add_argument_group(domain, model.summary()) for domain, model in DOMAINS.items()}
     for (domain, field), flag in flag_names().items():
         model = DOMAINS[domain]
         declared, default = model.declared()[field], model.model_fields[field].default
@@ -78,7 +75,7 @@ def settings_of(given: Mapping[str, Any], strangers: Sequence[str] = ()) -> Sett
         domain, dot, field = place.partition(".")
         if dot:
             parts[domain][field] = _named(value)
-    with told_with(_refusals(strangers)):
+    with report_together(_refusals(strangers)):
         return Settings(**parts)
 
 

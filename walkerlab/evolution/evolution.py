@@ -29,7 +29,7 @@ from walkerlab.runfile.store import DamagedError, RunFileError
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import count, did_you_mean, pasted
+from walkerlab.settings.values import code_text, count, did_you_mean
 from walkerlab.simulation import fitness, workers
 from walkerlab.simulation.evaluation import evaluate
 from walkerlab.simulation.pausable import Stopped
@@ -414,7 +414,7 @@ def _reject_unknown(function: str, unknown: dict[str, Any]) -> None:
     """Raise a TypeError if there are arguments of unknown names; of a setting, it says where that belongs."""
     for name, value in unknown.items():
         if name in Settings.places():
-            belongs = f"wl.{function}(wl.Settings().with_({name}={pasted(value)}))"
+            belongs = f"wl.{function}(wl.Settings().with_({name}={code_text(value)}))"
             raise TypeError(f"{function} has no argument {name!r}, which is a setting: {belongs}")
         known = ("settings", "path", "executor", "progress" if function == "evolve" else "on_walks")
         raise TypeError(f"{function} has no argument {name!r}; it has {', '.join(known)}.{did_you_mean(name, known)}")

@@ -8,16 +8,23 @@ from pydantic import ValidationInfo, field_validator
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.fields import OneOf
 from walkerlab.settings.glossary import glossary
-from walkerlab.settings.model import Domain, SettingsModel, told_with
+from walkerlab.settings.model import Domain, SettingsModel, report_together
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.simulation import Simulation
 from walkerlab.settings.terrain import Terrain
-from walkerlab.settings.values import brief, did_you_mean, pasted
+from walkerlab.settings.values import brief, code_text, did_you_mean
 from walkerlab.text.html import code, details, shown
 
 
 class Settings(SettingsModel, frozen=True):
-    """All that a run is made from."""
+    """All settings of a run.
+
+    Attributes:
+        terrain: The ground, what lies on it, and the forces over it.
+        robot: Limits that every robot obeys.
+        algorithm: Fitness, operators, population size and number of generations.
+        simulation: Duration and time step of a walk, and the guards that judge it.
+    """
 
     terrain: Terrain = Terrain()
     robot: Robot = Robot()
@@ -25,29 +32,32 @@ class Settings(SettingsModel, frozen=True):
     simulation: Simulation = Simulation()
 
     def with_(self, *unnamed: object, **changes: Any) -> Self:
-        """Return a copy with some settings changed, each named alone: ``s.with_(selection="top_half", duration=4)``.
+        """Return a copy with some settings changed: ``s.with_(selection="top_half", duration=4)``.
 
-        A whole domain may be named as well: ``s.with_(terrain=Terrain(structure="stairs"), duration=4)``.
+        Args:
+            unnamed: Not allowed; a value without a name raises a ``TypeError`` that shows the usage.
+            changes: Single settings by name, or whole domains: ``s.with_(terrain=Terrain(structure="stairs"))``.
 
         Raises:
-            SettingsError: if no domain has such a setting, or the value will not do.
+            SettingsError: If a name is unknown or a value is invalid.
             TypeError: If a value is given without a name.
         """
         if unnamed:
             raise TypeError(f"with_ takes settings by name, as in s.with_(duration=4); got {brief(unnamed[0])}")
-        places, faults = self.places(), list[str]()
-        parts: dict[str, Any] = dict(self)
+        places = self.places()
+        errors: list[str] = []
+        values: dict[str, Any] = dict(self)
         for name in sorted(changes, key=places.__contains__):  # whole domains come first
             if name in places:
                 domain, field = places[name]
-                parts[domain] = dict(parts[domain]) | {field: changes[name]}
+                values[domain] = dict(values[domain]) | {field: changes[name]}
                 continue
             try:
-                parts[name] = self._domain(name, changes[name])
-            except ValueError as fault:  # the others are held against the domain as it was
-                faults.append(str(fault))
-        with told_with(faults):
-            return type(self)(**parts)
+                values[name] = self._check_domain(name, changes[name])
+            except ValueError as error:  # the other changes are checked with the unchanged domain
+                errors.append(str(error))
+        with report_together(errors):
+            return type(self)(**values)
 
     def changes(self) -> dict[str, Any]:
         """Return each single setting that differs from its default: ``Settings().with_(**s.changes()) == s``."""
@@ -58,8 +68,8 @@ class Settings(SettingsModel, frozen=True):
         }
 
     def as_python(self) -> str:
-        """Write the code that makes them, given ``import walkerlab as wl``; functions are called by their names."""
-        lines = [f"    {name}={pasted(value)}," for name, value in self.changes().items()]
+        """Return Python code that makes these settings, for ``import walkerlab as wl``; user functions go by name."""
+        lines = [f"    {name}={code_text(value)}," for name, value in self.changes().items()]
         return "\n".join(["wl.Settings().with_(", *lines, ")"]) if lines else "wl.Settings()"
 
     def _repr_html_(self) -> str:
@@ -67,12 +77,20 @@ class Settings(SettingsModel, frozen=True):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _check(cls, value: object, info: ValidationInfo) -> object:
-        return cls._domain(info.field_name or "", value)
+    def _validate_domain(cls, value: object, info: ValidationInfo) -> object:
+        return cls._check_domain(info.field_name or "", value)
 
     @classmethod
-    def _domain(cls, name: str, value: Any) -> Any:
-        """Refuse what is no domain of this name, nor the settings of one; pass over names that there are not."""
+    def _check_domain(cls, name: str, value: Any) -> Any:
+        """Return the settings of a domain, or a copy of a dict of them.
+
+        Args:
+            name: Name of the domain; the value of an unknown one is returned unchanged, for pydantic to report.
+            value: Value given for it.
+
+        Raises:
+            ValueError: If the value is neither.
+        """
         if name not in cls.model_fields:
             return value
         kind: type[Domain] = type(cls.model_fields[name].default)
@@ -91,20 +109,20 @@ class Settings(SettingsModel, frozen=True):
         )
 
     @classmethod
-    def advice(cls, name: str) -> str:
-        """Say what might have been meant by a name that there is not, looking into the domains as well."""
+    def suggest_name(cls, name: str) -> str:
+        """Return a sentence that suggests a valid name for an unknown one, in any domain."""
         places = cls.places()
         if name in places:
             domain, field = places[name]
             return f" It is one of {domain}: {domain}={domain.capitalize()}({field}=…)."
-        return did_you_mean(name, [*cls.model_fields, *places]) or super().advice(name)
+        return did_you_mean(name, [*cls.model_fields, *places]) or super().suggest_name(name)
 
     @classmethod
     def places(cls) -> dict[str, tuple[str, str]]:
-        """Name each single setting in one word, and say its domain and field.
+        """Return the domain and field of each single setting, by the name that ``with_`` takes.
 
-        The word is the field's name. Where two domains have one of that name, it is the algorithm's, and the other is
-        called after its domain as well: ``seed`` and ``terrain_seed``.
+        The name is that of the field. If another domain has a field of the algorithm's, the other one has its domain in
+        front: ``seed`` and ``terrain_seed``.
         """
         fields = {
             domain: list(type(field.default).model_fields)  # type: ignore[union-attr]

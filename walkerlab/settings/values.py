@@ -1,4 +1,4 @@
-"""Values as texts: in messages, as Python code, and as people know them."""
+"""Texts of values: shortened for messages, as Python code, and names close to a misspelt one."""
 
 import math
 from collections.abc import Iterable
@@ -10,29 +10,30 @@ from typing import cast
 from walkerlab.settings.binding import arguments_as_python
 from walkerlab.settings.choices import Choice
 
-_LINE = 80  # characters of a value that a message shows
+MAX_TEXT = 80  # characters of a value in a message
 
 
 def function_name(function: object) -> str:
-    """Name a function as people know it; ``partial(tournament, size=7)`` is ``tournament(size=7)``."""
+    """Return the name of a function, for a partial with its arguments: ``tournament(size=7)``."""
     if isinstance(function, partial):
         arguments = ", ".join(arguments_as_python(function))
         return f"{function_name(function.func)}({shortened(arguments)})"
     return getattr(function, "__name__", type(function).__name__)
 
 
-def pasted(value: object) -> str:
-    """Show a setting as it would be typed: a choice, or a function, by its name.
+def code_text(value: object) -> str:
+    """Write a setting as Python code, with choices and functions by name.
 
-    A name that cannot be typed, as a lambda's or one made up in a hostile file, is given as a text, which does nothing.
+    A function's name that is not an identifier, such as that of a lambda or one from an untrusted file, is written as a
+    string literal, so that the code does nothing when it is pasted.
     """
     match value:
         case Choice():
             return repr(value.name)
         case tuple():
-            return f"({', '.join(map(pasted, cast(tuple[object, ...], value)))})"
+            return f"({', '.join(map(code_text, cast(tuple[object, ...], value)))})"
         case partial() if all(name.isidentifier() for name in value.keywords):
-            return f"partial({', '.join([pasted(value.func), *arguments_as_python(value)])})"
+            return f"partial({', '.join([code_text(value.func), *arguments_as_python(value)])})"
         case _ if callable(value):
             name = function_name(value)
             return name if name.isidentifier() else repr(name)
@@ -41,21 +42,22 @@ def pasted(value: object) -> str:
 
 
 def brief(value: object) -> str:
-    """Show a value as Python does; of a long one, about as much as fits on a line."""
+    """Return the representation of a value, shortened to about a line."""
     return shortened(_BRIEF.repr(value))
 
 
 def shortened(text: str) -> str:
-    """Cut a text to what fits on a line."""
-    return text if len(text) <= _LINE else f"{text[: _LINE - 1]}…"
+    """Truncate a text to one line."""
+    return text if len(text) <= MAX_TEXT else f"{text[: MAX_TEXT - 1]}…"
 
 
 class _Brief(Repr):
-    """Looks at no more of a value than it shows, so that a huge or deep one takes no time."""
+    """Representation that examines only the shown part of a value, so that huge or deep values take no time."""
 
     def __init__(self) -> None:
         super().__init__()
-        self.maxstring = self.maxother = _LINE - 10
+        self.maxstring = MAX_TEXT - 10
+        self.maxother = MAX_TEXT - 10
 
     def repr_int(self, x: int, level: int) -> str:  # noqa: ARG002
         power = int(x.bit_length() * math.log10(2))
@@ -66,23 +68,23 @@ _BRIEF = _Brief()
 
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:
-    """Ask for the known name that is most like this one; say nothing if none is."""
-    if not isinstance(name, str) or len(name) > _LINE:
+    """Return a question that suggests the known name closest to a misspelt one, or "" if no name is close."""
+    if not isinstance(name, str) or len(name) > MAX_TEXT:
         return ""
     close = get_close_matches(name.lower(), list(known), n=1, cutoff=0.6)
     return f" Did you mean {close[0]!r}?" if close else ""
 
 
 def count(number: int, thing: str) -> str:
-    """Count things in words: 1 leg, 2 legs."""
+    """Write a number with its noun in the singular or plural: 1 leg, 2 legs."""
     return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
-def shown_numbers(numbers: tuple[float, ...]) -> str:
-    """Show a vector, without needless zeros."""
+def vector_text(numbers: tuple[float, ...]) -> str:
+    """Write several numbers in parentheses, each as ``number_text`` does."""
     return f"({', '.join(map(number_text, numbers))})"
 
 
 def number_text(number: float) -> str:
-    """Write a number with the fewest digits that read back as the same number, and without a needless ``.0``."""
+    """Write a number with the fewest digits that read back as the same number, without a trailing ``.0``."""
     return repr(number).removesuffix(".0")

@@ -7,7 +7,7 @@ from itertools import product
 from typing import Any, TypeAlias, cast
 
 from walkerlab.settings.fields import PAIR, Declared, OneOf, Quantity
-from walkerlab.settings.glossary import DRAWN, rows_of
+from walkerlab.settings.glossary import GROUND_DRAWING, rows_of
 from walkerlab.settings.model import Domain
 from walkerlab.settings.settings import Settings
 
@@ -64,7 +64,7 @@ def _fit_for(declared: Declared, default: Any, own: Sequence[str]) -> Control:
     """Say which kind of control a setting has, and what that kind needs."""
     if isinstance(declared, OneOf):
         options = [
-            {"name": member.name, "about": in_words(member.about.lstrip(DRAWN))} for member in declared.choices
+            {"name": member.name, "about": in_words(member.about.lstrip(GROUND_DRAWING))} for member in declared.choices
         ] + [{"name": name, "about": "a function of your own"} for name in own]
         if declared.several and not declared.functions:
             return {"kind": "flags", "options": [option for option in options if option["name"] != "none"]}

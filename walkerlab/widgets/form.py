@@ -179,7 +179,7 @@ class Form(Part):
         for domain, kind in KINDS.items():
             own = {field: list(named) for (of, field), named in self._own.items() if of == domain}
             controls = [control for control in controls_of(kind, own) if control["name"] in self._shown[domain]]
-            about = (kind.__doc__ or "").strip()
+            about = kind.summary()
             if controls:
                 tabs.append({"domain": domain, "title": domain, "about": about, "controls": controls})
         return tabs
