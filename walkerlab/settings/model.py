@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from functools import partial
 from inspect import Signature, signature
 from textwrap import fill, indent
-from typing import Any, Self, cast
+from typing import TYPE_CHECKING, Any, Self, cast
 
 from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, field_serializer, field_validator
 
@@ -46,15 +46,20 @@ def report_together(errors: Sequence[str]) -> Generator[None]:
         raise SettingsError("\n".join(errors))
 
 
-class _ListsOwnNames(type(BaseModel)):  # pyright: ignore[reportGeneralTypeIssues, reportUntypedBaseClass]
-    """Metaclass that hides the attributes of ``BaseModel`` from ``help`` and completion of a class."""
+if TYPE_CHECKING:
+    ConciseModel = BaseModel
+else:
 
-    def __dir__(cls) -> list[str]:
-        classes = cls.__mro__[: cls.__mro__.index(BaseModel)]
-        return sorted({name for one in classes for name in vars(one) if not name.startswith("_")} - {"model_config"})
+    class _ConciseMeta(type(BaseModel)):
+        def __dir__(cls) -> list[str]:
+            classes = cls.__mro__[: cls.__mro__.index(BaseModel)]
+            return sorted({name for one in classes for name in vars(one) if name[0] != "_" and name != "model_config"})
+
+    class ConciseModel(BaseModel, metaclass=_ConciseMeta):
+        """Model whose class hides the attributes of ``BaseModel`` from ``help`` and completion."""
 
 
-class SettingsModel(BaseModel, frozen=True, metaclass=_ListsOwnNames):
+class SettingsModel(ConciseModel, frozen=True):
     """Immutable settings that are validated when created; all errors are reported together."""
 
     model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True)
