@@ -16,7 +16,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from walkerlab.settings.binding import BoundFunction
+from walkerlab.settings.binding import BoundFunction, to_bound
 from walkerlab.settings.choices import Choice
 from walkerlab.settings.values import brief, did_you_mean, number_text, vector_text
 
@@ -180,4 +180,4 @@ def _to_bound_function(value: object) -> object:
     """Convert a partial to what a run file returns; a partial without arguments becomes its function."""
     if not isinstance(value, partial) or isinstance(value, BoundFunction):
         return value
-    return BoundFunction(value.func, *value.args, **value.keywords) if value.args or value.keywords else value.func
+    return to_bound(value) if value.args or value.keywords else value.func
