@@ -7,8 +7,13 @@ from hypothesis import strategies as st
 
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.repair import genes_of
-from walkerlab.settings.fields import OneOf, Quantity, SettingsError
-from walkerlab.settings.settings import Algorithm, Robot, Settings, Simulation, Terrain
+from walkerlab.settings.algorithm import Algorithm
+from walkerlab.settings.fields import OneOf, Quantity
+from walkerlab.settings.model import SettingsError
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.simulation import Simulation
+from walkerlab.settings.terrain import Terrain
 
 
 def numbers(low, high):

@@ -73,7 +73,7 @@ ONLY_IN = {
 LIGHT = {"walkerlab": {"numpy", "pandas", "pydantic", "mujoco", "dm_control", "matplotlib", "ipywidgets", "tqdm"}}
 LIGHT |= {
     f"walkerlab.{name}": {"pandas", "mujoco", "dm_control", "matplotlib", "ipywidgets"}
-    for name in ("settings.fields", "settings.choices", "settings", "randomness", "ga.genes", "ga")
+    for name in ("settings.model", "settings.settings", "settings", "randomness", "ga.genes", "ga")
 }
 LIGHT |= {
     f"walkerlab.{name}": {"mujoco", "dm_control", "matplotlib", "ipywidgets"}

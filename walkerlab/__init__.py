@@ -45,10 +45,14 @@ _PUBLIC_NAMES = {
     "genome.text": ("GenomeError",),
     "genome.repair": ("gene_table",),
     "genome.phenotype": ("Phenotype", "express"),
-    "settings.fields": ("SettingsError",),
+    "settings.model": ("SettingsError",),
     "simulation.rollout": ("Rollout", "simulate"),
     "world.scene": ("Scene", "compile_scene"),
-    "settings.settings": ("Algorithm", "Robot", "Settings", "Simulation", "Terrain"),
+    "settings.algorithm": ("Algorithm",),
+    "settings.robot": ("Robot",),
+    "settings.settings": ("Settings",),
+    "settings.simulation": ("Simulation",),
+    "settings.terrain": ("Terrain",),
     "runfile.store": ("RunFileError",),
     "view.replay": ("Replay", "replay"),
     "simulation.workers": ("WorkersLostError",),
@@ -94,12 +98,11 @@ if TYPE_CHECKING:
     from walkerlab.settings.choices import Selection as Selection
     from walkerlab.settings.choices import Structure as Structure
     from walkerlab.settings.choices import Texture as Texture
-    from walkerlab.settings.fields import SettingsError as SettingsError
-    from walkerlab.settings.settings import Algorithm as Algorithm
-    from walkerlab.settings.settings import Robot as Robot
+    from walkerlab.settings.model import SettingsError as SettingsError
+    from walkerlab.settings.robot import Robot as Robot
     from walkerlab.settings.settings import Settings as Settings
-    from walkerlab.settings.settings import Simulation as Simulation
-    from walkerlab.settings.settings import Terrain as Terrain
+    from walkerlab.settings.simulation import Simulation as Simulation
+    from walkerlab.settings.terrain import Terrain as Terrain
     from walkerlab.simulation import fitness as fitness
     from walkerlab.simulation.evaluation import Evaluation as Evaluation
     from walkerlab.simulation.evaluation import evaluate as evaluate

@@ -22,10 +22,11 @@ from walkerlab.ga.selection import require_finite
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.repair import genes_of, repair
 from walkerlab.randomness import stream
+from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.arguments import require_algorithm, require_count
-from walkerlab.settings.choices import Crossover, Mutation, Selection
-from walkerlab.settings.fields import Choice, brief, function_name
-from walkerlab.settings.settings import Algorithm, Robot
+from walkerlab.settings.choices import Choice, Crossover, Mutation, Selection
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.values import brief, function_name
 from walkerlab.text.numbers import significant
 
 MIN_LEAD = 0.05  # of the best fitness over the median, as a share of the larger of their absolute values

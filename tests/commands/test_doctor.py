@@ -95,7 +95,7 @@ def test_the_doctor_runs_without_packages(missing, tmp_path):
 def test_a_command_that_lacks_a_package_names_the_doctor(monkeypatch, capsys):
     monkeypatch.delitem(sys.modules, "walkerlab.commands.flags", raising=False)
     monkeypatch.setitem(sys.modules, "pydantic", None)
-    monkeypatch.delitem(sys.modules, "walkerlab.settings.fields", raising=False)
+    monkeypatch.delitem(sys.modules, "walkerlab.settings.model", raising=False)
     monkeypatch.delattr("walkerlab.commands.flags", raising=False)
     assert main(["evolve"]) == 1
     assert "walkerlab doctor" in capsys.readouterr().err

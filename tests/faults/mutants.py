@@ -8,8 +8,10 @@ from copy import deepcopy
 import numpy as np
 
 from walkerlab.genome.genome import Genome
-from walkerlab.settings.fields import PAIR, OneOf, SettingsError
-from walkerlab.settings.settings import Robot, Settings
+from walkerlab.settings.fields import PAIR, OneOf
+from walkerlab.settings.model import SettingsError
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
 
 ROOMY = [Robot(segments=(n, n), body_length=(0.05, 8.0), legs=(2, 16)) for n in range(1, 9)]
 

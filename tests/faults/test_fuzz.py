@@ -20,8 +20,9 @@ from tests.genome.test_genome import obeys_every_limit
 from tests.strategies import all_settings
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.text import GenomeError
-from walkerlab.settings.fields import SettingsError
-from walkerlab.settings.settings import Robot, Settings
+from walkerlab.settings.model import SettingsError
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
 
 ROBOTS = [
     Robot(),

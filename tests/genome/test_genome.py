@@ -19,8 +19,10 @@ from walkerlab.genome.phenotype import express
 from walkerlab.genome.repair import gene_table, genes_of, repair
 from walkerlab.genome.text import GenomeError
 from walkerlab.runfile import records
+from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.choices import Crossover, Feature, Mutation
-from walkerlab.settings.settings import Algorithm, Robot, Settings
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
 from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.simulation.rollout import simulate
 

@@ -1,4 +1,4 @@
-"""What is bound to a function comes back from a file as it was, or is refused before any walk, with the reason."""
+"""Bound arguments return unchanged from a run file, or are rejected before any walk, with the reason."""
 
 import enum
 import json
@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import walkerlab as wl
 from walkerlab.settings import binding, choices
 from walkerlab.settings.binding import BoundFunction
-from walkerlab.settings.fields import Choice
+from walkerlab.settings.choices import Choice
 
 SETTINGS = wl.Settings().with_(duration=1, population_size=4, generations=1, n_elites=1)
 KINDS = {kind.__name__: kind for kind in Choice.__subclasses__() if kind.__module__ == choices.__name__}
@@ -42,20 +42,20 @@ def text(value):
 
 
 @given(values)
-def test_a_value_comes_back_from_json_and_from_python_as_it_was(value):
-    kept = binding.plain_copy(value)
-    written = json.dumps(binding.written(kept), allow_nan=False)
+def test_a_value_returns_unchanged_from_json_and_from_python_code(value):
+    copy = binding.plain_copy(value)
+    written = json.dumps(binding.written(copy), allow_nan=False)
     for again in (
         binding.restored(json.loads(written), KINDS),
-        eval(binding.as_python(kept), {"np": np, "wl": wl}),
+        eval(binding.as_python(copy), {"np": np, "wl": wl}),
     ):
-        assert type(again) is type(kept)
-        assert text(again) == text(kept) == text(value)
-        np.testing.assert_equal(again, kept)
+        assert type(again) is type(copy)
+        assert text(again) == text(copy) == text(value)
+        np.testing.assert_equal(again, copy)
 
 
 @given(values, values)
-def test_bound_functions_are_equal_if_their_values_are(one, other):
+def test_bound_functions_are_equal_exactly_if_their_values_are(one, other):
     first, second = (BoundFunction(scaled, k=value) for value in (one, other))
     assert first == BoundFunction(scaled, k=one) == partial(scaled, k=one)
     assert hash(first) == hash(BoundFunction(scaled, k=one))
@@ -66,11 +66,11 @@ def test_bound_functions_are_equal_if_their_values_are(one, other):
 @pytest.mark.parametrize(
     ("one", "other"), [(1, 1.0), (1, True), ((1,), [1]), (0.0, -0.0), ("1", 1), ([1], np.array([1]))]
 )
-def test_what_python_calls_equal_can_differ_for_a_function(one, other):
+def test_values_that_are_equal_in_python_but_of_different_types_differ(one, other):
     assert text(one) != text(other)
 
 
-@pytest.mark.parametrize(("bad", "told"), [
+@pytest.mark.parametrize(("bad", "description"), [
     (scaled, "a function"), (object(), "an object"), (b"x", "a bytes"), ({1}, "a set"), (1j, "a complex"),
     (range(3), "a range"), (Colour.red, "a Colour"), (Colour, "an EnumType"), (os, "a module"), (open, "a builtin"),
     ({1: 2}, "a dict with an int as key"), ([[scaled]], "a function"), (np.array(["a"]), "an array of dtype"),
@@ -78,7 +78,7 @@ def test_what_python_calls_equal_can_differ_for_a_function(one, other):
     ([0] * 2000, "a list of 2000 items"), (np.zeros(2000), "2000 items"), ("x" * 20_000, "a str of 20000"),
     ([[[[[[[[[[1]]]]]]]]]], "nested"), (chr(0xD800), "surrogate"), (np.longdouble(1), "a longdouble"),
 ], ids=lambda value: value if isinstance(value, str) and len(value) < 99 and value.isascii() else "")  # fmt: skip
-def test_what_a_file_cannot_hold_is_refused_by_the_settings_with_the_way_out(bad, told):
+def test_a_value_that_a_run_file_cannot_hold_is_rejected_with_a_fix(bad, description):
     for slot, bound, name in (
         ("fitness", partial(scaled, k=bad), "'k'"),
         ("mutation", partial(scaled, 1, bad), "number 2"),
@@ -86,17 +86,17 @@ def test_what_a_file_cannot_hold_is_refused_by_the_settings_with_the_way_out(bad
     ):
         with pytest.raises(wl.SettingsError, match=rf"^Algorithm\.{slot} binds the argument {name} to .*def") as caught:
             SETTINGS.with_(**{slot: bound})
-        assert told in str(caught.value)
+        assert description in str(caught.value)
 
 
-def test_a_list_that_holds_itself_is_refused():
+def test_a_list_that_contains_itself_is_rejected():
     endless = []
     endless.append(endless)
     with pytest.raises(wl.SettingsError, match="nested"):
         SETTINGS.with_(fitness=partial(scaled, k=endless))
 
 
-def test_settings_keep_the_values_that_were_bound_whatever_becomes_of_them_elsewhere():
+def test_bound_values_do_not_change_with_the_objects_they_were_copied_from():
     numbers, table = [1.0], np.ones(2)
     bound = partial(scaled, k=numbers, table=table)
     fitness = SETTINGS.with_(fitness=bound).algorithm.fitness
@@ -114,7 +114,7 @@ def test_settings_keep_the_values_that_were_bound_whatever_becomes_of_them_elsew
     [(2.0,), np.array([2.0]), [1, "a"], {"k": (1,)}, float("inf"), float("nan"), None, wl.Feature.length, "(2.0,)"],
     ids=repr,
 )  # fmt: skip
-def test_a_run_with_bound_values_is_resumed_with_what_its_own_message_says(value, tmp_path):
+def test_a_run_with_bound_values_resumes_with_the_code_in_its_error_message(value, tmp_path):
     path = tmp_path / "run.walk"
     settings = SETTINGS.with_(fitness=partial(scaled, k=value))
     with ThreadPoolExecutor(1) as threads:
@@ -133,17 +133,17 @@ def test_a_run_with_bound_values_is_resumed_with_what_its_own_message_says(value
 
 
 def renamed(name):
-    def own(walk, **_):
+    def fitness(walk, **_):
         return walk.distance
 
-    own.__name__ = name
-    return own
+    fitness.__name__ = name
+    return fitness
 
 
 @pytest.mark.parametrize(
     "fitness", [renamed("max"), renamed("two words"), renamed("\x1b[2J"), partial(scaled, **{"two words": 1})]
 )
-def test_a_name_that_no_file_gives_back_is_refused_before_any_walk(fitness, tmp_path):
+def test_a_function_name_that_cannot_be_stored_is_rejected_before_any_walk(fitness, tmp_path):
     with (
         ThreadPoolExecutor(1) as threads,
         pytest.raises(wl.SettingsError, match=r"fitness cannot be stored .* Rename it"),
@@ -151,7 +151,7 @@ def test_a_name_that_no_file_gives_back_is_refused_before_any_walk(fitness, tmp_
         wl.evolve(SETTINGS.with_(fitness=fitness), tmp_path / "run.walk", threads, progress=False)
 
 
-def test_more_than_a_file_takes_is_refused_before_any_walk():
+def test_too_many_characters_are_rejected_before_any_walk():
     def mutate(genomes, genes, *, rng, k=()):
         return genomes
 
@@ -167,6 +167,6 @@ def test_more_than_a_file_takes_is_refused_before_any_walk():
     {"array": ["os"], "shape": [1], "dtype": "object"}, {"array": [], "shape": [0] * 99, "dtype": "int8"},
     {"dict": {"k": {"float": 1}}},
 ])  # fmt: skip
-def test_data_that_no_run_writes_are_refused(hostile):
+def test_invalid_stored_data_are_rejected(hostile):
     with pytest.raises(ValueError):  # noqa: PT011
         binding.restored(hostile, KINDS)

@@ -10,9 +10,14 @@ from traitlets import TraitError
 
 from tests.strategies import all_settings
 from walkerlab.ga.selection import tournament
+from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.choices import Structure
-from walkerlab.settings.fields import OneOf, SettingsError
-from walkerlab.settings.settings import Algorithm, Robot, Settings, Simulation, Terrain
+from walkerlab.settings.fields import OneOf
+from walkerlab.settings.model import SettingsError
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.simulation import Simulation
+from walkerlab.settings.terrain import Terrain
 from walkerlab.widgets.controls import FUNCTION_PREFIX, make_controls, unused_settings
 from walkerlab.widgets.form import DOMAINS as DOMAINS_BY_NAME
 from walkerlab.widgets.form import Form

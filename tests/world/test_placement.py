@@ -12,8 +12,8 @@ import walkerlab as wl
 from tests.strategies import domains, robots
 from walkerlab.randomness import stream
 from walkerlab.settings.choices import Obstacle, Structure
-from walkerlab.settings.fields import SettingsError
-from walkerlab.settings.settings import FIELD, MAX_PIECES, PLANETS
+from walkerlab.settings.model import SettingsError
+from walkerlab.settings.terrain import FIELD, MAX_PIECES, PLANETS
 from walkerlab.simulation.starts import start_overlap
 from walkerlab.simulation.validity import MAX_START_OVERLAP
 from walkerlab.world import heights, placement

@@ -8,8 +8,11 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from walkerlab.settings.fields import Choice, Declared, Domain, OneOf, Quantity, number_text, told_with
+from walkerlab.settings.choices import Choice
+from walkerlab.settings.fields import Declared, OneOf, Quantity
+from walkerlab.settings.model import Domain, report_together
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import number_text
 from walkerlab.system.files import PathError, absolute_path
 
 NEGATIVE_NUMBER = re.compile(r"-(\.?\d|inf|nan)", re.IGNORECASE)
@@ -80,7 +83,7 @@ def build_settings(values: Mapping[str, Any], unknown_words: Sequence[str] = ())
         domain, dot, field = place.partition(".")
         if dot:
             domains[domain][field] = _unpack_preset(value)
-    with told_with(_describe_unknown(unknown_words)):
+    with report_together(_describe_unknown(unknown_words)):
         return Settings(**domains)
 
 

@@ -35,8 +35,8 @@ from walkerlab.runfile.archive import Archive
 from walkerlab.runfile.opening import DamagedError
 from walkerlab.runfile.records import Individual, Walked
 from walkerlab.settings.arguments import require_settings
-from walkerlab.settings.fields import did_you_mean, pasted
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import code_text, did_you_mean
 from walkerlab.simulation import fitness, workers
 from walkerlab.simulation.evaluation import evaluate
 from walkerlab.simulation.pausable import Stopped
@@ -291,7 +291,7 @@ def reject_unknown_arguments(function: str, unknown: dict[str, Any]) -> None:
     """
     for name, value in unknown.items():
         if name in Settings.places():
-            call = f"wl.{function}(wl.Settings().with_({name}={pasted(value)}))"
+            call = f"wl.{function}(wl.Settings().with_({name}={code_text(value)}))"
             raise TypeError(f"{function} has no argument {name!r}, which is a setting: {call}")
         known = ("settings", "path", "executor", "progress" if function == "evolve" else "on_walks")
         raise TypeError(f"{function} has no argument {name!r}; it has {', '.join(known)}.{did_you_mean(name, known)}")

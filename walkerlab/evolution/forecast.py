@@ -7,7 +7,10 @@ import numpy as np
 
 from walkerlab.breeding import generate_robot_population
 from walkerlab.genome.genome import Genome
-from walkerlab.settings.settings import Robot, Settings, Simulation, Terrain
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.simulation import Simulation
+from walkerlab.settings.terrain import Terrain
 from walkerlab.simulation.rollout import simulate
 from walkerlab.simulation.workers import n_cores
 

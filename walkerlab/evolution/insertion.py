@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from threading import Lock
 
 from walkerlab.genome.genome import Genome
-from walkerlab.settings.settings import Algorithm
+from walkerlab.settings.algorithm import Algorithm
 
 
 class InsertedGenomes:

@@ -5,8 +5,8 @@ from pathlib import Path
 from walkerlab.evolution.stored_functions import user_functions
 from walkerlab.runfile.archive import Archive
 from walkerlab.runfile.opening import RunFileError
-from walkerlab.settings.fields import count
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import count
 from walkerlab.system.files import shown
 
 

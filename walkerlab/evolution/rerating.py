@@ -17,8 +17,8 @@ from walkerlab.ga.user_functions import OperatorError
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.provenance import UNKNOWN, source_digest
 from walkerlab.runfile.records import Walked
-from walkerlab.settings.fields import function_name, number_text
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import function_name, number_text
 from walkerlab.simulation.evaluation import Evaluation
 
 FITNESS = "fitness function"

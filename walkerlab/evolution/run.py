@@ -12,8 +12,8 @@ from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.runfile import records
 from walkerlab.runfile.records import Individual, copy_of
 from walkerlab.settings.choices import Camera, Fitness
-from walkerlab.settings.fields import brief
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import brief
 from walkerlab.simulation import fitness
 from walkerlab.simulation.robustness import N_NUDGES, Confirmation, confirm
 from walkerlab.system.files import shown

@@ -16,7 +16,7 @@ from walkerlab.evolution.run import Run
 from walkerlab.evolution.stored_functions import restore_user_functions
 from walkerlab.runfile import paths, provenance, store
 from walkerlab.settings.arguments import require_settings
-from walkerlab.settings.fields import SettingsError
+from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
 from walkerlab.system.files import shown
 from walkerlab.text.numbers import significant

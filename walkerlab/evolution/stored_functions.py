@@ -12,9 +12,10 @@ from walkerlab.ga.user_functions import name_of
 from walkerlab.runfile.missing_functions import MissingFitness, MissingFunction, function_as_python
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings import binding, choices
-from walkerlab.settings.choices import Fitness
-from walkerlab.settings.fields import MAX_JSON, STORED_MODULES, Choice, SettingsError, function_name
+from walkerlab.settings.choices import Choice, Fitness
+from walkerlab.settings.model import MAX_JSON, STORED_MODULES, SettingsError
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import function_name
 from walkerlab.simulation import fitness
 from walkerlab.system.files import shown
 

@@ -6,7 +6,7 @@ from walkerlab.ga.genes import Floats
 from walkerlab.genome.repair import PART, WHOLE
 from walkerlab.genome.text import MOTIONS, format_text, n_segments_of
 from walkerlab.settings.choices import Feature
-from walkerlab.settings.fields import count
+from walkerlab.settings.values import count
 from walkerlab.text.html import Html, code, details, join, table, tag
 
 BODY_FEATURES = PART[:5]

@@ -14,8 +14,9 @@ from walkerlab.genome.repair import MAX_SEGMENTS, PART, WHOLE, genes_of, repair
 from walkerlab.genome.text import format_text, n_segments_of, parse_text
 from walkerlab.readonly import ReadOnlyArrays
 from walkerlab.settings.arguments import require_generator
-from walkerlab.settings.fields import brief
-from walkerlab.settings.settings import Robot, Settings
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import brief
 from walkerlab.text.html import shown
 
 

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from walkerlab.ga.genes import Floats, Genes, Kind
 from walkerlab.settings.choices import Feature
-from walkerlab.settings.settings import Robot
+from walkerlab.settings.robot import Robot
 
 GRID_DECIMALS = 3
 """Decimals to which repair rounds genes (millimetres, grams, milliradians), so that the text form is short."""

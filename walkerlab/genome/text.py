@@ -13,7 +13,7 @@ from typing import Final
 from walkerlab.errors import Fault
 from walkerlab.genome.repair import MAX_SEGMENTS, PART, WHOLE
 from walkerlab.settings.choices import Feature
-from walkerlab.settings.fields import brief
+from walkerlab.settings.values import brief
 
 MOTIONS: Final = ("amplitude", "phase", "offset")
 """Genes of the motion of each joint."""

@@ -12,8 +12,8 @@ from walkerlab.genome.genome import Genome
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings.binding import arguments_as_python
 from walkerlab.settings.choices import Camera
-from walkerlab.settings.fields import function_name
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import function_name
 from walkerlab.simulation.rollout import Rollout
 from walkerlab.simulation.validity import REJECTED
 

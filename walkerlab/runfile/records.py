@@ -12,7 +12,7 @@ from pandas.api.types import is_numeric_dtype
 from walkerlab.ga.population import NOT_COUNTED, Population
 from walkerlab.genome.display import genome_html
 from walkerlab.genome.genome import Genome
-from walkerlab.settings.fields import brief
+from walkerlab.settings.values import brief
 from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.simulation.fitness import MAX_FITNESS
 from walkerlab.simulation.validity import VERDICTS

@@ -1,1 +1,1 @@
-"""What a class can set: terrain, robot, algorithm and simulation, each setting declared once."""
+"""Settings of a run: terrain, robot, algorithm and simulation, each setting declared once."""

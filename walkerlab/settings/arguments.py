@@ -1,4 +1,4 @@
-"""Checks of arguments that public functions share: each error names the value, what is allowed, and how to fix it."""
+"""Checks of arguments of public functions: each error shows the value, what is allowed and how to fix it."""
 
 from pathlib import Path
 from typing import Any
@@ -6,15 +6,17 @@ from typing import Any
 import numpy as np
 from numpy.random import Generator
 
-from walkerlab.settings.fields import Domain, brief
-from walkerlab.settings.settings import Algorithm, Settings
+from walkerlab.settings.algorithm import Algorithm
+from walkerlab.settings.model import Domain
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import brief
 
 
 def require_settings(given: object) -> Settings:
-    """Return settings if they are a ``Settings``.
+    """Return an argument that must be a ``Settings``.
 
     Raises:
-        TypeError: If they are not; the message suggests the fix for what is given instead.
+        TypeError: If it is not; the message suggests a fix for the given type.
     """
     if isinstance(given, Settings):
         return given
@@ -22,25 +24,25 @@ def require_settings(given: object) -> Settings:
         fix = "Call the class: wl.Settings()."
     elif isinstance(given, Domain):
         name = type(given).__name__
-        fix = f"A {name} is one part of them: wl.Settings({name.lower()}=…)."
+        fix = f"A {name} is one domain of the settings: wl.Settings({name.lower()}=…)."
     elif isinstance(given, dict):
-        fix = "Single settings are changed by name: wl.Settings().with_(seed=3)."
+        fix = "Change single settings by name: wl.Settings().with_(seed=3)."
     elif isinstance(given, str | Path):
-        fix = "Those of a run file are wl.load(path).settings."
+        fix = "The settings of a run file are wl.load(path).settings."
     elif hasattr(given, "settings"):
-        fix = "Those of a run are run.settings."
+        fix = "The settings of a run are run.settings."
     elif hasattr(given, "genome") or hasattr(given, "n_parts"):
-        fix = "The genome comes first, and then the settings."
+        fix = "The genome comes first, then the settings."
     else:
         fix = "The defaults are wl.Settings()."
     raise TypeError(f"settings must be a Settings, as in wl.Settings().with_(duration=4); got {brief(given)}. {fix}")
 
 
 def require_algorithm(given: object) -> Algorithm:
-    """Return the algorithm's settings if they are an ``Algorithm``.
+    """Return an argument that must be an ``Algorithm``.
 
     Raises:
-        TypeError: If they are not.
+        TypeError: If it is not.
     """
     if isinstance(given, Algorithm):
         return given
@@ -50,10 +52,10 @@ def require_algorithm(given: object) -> Algorithm:
 
 
 def require_generator(given: object) -> Generator:
-    """Return a random generator of numpy.
+    """Return an argument that must be a random generator of numpy.
 
     Raises:
-        TypeError: If it is anything else, such as a seed.
+        TypeError: If it is not; a seed, for example.
     """
     if isinstance(given, Generator):
         return given
@@ -64,7 +66,13 @@ def require_generator(given: object) -> Generator:
 
 
 def require_count(given: Any, name: str, about: str, *, low: int = 1) -> int:
-    """Return a whole number of at least ``low``.
+    """Return an argument that must be a whole number.
+
+    Args:
+        given: Value of the argument.
+        name: Name of the argument.
+        about: Meaning, as a noun phrase.
+        low: Lowest value allowed.
 
     Raises:
         TypeError: If it is not a whole number.

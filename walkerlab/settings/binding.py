@@ -1,7 +1,7 @@
-"""Functions with bound arguments: the arguments are plain values, compared by value, and written without loss.
+"""Functions with bound arguments that are plain values: compared by value and written without loss.
 
-A run file and the code that repeats a run hold these arguments as data, so only kinds that can be read back exactly
-are accepted. In JSON, what JSON cannot tell apart has a tag:
+Run files and the code that repeats a run contain these arguments as data, so only types that can be read back exactly
+are accepted. Values that plain JSON cannot distinguish have a tag:
 
     2.0    [1, 2]    {"tuple": [1, 2]}    {"dict": {"k": 1}}    {"float": "inf"}    {"choice": "Feature.length"}
     {"array": [[1.0, 2.0]], "shape": [1, 2], "dtype": "float64"}
@@ -16,10 +16,12 @@ from typing import Any, cast
 
 import numpy as np
 
-MAX_ITEMS = 1000  # of one list, tuple, dict or array
-MAX_DEPTH = 8  # of values within values
-MAX_BITS = 1024  # of a whole number
-MAX_JSON = 10_000  # characters that the arguments of one function take
+from walkerlab.settings.choices import Choice
+
+MAX_ITEMS = 1000  # in a list, tuple, dict or array
+MAX_DEPTH = 8  # levels of nested values
+MAX_BITS = 1024  # in a whole number
+MAX_JSON = 10_000  # characters of the arguments of one function
 
 KINDS = (
     f"None, bool, int, float, str, a list, tuple or dict of these with text keys, an array of up to {MAX_ITEMS} "
@@ -28,36 +30,33 @@ KINDS = (
 _DTYPES = {
     "bool", "float16", "float32", "float64", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"
 }  # fmt: skip
-_OBVIOUS = {"bool", "float64", "int64"}  # dtypes that np.array gives to Python's numbers
-_CHOICES = "walkerlab.settings.choices"
+_DEFAULT_DTYPES = {"bool", "float64", "int64"}  # dtypes that np.array gives to Python's numbers
 
 
 class UnboundableError(ValueError):
-    """A value that cannot be bound; the message is a clause, as in "a set"."""
+    """A value that cannot be bound; the message is a noun phrase, such as "a set"."""
 
 
 class BoundFunction(partial[Any]):
-    """A ``functools.partial`` that holds copies of plain values, and equals another of the same function and values."""
+    """A ``functools.partial`` of copied plain values; equal to another one with the same function and values."""
 
     def __new__(cls, function: Any, /, *args: Any, **keywords: Any) -> "BoundFunction":
         """Bind arguments to a function.
 
         Raises:
-            ValueError: If an argument is not of ``KINDS``; the message is a clause that names it.
+            ValueError: If an argument is not of ``KINDS``, or all are too long; the message is a clause that names it.
         """
-        if not (args or keywords):  # to be filled by copy or pickle
+        if not (args or keywords):  # copy and pickle add the arguments later
             return super().__new__(cls, function)
-        places = [*range(1, len(args) + 1), *keywords]
-        plain = [_copy_as(place, value) for place, value in zip(places, (*args, *keywords.values()), strict=True)]
-        made = super().__new__(
-            cls, function, *plain[: len(args)], **dict(zip(keywords, plain[len(args) :], strict=True))
-        )
-        if (length := len(identity(made))) > MAX_JSON:
+        plain_args = [_copy_argument(number, value) for number, value in enumerate(args, start=1)]
+        plain_keywords = {name: _copy_argument(name, value) for name, value in keywords.items()}
+        bound = super().__new__(cls, function, *plain_args, **plain_keywords)
+        if (length := len(identity(bound))) > MAX_JSON:
             raise ValueError(
-                f" binds arguments that take {length} characters to write; they may take {MAX_JSON}. Define a function "
-                "with def that makes or reads such data itself."
+                f" binds arguments that take {length} characters to write; at most {MAX_JSON} are allowed. Define a "
+                "function with def that makes or reads such data itself."
             )
-        return made
+        return bound
 
     @property
     def keywords(self) -> dict[str, Any]:
@@ -72,34 +71,39 @@ class BoundFunction(partial[Any]):
 
 
 def identity(function: "partial[Any]") -> str:
-    """Return the bound arguments as a text that is the same for the same values; it does not name the function."""
+    """Return the bound arguments, without the function, as a text that is the same for equal values."""
     return json.dumps(written_arguments(function), sort_keys=True)
 
 
 def written_arguments(function: "partial[Any]") -> dict[str, Any]:
-    """Write bound arguments as JSON data: ``with`` for keywords, and ``args`` if there are positional ones."""
+    """Return bound arguments as JSON data: keywords in ``with``, positional arguments, if any, in ``args``."""
     keywords = {name: written(value) for name, value in function.keywords.items()}
     return {"with": keywords} | ({"args": list(map(written, function.args))} if function.args else {})
 
 
 def plain_copy(value: object, depth: int = 0) -> object:
-    """Copy a value of one of ``KINDS``; numpy's scalars become Python's, and arrays read-only.
+    """Copy a value of one of ``KINDS``; scalars of numpy become Python numbers, and arrays read-only.
+
+    Args:
+        value: Value to copy.
+        depth: Number of values that contain it.
 
     Raises:
-        UnboundableError: If it is of another kind, or too large.
+        UnboundableError: If the value is of another type or too large.
     """
     if depth > MAX_DEPTH:
         raise UnboundableError(f"values nested more than {MAX_DEPTH} deep")
     if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
         value = value.item()
-    kind, given = type(value), cast(Any, value)
+    kind = type(value)
+    given = cast(Any, value)
     if (
         kind in (list, tuple, dict, np.ndarray)
         and (n_items := np.size(given) if kind is np.ndarray else len(given)) > MAX_ITEMS
     ):
-        raise UnboundableError(f"{_a(kind.__name__)} of {n_items} items, where {MAX_ITEMS} is the most")
+        raise UnboundableError(f"{_a(kind.__name__)} of {n_items} items, more than {MAX_ITEMS}")
     if kind is int and given.bit_length() > MAX_BITS:
-        raise UnboundableError(f"an int of {given.bit_length()} bits, where {MAX_BITS} is the most")
+        raise UnboundableError(f"an int of {given.bit_length()} bits, more than {MAX_BITS}")
     if kind is str:
         _require_text(given)
     if kind in (type(None), bool, int, float, str) or _is_choice(value):
@@ -122,7 +126,7 @@ def plain_copy(value: object, depth: int = 0) -> object:
 
 
 def written(value: object) -> Any:
-    """Write a value of one of ``KINDS`` as JSON data."""
+    """Return a value of one of ``KINDS`` as JSON data."""
     match value:
         case IntEnum():
             return {"choice": f"{type(value).__name__}.{value.name}"}
@@ -142,14 +146,14 @@ def written(value: object) -> Any:
 
 
 def restored(plain: Any, choices: Mapping[str, type[IntEnum]]) -> object:
-    """Read a value back from JSON data: the inverse of ``written``.
+    """Return the value that JSON data stand for: the inverse of ``written``.
 
     Args:
-        plain: JSON data, of any origin.
-        choices: The classes that a choice may be of, by name.
+        plain: JSON data, possibly from an untrusted file.
+        choices: Allowed classes of choices, by name.
 
     Raises:
-        ValueError: If the data has an unknown tag, or does not fit its tag.
+        ValueError: If a tag is unknown or its content invalid.
     """
     try:
         match plain:
@@ -177,7 +181,7 @@ def restored(plain: Any, choices: Mapping[str, type[IntEnum]]) -> object:
 
 
 def as_python(value: object) -> str:
-    """Write a value of one of ``KINDS`` as Python code, given ``import numpy as np`` and ``import walkerlab as wl``."""
+    """Return Python code of a value of one of ``KINDS``, for ``import numpy as np`` and ``import walkerlab as wl``."""
     match value:
         case IntEnum():
             return f"wl.{type(value).__name__}.{value.name}"
@@ -193,20 +197,20 @@ def as_python(value: object) -> str:
             return f"{{{', '.join(pairs)}}}"
         case np.ndarray():
             array = cast("np.ndarray[Any, Any]", value)
-            dtype = "" if array.dtype.name in _OBVIOUS and array.size else f", dtype={array.dtype.name!r}"
+            dtype = "" if array.dtype.name in _DEFAULT_DTYPES and array.size else f", dtype={array.dtype.name!r}"
             return f"np.array({as_python(array.tolist())}{dtype})" if array.size else f"np.zeros({array.shape}{dtype})"
         case _:
             return repr(value)
 
 
 def arguments_as_python(function: "partial[Any]") -> list[str]:
-    """Write each bound argument as it stands in a call."""
+    """Return Python code of each bound argument, as in a call."""
     keywords = (f"{name}={as_python(value)}" for name, value in function.keywords.items())
     return [*map(as_python, function.args), *keywords]
 
 
-def _copy_as(place: int | str, value: object) -> object:
-    """Copy a bound argument; in the error, name it by its keyword or its number."""
+def _copy_argument(place: int | str, value: object) -> object:
+    """Copy a bound argument; an error names it by its keyword or its number."""
     try:
         return plain_copy(value)
     except UnboundableError as error:
@@ -219,27 +223,29 @@ def _copy_as(place: int | str, value: object) -> object:
 
 def _identity_if_plain(function: "partial[Any]") -> str | None:
     try:
-        return identity(function) if isinstance(function, BoundFunction) else identity(_bound(function))
+        return identity(function if isinstance(function, BoundFunction) else to_bound(function))
     except ValueError:
         return None
 
 
-def _bound(function: "partial[Any]") -> BoundFunction:
+def to_bound(function: "partial[Any]") -> BoundFunction:
+    """Convert a partial to a function bound to plain values; raises the errors of ``BoundFunction``."""
     return BoundFunction(function.func, *function.args, **function.keywords)
 
 
 def _is_choice(value: object) -> bool:
-    return isinstance(value, IntEnum) and type(value).__module__ == _CHOICES
+    """Return whether a value is one of walkerlab's choices, which run files hold by name."""
+    return isinstance(value, Choice) and type(value).__module__ == Choice.__module__
 
 
 def _require_text(text: str) -> None:
-    """Refuse a text that is too long, or cannot be written as UTF-8."""
+    """Raise an error for a text that is too long or cannot be encoded as UTF-8."""
     if len(text) > MAX_JSON:
-        raise UnboundableError(f"a str of {len(text)} characters, where {MAX_JSON} is the most")
+        raise UnboundableError(f"a str of {len(text)} characters, more than {MAX_JSON}")
     try:
         text.encode()
     except UnicodeEncodeError:
-        raise UnboundableError("a str with half a surrogate pair, which is no character") from None
+        raise UnboundableError("a str with half a surrogate pair, which is not a character") from None
 
 
 def _a(noun: str) -> str:

@@ -1,68 +1,82 @@
-"""What there is to choose from: each kind with its members, their integer codes and a sentence on each."""
+"""Choices of the settings: the members of each kind, with their integer codes and a sentence about each."""
 
-from walkerlab.settings.fields import Choice
+from enum import IntEnum
+from typing import Self
+
+
+class Choice(IntEnum):
+    """One of several named options; each member has an integer code and a sentence ``about`` it."""
+
+    about: str
+
+    def __new__(cls, code: int, about: str) -> Self:
+        """Return the member with an integer code."""
+        member = int.__new__(cls, code)
+        member._value_ = code
+        member.about = about
+        return member
 
 
 class Structure(Choice):
-    """The shape of the ground, seen from the side; robots walk to the right."""
+    """Shape of the ground, seen from the side; robots walk to the right."""
 
     flat = 0, "______________ a level plane"
-    incline = 1, "___---‾‾‾ a plane that rises, or falls, along the way"
-    stairs = 2, "____┌──┌──┌── steps that go up along the way"
+    incline = 1, "___---‾‾‾ a plane that rises, or falls, in the walking direction"
+    stairs = 2, "____┌──┌──┌── steps that go up in the walking direction"
     rough = 3, "___/‾\\_/‾\\_ hills and hollows, in both directions"
-    gaps = 4, "_____  ___  ___ a level plane with trenches across the way"
+    gaps = 4, "_____  ___  ___ a level plane with trenches across the walking direction"
 
 
 class Texture(Choice):
-    """What the ground is made of: it decides the grip, and the look."""
+    """Material of the ground, which decides its friction and appearance."""
 
-    rubber = 0, "a sports floor: the best grip of all"
+    rubber = 0, "a sports floor: the best grip"
     marble = 1, "polished stone: hard and smooth"
     ice = 2, "feet slide at the slightest push"
     wood = 3, "parquet: firm and even"
     concrete = 4, "rough and hard, like a pavement"
     grass = 5, "a mown lawn: some of the grip is lost"
-    sand = 6, "a beach: grains give way, and what rolls soon stops"
+    sand = 6, "a beach: grains give way, and rolling objects soon stop"
     gravel = 7, "small stones that shift under the foot"
-    mud = 8, "wet earth: slippery, and nothing rolls far"
+    mud = 8, "wet earth: slippery, and rolling objects soon stop"
     snow = 9, "trodden snow: twice the grip of ice"
 
 
 class Obstacle(Choice):
-    """What lies about on the ground, for robots to push or to climb over."""
+    """Kind of loose obstacles on the ground, for robots to push or to climb over."""
 
-    none = 0, "nothing lies about"
+    none = 0, "no obstacles"
     box = 1, "wooden boxes"
     ball = 2, "light balls, which roll away"
-    cylinder = 3, "tins, standing"
+    cylinder = 3, "upright tins"
     rock = 4, "stones with edges: the heaviest"
-    log = 5, "round logs, lying"
+    log = 5, "round logs on their sides"
 
 
 class Fitness(Choice):
-    """What makes one robot better than another."""
+    """Quantity that evolution increases."""
 
     distance = 0, "net forward travel of the centre of mass after settling, in m"
     velocity = 1, "mean forward speed over the last two thirds of the walk, in m/s"
     efficiency = 2, "net forward travel for each joule of work that the legs do, in m/J"
-    straightness = 3, "net forward travel, less the drift to either side, in m"
+    straightness = 3, "net forward travel minus the sideways drift, in m"
 
 
 class Selection(Choice):
-    """Who becomes a parent."""
+    """Method by which parents are chosen."""
 
-    gradient = 0, "chance grows in proportion to fitness"
+    gradient = 0, "probability grows in proportion to fitness"
     top_half = 1, "the better half, each equally often"
-    tournament = 2, "the best of a few drawn by chance"
-    rank = 3, "chance grows with rank, not with fitness itself"
-    uniform = 4, "anybody: no selection pressure at all"
+    tournament = 2, "the best of a few drawn at random"
+    rank = 3, "probability grows with rank, not with fitness itself"
+    uniform = 4, "every robot has the same probability: no selection pressure"
 
 
 class Crossover(Choice):
-    """How two or more parents make children."""
+    """Method by which two or more parents make children."""
 
-    paired = 0, "front half of one parent, rear half of the other; what is left makes the second child"
-    randomized = 1, "each feature comes from a parent drawn afresh from all that were selected"
+    paired = 0, "front half of one parent, rear half of the other; the remaining halves make the second child"
+    randomized = 1, "each feature comes from a parent drawn at random from all selected ones"
     weighted = 2, "the poorer parent is moved towards the better, more so the larger the gap"
     one_point = 3, "the gene string is cut at one random place and its ends are swapped"
     uniform = 4, "a coin is tossed for each gene of a couple"
@@ -70,44 +84,44 @@ class Crossover(Choice):
 
 
 class Mutation(Choice):
-    """How children come to differ from their parents."""
+    """Method by which children are varied."""
 
-    randomized = 0, "each feature has the same chance to change, relative to its value"
-    favored = 1, "one named feature is far likelier to change than the others"
+    randomized = 0, "each feature has the same probability to change, relative to its value"
+    favored = 1, "one named feature changes far more often than the others"
     micro = 2, "small steps; the body plan stays"
-    macro = 3, "large jumps; whole segments come and go"
-    gaussian = 4, "each feature has the same chance to change, relative to its range"
+    macro = 3, "large jumps; whole segments are added or removed"
+    gaussian = 4, "each feature has the same probability to change, relative to its range"
 
 
 class Feature(Choice):
-    """What a gene can stand for. All from ``length`` on are given once for each segment."""
+    """Meaning of a gene. All features from ``length`` on have one gene for each segment."""
 
-    segments = 0, "how many segments are grown"
+    segments = 0, "number of segments"
     frequency = 1, "strides per second, the same for all legs"
     length = 2, "length of the segment"
     mass = 3, "mass of the segment and its legs"
-    legs = 4, "whether the segment has a pair of legs (1) or none (0)"
+    legs = 4, "whether the segment has a pair of legs (1) or no legs (0)"
     leg_length = 5, "length of each leg, thigh and shank together"
     leg_force = 6, "greatest torque at the hip and at the knee"
     hip_amplitude = 7, "how far the thigh swings to either side"
     hip_phase = 8, "when in the stride the thigh swings forward"
-    hip_offset = 9, "where the thigh rests: positive is forward"
+    hip_offset = 9, "angle about which the thigh swings: positive is forward"
     knee_amplitude = 10, "how far the shank swings to either side"
     knee_phase = 11, "how far the shank is ahead of its thigh in the stride"
-    knee_offset = 12, "where the shank rests: positive is forward"
+    knee_offset = 12, "angle about which the shank swings: positive is forward"
     stride = 13, "how far the right leg is behind the left in the stride; half a turn is a trot"
 
 
 class Guard(Choice):
-    """A rule that a walk keeps, or it does not count."""
+    """Rule that a walk must follow to count."""
 
     none = 0, "all the guards below are on"
     bad_start = 1, "it started inside something: the ground, an obstacle or its own load"
     restless = 2, "it slid, rolled or was blown along before it made a step"
     jittering = 3, "its legs were driven faster than any gene allows: trembling, not walking"
     too_fast = 4, "it moved faster than Simulation.max_speed allows: thrown, not walking"
-    too_high = 5, "its centre of mass rose far above where it stood: vaulting, not walking"
-    sunk = 6, "a part of it was pushed deep into the ground, which no real ground allows"
+    too_high = 5, "its centre of mass rose far above its standing height: vaulting, not walking"
+    sunk = 6, "a part of it was pushed deep into the ground, which is impossible on real ground"
     airborne = 7, "it was off the ground for longer than Simulation.max_airborne: flying, not walking"
     fell = 8, "it stood, went down and did not get up: falling forward is not walking"
     out_of_arena = 9, "it left the ground that was built"
@@ -115,10 +129,10 @@ class Guard(Choice):
 
 
 class Camera(Choice):
-    """From where a walk is watched."""
+    """Viewpoint from which a walk is shown."""
 
     side = 0, "beside the robot, level"
-    front = 1, "ahead of it, looking back"
-    top = 2, "from straight above"
-    chase = 3, "behind and above, following"
-    orbit = 4, "slowly round the robot"
+    front = 1, "ahead of the robot, looking back"
+    top = 2, "straight above the robot"
+    chase = 3, "behind and above the robot, following it"
+    orbit = 4, "circling the robot slowly"

@@ -1,25 +1,28 @@
-"""Settings in words: what each is, what was chosen, and what differs from the default."""
+"""Tables of settings with values, meanings and defaults, as notebooks and reports show them."""
 
 from dataclasses import dataclass
 from typing import Any, cast
 
-from walkerlab.settings.fields import PAIR, Choice, Declared, Domain, OneOf, function_name, number_text, shown_numbers
+from walkerlab.settings.choices import Choice
+from walkerlab.settings.fields import PAIR, Declared, OneOf
+from walkerlab.settings.model import Domain
+from walkerlab.settings.values import function_name, number_text, vector_text
 from walkerlab.text.html import Html, details, join, shown, table, tag
 
-DRAWN = "_-‾/\\┌─ "  # what grounds are drawn with before their words, which are enough here
+GROUND_DRAWING = "_-‾/\\┌─ "  # characters of the drawings in front of the sentences of ``Structure``
 
 
 @dataclass(frozen=True)
 class Row:
-    """One setting in words.
+    """Texts of one setting.
 
     Attributes:
-        name: of the field.
-        value: as people read it, with its unit: ``0.05 m``, ``3 to 12 kg``, ``(0, 0, -1.62) m/s², moon``, ``gradient``.
-        about: what it is.
-        choice: a sentence on what was chosen; "" for a number.
-        default: as ``value``.
-        changed: whether the two differ.
+        name: Name of the field.
+        value: Value with its unit: ``0.05 m``, ``3 to 12 kg``, ``(0, 0, -1.62) m/s², moon``, ``gradient``.
+        about: Meaning of the setting.
+        choice: Sentence about the chosen member; "" for a number.
+        default: Default, written like ``value``.
+        changed: Whether the value differs from the default.
     """
 
     name: str
@@ -30,23 +33,23 @@ class Row:
     changed: bool
 
 
-class ShownDomain(Domain, frozen=True):
-    """The settings of one thing, as a notebook shows them."""
+class DisplayedDomain(Domain, frozen=True):
+    """Domain that notebooks display as a table."""
 
     def _repr_html_(self) -> str:
         return shown(glossary(self, unfold=True))
 
 
 def rows_of(domain: Domain) -> list[Row]:
-    """Say each setting in words, in the order in which they were declared."""
+    """Return the texts of each setting, in the order of declaration."""
     defaults = {name: field.default for name, field in type(domain).model_fields.items()}
     return [
         Row(
             name=name,
-            value=_in_words(declared, getattr(domain, name)),
+            value=_value_text(declared, getattr(domain, name)),
             about=declared.about,
-            choice=_about(getattr(domain, name)) if isinstance(declared, OneOf) else "",
-            default=_in_words(declared, defaults[name]),
+            choice=_choice_text(getattr(domain, name)) if isinstance(declared, OneOf) else "",
+            default=_value_text(declared, defaults[name]),
             changed=getattr(domain, name) != defaults[name],
         )
         for name, declared in domain.declared().items()
@@ -54,23 +57,25 @@ def rows_of(domain: Domain) -> list[Row]:
 
 
 def glossary(domain: Domain, *, unfold: bool = False) -> Html:
-    """Write a domain as a table for people: what differs from the default first and bold, the rest folded away.
+    """Return a table of a domain: first the changed settings in bold, then the others, folded.
 
     Args:
-        domain: any of the four.
-        unfold: whether all is to be seen at once if nothing differs.
+        domain: Settings of one domain.
+        unfold: Whether to show all settings unfolded if none is changed.
     """
-    rows, name = rows_of(domain), type(domain).__name__
-    changed, others = ([row for row in rows if row.changed is which] for which in (True, False))
+    rows = rows_of(domain)
+    name = type(domain).__name__
+    changed = [row for row in rows if row.changed]
+    others = [row for row in rows if not row.changed]
     if not changed and unfold:
-        return _glossary(f"{name}: as by default", others)
+        return _table(f"{name}: as by default", others)
     if not changed:
-        return details(join(tag("b", name), ": as by default"), _glossary(name, others))
-    the_rest = details(f"{len(others)} more of {name}, as by default", _glossary(name, others)) if others else ""
-    return join(_glossary(f"{name}: what differs from the default (●)", changed), the_rest)
+        return details(join(tag("b", name), ": as by default"), _table(name, others))
+    the_rest = details(f"{len(others)} more of {name}, as by default", _table(name, others)) if others else ""
+    return join(_table(f"{name}: what differs from the default (●)", changed), the_rest)
 
 
-def _glossary(caption: str, rows: list[Row]) -> Html:
+def _table(caption: str, rows: list[Row]) -> Html:
     columns = ["setting", "value", "meaning", *(["default"] if rows[0].changed else [])]
     lines = (
         [
@@ -84,25 +89,25 @@ def _glossary(caption: str, rows: list[Row]) -> Html:
     return table(caption, columns, lines, classes=["strong" if row.changed else "" for row in rows])
 
 
-def _in_words(declared: Declared, value: Any) -> str:
-    """Show a setting to people."""
+def _value_text(declared: Declared, value: Any) -> str:
+    """Write the value of a setting with its unit; choices and functions by name."""
     if isinstance(declared, OneOf):
-        several = cast(tuple[Any, ...], value if isinstance(value, tuple) else (value,))
-        return ", ".join(one.name if isinstance(one, Choice) else function_name(one) for one in several)
+        items = cast(tuple[Any, ...], value if isinstance(value, tuple) else (value,))
+        return ", ".join(item.name if isinstance(item, Choice) else function_name(item) for item in items)
     if not declared.parts:
-        return f"{number_text(value)}{declared.its_unit}"
+        return f"{number_text(value)}{declared.unit_suffix}"
     if declared.parts == PAIR:
-        return f"{number_text(value[0])} to {number_text(value[1])}{declared.its_unit}"
+        return f"{number_text(value[0])} to {number_text(value[1])}{declared.unit_suffix}"
     preset = next((f", {name}" for name, known in declared.presets.items() if known == value), "")
-    return f"{shown_numbers(value)}{declared.its_unit}{preset}"
+    return f"{vector_text(value)}{declared.unit_suffix}{preset}"
 
 
-def _about(value: Any) -> str:
-    """Say what a choice means: of several, each in turn; of a function, that it is one."""
+def _choice_text(value: Any) -> str:
+    """Return the sentence about a choice, those of several choices in turn, or the name of a function."""
     match value:
         case Choice():
-            return value.about.lstrip(DRAWN)
+            return value.about.lstrip(GROUND_DRAWING)
         case tuple():
-            return "; ".join(map(_about, cast(tuple[Any, ...], value)))
+            return "; ".join(map(_choice_text, cast(tuple[Any, ...], value)))
         case _:
             return f"the function {function_name(value)}"

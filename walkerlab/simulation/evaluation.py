@@ -13,8 +13,10 @@ from walkerlab.ga.user_functions import OperatorError
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.phenotype import express
 from walkerlab.genome.repair import genes_of, repair
+from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.arguments import require_settings
-from walkerlab.settings.settings import Algorithm, Robot, Settings
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import find_poorest, rate
 from walkerlab.simulation.rollout import Rollout, walk_from_every_start
 from walkerlab.simulation.timeouts import results_in_order

@@ -20,8 +20,8 @@ from walkerlab.ga.user_functions import (
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.settings.choices import Fitness
-from walkerlab.settings.fields import brief, function_name
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import brief, function_name
 from walkerlab.simulation.rollout import Rollout, walk_from_every_start
 from walkerlab.simulation.validity import REJECTED
 from walkerlab.world.scene import compile_scene

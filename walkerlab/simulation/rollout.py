@@ -9,8 +9,8 @@ import numpy as np
 from walkerlab.ga.genes import Floats, Indices
 from walkerlab.genome.genome import Genome
 from walkerlab.readonly import ReadOnlyArrays
-from walkerlab.settings.fields import count
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import count
 from walkerlab.simulation.starts import draw_nudge, settle, start_overlap
 from walkerlab.simulation.stepping import positions_in, simulate_steps, velocities_in, warnings_counted_not_printed
 from walkerlab.simulation.validity import VERDICTS, Trace, judge

@@ -1,4 +1,4 @@
-"""JSON in which a key that occurs twice in an object is an error, not silently the last of its values."""
+"""JSON parser that raises an error if an object has the same key twice, instead of using the last value."""
 
 import json
 from typing import Any
@@ -12,9 +12,9 @@ def loads(text: str | bytes | bytearray) -> Any:
     """Parse a JSON text.
 
     Raises:
-        DuplicateKeyError: if a key occurs more than once in an object; it names the key.
-        ValueError: if the text is not JSON.
-        RecursionError: if it is nested too deeply.
+        DuplicateKeyError: If a key occurs more than once in an object; the message names it.
+        ValueError: If the text is not JSON.
+        RecursionError: If it is nested too deeply.
     """
     return json.loads(text, object_pairs_hook=_without_duplicates)
 

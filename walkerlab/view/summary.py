@@ -8,8 +8,8 @@ import pandas as pd
 
 from walkerlab.genome.phenotype import express
 from walkerlab.runfile.records import Individual, births, champion, fitter_line
-from walkerlab.settings.fields import count, number_text
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import count, number_text
 from walkerlab.simulation.fitness import UNITS
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.numbers import significant, significant_column, with_unit

@@ -5,7 +5,7 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.runfile.records import BY_HAND, births, champion
-from walkerlab.settings.fields import count
+from walkerlab.settings.values import count
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.html import Html, details, facts, shown, table
 from walkerlab.view import summary

@@ -6,8 +6,9 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from typing import Any, TypeAlias, cast
 
-from walkerlab.settings.fields import PAIR, Declared, Domain, OneOf, Quantity
-from walkerlab.settings.glossary import DRAWN, rows_of
+from walkerlab.settings.fields import PAIR, Declared, OneOf, Quantity
+from walkerlab.settings.glossary import GROUND_DRAWING, rows_of
+from walkerlab.settings.model import Domain
 from walkerlab.settings.settings import Settings
 
 Control: TypeAlias = dict[str, Any]
@@ -64,7 +65,8 @@ def _kind_of_control(declared: Declared, default: Any, functions: Sequence[str])
     """Return the kind of control of a setting, and the entries that this kind requires."""
     if isinstance(declared, OneOf):
         options = [
-            {"name": member.name, "about": use_labels(member.about.lstrip(DRAWN))} for member in declared.choices
+            {"name": member.name, "about": use_labels(member.about.lstrip(GROUND_DRAWING))}
+            for member in declared.choices
         ] + [{"name": name, "about": "your function"} for name in functions]
         if declared.several and not declared.functions:
             return {"kind": "flags", "options": [option for option in options if option["name"] != "none"]}

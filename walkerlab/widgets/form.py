@@ -5,9 +5,10 @@ from typing import Any, cast
 
 import traitlets
 
-from walkerlab.settings.fields import Domain, SettingsError, did_you_mean, function_name
 from walkerlab.settings.glossary import rows_of
+from walkerlab.settings.model import Domain, SettingsError
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import did_you_mean, function_name
 from walkerlab.text.html import Html, join, table, tag
 from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.controls import (

@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.runfile.records import BY_HAND
-from walkerlab.settings.fields import count
+from walkerlab.settings.values import count
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.numbers import fixed_column, significant_column, with_unit
 from walkerlab.view.plots.tables import unit_of

@@ -4,7 +4,7 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import Any
 
-from walkerlab.settings.fields import Domain
+from walkerlab.settings.model import Domain
 from walkerlab.settings.settings import Settings
 
 WORLD_DOMAINS = ("terrain", "robot")  # domains that a preset sets; algorithm and simulation are unchanged

@@ -9,7 +9,7 @@ import numpy as np
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.repair import GRID_DECIMALS, PART, WHOLE, genes_of
 from walkerlab.settings.choices import Feature
-from walkerlab.settings.settings import Robot
+from walkerlab.settings.robot import Robot
 
 ROUNDING = 0.51 * 10.0**-GRID_DECIMALS  # smaller changes come from rounding and are not reported
 

@@ -13,7 +13,9 @@ import mujoco
 import numpy as np
 
 from walkerlab.genome.phenotype import Legs, Phenotype, Segment
-from walkerlab.settings.settings import Robot, Settings, Terrain
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.terrain import Terrain
 from walkerlab.world.entities import Pack, Sledge, add_rope, generate_robot, generate_terrain
 from walkerlab.world.entities.walker import SIDES, BodyPlan
 from walkerlab.world.materials import MATERIALS

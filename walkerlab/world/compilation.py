@@ -15,7 +15,8 @@ import numpy as np
 
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.phenotype import Phenotype
-from walkerlab.settings.settings import Settings, Terrain
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.terrain import Terrain
 from walkerlab.world.assembly import ROBOT_BODY, cache_per_thread, composer_arguments, nominal_spec, write_individual
 from walkerlab.world.entities.walker import BodyPlan
 

@@ -20,7 +20,7 @@ import numpy as np
 from walkerlab.ga.genes import Floats
 from walkerlab.randomness import stream
 from walkerlab.settings.choices import Structure
-from walkerlab.settings.settings import FIELD, Terrain
+from walkerlab.settings.terrain import FIELD, Terrain
 
 ARENA_LENGTH = 30.0  # m of stairs, hills or gaps after the landing
 ARENA_WIDTH = 10.0  # m

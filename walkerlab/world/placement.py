@@ -10,7 +10,7 @@ from numpy.random import Generator
 from walkerlab.ga.genes import Floats
 from walkerlab.randomness import stream
 from walkerlab.settings.choices import Obstacle, Structure
-from walkerlab.settings.settings import FIELD, MAX_PIECES, REACH, SPREAD, Terrain
+from walkerlab.settings.terrain import FIELD, MAX_PIECES, REACH, SPREAD, Terrain
 from walkerlab.world.heights import FIELD_START, LANDING, height, level_stretches, project_onto_ground
 
 PIECE_HEIGHT = 0.25  # height of a texture piece, a flat dome, as a share of its width

@@ -8,8 +8,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from walkerlab.runfile.records import champion, fitter_line, lineage, parent_numbers
-from walkerlab.settings.fields import count
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import count
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.bodies import SLANT, BodyParts, add_body, resting_scene
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description, annotate_no_data, escape_label

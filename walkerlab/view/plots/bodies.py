@@ -12,8 +12,8 @@ from walkerlab.ga.genes import Floats
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.phenotype import Phenotype
 from walkerlab.settings.arguments import require_settings
-from walkerlab.settings.fields import count
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import count
 from walkerlab.simulation.fitness import poorest_walk
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description

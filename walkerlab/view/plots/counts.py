@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from walkerlab.settings.fields import count
+from walkerlab.settings.values import count
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.view.plots.appearance import new_axes, styled_plot
 from walkerlab.view.plots.style import (

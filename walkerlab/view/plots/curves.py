@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from walkerlab.settings.fields import count, did_you_mean
+from walkerlab.settings.values import count, did_you_mean
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.style import (
     add_description,

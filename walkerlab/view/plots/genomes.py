@@ -13,8 +13,8 @@ from walkerlab.ga.genes import Floats, Genes
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.repair import PART, WHOLE, genes_of
 from walkerlab.settings.choices import Feature
-from walkerlab.settings.fields import count
-from walkerlab.settings.settings import Robot
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.values import count
 from walkerlab.view.plots.appearance import new_axes, styled_plot
 from walkerlab.view.plots.style import (
     add_description,

@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from walkerlab.genome.genome import Genome
-from walkerlab.settings.fields import count
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import count
 from walkerlab.simulation.fitness import poorest_walk
 from walkerlab.simulation.footfalls import find_footfalls, foot_names
 from walkerlab.simulation.rollout import Rollout

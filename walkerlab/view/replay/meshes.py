@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from walkerlab.ga.genes import Floats
-from walkerlab.settings.settings import Terrain
+from walkerlab.settings.terrain import Terrain
 from walkerlab.world.cameras import FIELD_OF_VIEW
 from walkerlab.world.geometry import Surface, material_image, rotate
 from walkerlab.world.heights import height

@@ -28,8 +28,8 @@ from matplotlib.colors import to_hex
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.choices import Camera
-from walkerlab.settings.fields import count
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import count
 from walkerlab.simulation.fitness import name_and_unit, score
 from walkerlab.simulation.validity import UNSTABLE, VERDICTS
 from walkerlab.system.files import file_path, replacing

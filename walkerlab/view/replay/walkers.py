@@ -9,8 +9,9 @@ from matplotlib.colors import to_rgb
 
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.choices import Structure
-from walkerlab.settings.fields import brief
-from walkerlab.settings.settings import Settings, Terrain
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.terrain import Terrain
+from walkerlab.settings.values import brief
 from walkerlab.simulation.fitness import poorest_walk
 from walkerlab.text.html import printable
 from walkerlab.view.plots.style import RUN_COLOURS

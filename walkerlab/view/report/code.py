@@ -7,8 +7,8 @@ import pandas as pd
 
 from walkerlab.breeding import slot_entries
 from walkerlab.runfile.records import BY_HAND, births
-from walkerlab.settings.fields import function_name
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import function_name
 from walkerlab.text.html import printable
 
 STEPS = ("fitness", "selection", "crossover", "mutation")

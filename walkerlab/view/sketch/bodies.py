@@ -5,7 +5,8 @@ from functools import lru_cache
 import numpy as np
 
 from walkerlab.genome.genome import Genome
-from walkerlab.settings.settings import Robot, Settings
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
 from walkerlab.text.html import Html
 from walkerlab.view.sketch.description import describe_robot
 from walkerlab.view.sketch.projection import SIDE_VIEW, Projection

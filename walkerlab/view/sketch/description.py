@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 from walkerlab.genome.phenotype import Phenotype
 from walkerlab.settings.choices import Obstacle, Structure
-from walkerlab.settings.fields import count
-from walkerlab.settings.settings import PLANETS, Settings, Terrain
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.terrain import PLANETS, Terrain
+from walkerlab.settings.values import count
 from walkerlab.world.heights import LANDING
 
 MIN_DIRECTION_SHARE = 0.1  # of a vector's length; smaller components are left out of its description

@@ -7,7 +7,7 @@ import numpy as np
 
 from walkerlab.ga.genes import Floats
 from walkerlab.settings.choices import Structure
-from walkerlab.settings.settings import Terrain
+from walkerlab.settings.terrain import Terrain
 from walkerlab.text.html import Html
 from walkerlab.view.sketch.projection import brightness
 from walkerlab.view.sketch.svg import blend, draw_dashes, draw_path, hex_colour, pseudo_random

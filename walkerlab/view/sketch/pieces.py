@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from walkerlab.ga.genes import Floats
 from walkerlab.settings.choices import Obstacle
-from walkerlab.settings.settings import Terrain
+from walkerlab.settings.terrain import Terrain
 from walkerlab.text.html import Html, tag
 from walkerlab.view.sketch.projection import RAISED_VIEW, Projection
 from walkerlab.view.sketch.solids import EDGE_STYLE, draw_box

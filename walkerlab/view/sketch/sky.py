@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from walkerlab.ga.genes import Floats
-from walkerlab.settings.settings import Terrain
+from walkerlab.settings.terrain import Terrain
 from walkerlab.text.html import Html, tag
 from walkerlab.view.sketch.description import unusual_forces
 from walkerlab.view.sketch.projection import RAISED_VIEW

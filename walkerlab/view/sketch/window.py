@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from walkerlab.ga.genes import Floats
-from walkerlab.settings.settings import Terrain
+from walkerlab.settings.terrain import Terrain
 from walkerlab.text.html import Html
 from walkerlab.view.sketch.projection import DEPTH_SHIFT, RAISED_VIEW, Projection
 from walkerlab.world.heights import height

@@ -8,7 +8,8 @@ import numpy as np
 
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.genome import Genome
-from walkerlab.settings.settings import Robot, Settings
+from walkerlab.settings.robot import Robot
+from walkerlab.settings.settings import Settings
 from walkerlab.text.html import Html, tag
 from walkerlab.view.sketch.description import describe_world, unusual_forces
 from walkerlab.view.sketch.grounds import draw_ground

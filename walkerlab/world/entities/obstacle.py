@@ -7,7 +7,7 @@ import numpy as np
 
 from walkerlab.ga.genes import Floats
 from walkerlab.settings.choices import Obstacle
-from walkerlab.settings.settings import Terrain
+from walkerlab.settings.terrain import Terrain
 from walkerlab.world.materials import MATERIALS, RGB
 from walkerlab.world.placement import Layout
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from walkerlab.settings.choices import Obstacle, Structure, Texture
-from walkerlab.settings.settings import FIELD, Terrain
+from walkerlab.settings.terrain import FIELD, Terrain
 from walkerlab.world.heights import ARENA_LENGTH, ARENA_WIDTH, LANDING, TRENCH_DEPTH, height
 from walkerlab.world.materials import MATERIALS, RGB
 

@@ -9,7 +9,7 @@ from typing import Any
 from dm_control import composer
 
 from walkerlab.settings.choices import Structure
-from walkerlab.settings.settings import Terrain
+from walkerlab.settings.terrain import Terrain
 from walkerlab.world.entities.obstacle import add_obstacles
 from walkerlab.world.entities.scenery import add_ground_materials, add_scenery
 from walkerlab.world.heights import (
