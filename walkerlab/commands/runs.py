@@ -143,6 +143,8 @@ def show(arguments: argparse.Namespace) -> int:
     print_safely(f"{shown(path)}: {run.n_generations} of {run.settings.algorithm.generations} generations")
     run_facts, versions = store.read_facts(path)
     for title, facts in (("it has", run_facts), ("made with", versions)):
+        if not facts:
+            continue  # a run without generations
         print_safely(f"{title} {', '.join(printable(f'{name} {fact}') for name, fact in facts.items())}")
     print_safely(f"\n{summary.list_changed_settings(settings)}")
     if not run.n_generations:

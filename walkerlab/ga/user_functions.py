@@ -119,6 +119,12 @@ def call_in_slot(slot: Slot, function: Callable[..., object], call: Callable[[],
     return result
 
 
+def describe_error(error: BaseException) -> str:
+    """Return the type of an error, and its message if it has one."""
+    name = type(error).__name__
+    return f"{name}: {error}" if str(error) else name
+
+
 def describe_result(result: object) -> str:
     """Describe a wrong result briefly."""
     if result is None:
@@ -158,7 +164,7 @@ def _call_and_explain(slot: Slot, function: Callable[..., object], call: Callabl
             advice = ""
         else:
             advice = slot.advice
-        raise OperatorError(f"{label} raised {type(error).__name__}: {error}{line}", advice) from error
+        raise OperatorError(f"{label} raised {describe_error(error)}{line}", advice) from error
 
 
 def _are_equal(one: Any, other: Any) -> bool:

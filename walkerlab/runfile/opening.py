@@ -101,7 +101,7 @@ def _errors_explained(path: Path) -> Generator[None]:
         if error.filename and Path(error.filename) in path.parents:
             raise RunFileError(_cannot_create(path, f"{error.filename} is not a folder")) from error
         raise RunFileError(
-            f"{path} exists already, and a run is never overwritten. "
+            f"{shown(path)} exists already, and a run is never overwritten. "
             "Resume it, or give the new run another name or folder."
         ) from error
     except OSError as error:
@@ -198,7 +198,7 @@ _FIXES = {
     sqlite3.SQLITE_CANTOPEN: "the file or its folder cannot be opened. Copy it into a folder that you can write to",
     sqlite3.SQLITE_PERM: "you have no permission to write to it. Copy it into a folder that you can write to",
     sqlite3.SQLITE_BUSY: f"another program has used it for {LOCK_TIMEOUT} s. Try again when that program is done",
-    sqlite3.SQLITE_NOTADB: "it is not a database",
+    sqlite3.SQLITE_NOTADB: "it is not a run file; walkerlab evolve writes one, with a name that ends in .walk",
     sqlite3.SQLITE_IOERR: "the disk is full or has failed, or its network connection is lost",
 }
 """What is wrong and how to fix it, by SQLite's error code."""
