@@ -237,7 +237,7 @@ class Evolution(ReadOnlyProperties):
             return
         if all(walked.verdict == REJECTED for walked in population.evaluations):
             cause = population.evaluations[0].reason
-            problem = f"{cause} for every robot, so that parents are random. Is a return missing?"
+            problem = f"{cause} for every robot, so parents are random. Check that the function ends with return."
         else:
             problem = explain_lost_pressure(population.fitness, self.settings.algorithm)
         if problem:

@@ -20,6 +20,7 @@ from walkerlab.runfile.records import Walked
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name, number_text
 from walkerlab.simulation.evaluation import Evaluation
+from walkerlab.system.files import shown
 
 FITNESS = "fitness function"
 
@@ -124,7 +125,7 @@ def _difference_message(
 ) -> str:
     """Describe how the ratings differ, by the fittest robot with different ones, and how to continue."""
     number = population.generation
-    path = str(recorded.path)
+    path = shown(recorded.path)
     differing = np.flatnonzero(rated.fitness != population.fitness)
     if differing.size:
         row = differing[np.argmax(population.fitness[differing])]
@@ -142,7 +143,8 @@ def _difference_message(
         f"{path} is not resumed, because its fitness function may have changed. {problem} A run must not mix the "
         f"ratings of two functions. Either start a new run with this function:\n"
         f"    wl.evolve(wl.load({path!r}).settings.with_({functions}), 'new.walk')\n"
-        f"or continue this run from new ratings of generation {number}:\n"
+        f"or continue this run with the new function:\n"
         f"    wl.resume({path!r}, {functions}, rerate=True)\n"
-        f"Then generations 0 to {number} keep their numbers in the file, and the champion is taken from later ones."
+        f"Generation {number} is then rated again, but only to choose parents: in the file, generations 0 to {number} "
+        "keep their old ratings, and the champion is the best of the later generations."
     )

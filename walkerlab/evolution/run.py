@@ -125,7 +125,7 @@ class Run(ReadOnlyProperties):
             if not isinstance(number, int | np.integer) or isinstance(number, bool):  # pyright: ignore[reportUnnecessaryIsInstance]
                 raise TypeError(
                     f"{brief(number)} is not the number of a generation; generations are whole numbers, 0 to "
-                    f"{self.n_generations - 1}, as in run.replay(0, -1)"
+                    f"{self.n_generations - 1}, or negative to count from the end, as in run.replay(0, -1)"
                 )
         generations = tuple(n + self.n_generations if n < 0 else n for n in generations)
         tables: dict[int, pd.DataFrame] = {

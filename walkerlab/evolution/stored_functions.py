@@ -95,8 +95,8 @@ def restore_user_functions(run: Run, functions: dict[str, Any]) -> Run:
     if wrong:
         arguments = ", ".join(wrong)
         raise RunFileError(
-            f"{shown(run.path)} was made with user functions, and a run file holds no code. To resume the run, pass "
-            "the functions under the same names (their code may be fixed): in Python, "
+            f"{shown(run.path)} was made with user functions ({', '.join(required)}), and a run file holds no code. To "
+            "resume the run, pass the functions under the same names; their code may be corrected. In Python: "
             f"wl.resume({shown(run.path)!r}, {arguments}). To view the run, they are not required."
         )
     return Run(settings, run.records, run.path, run.rated_since)

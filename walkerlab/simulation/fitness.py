@@ -105,7 +105,9 @@ def rate(
         raise OperatorError(
             f"{SLOT.label(function)} must return one finite number, higher being better; it returned "
             f"{describe_result(value)}",
-            "Reduce an array to one number with .mean(), .sum() or an index." if hasattr(value, "shape") else "",
+            "Reduce an array to one number with .mean(), .sum() or an index."
+            if hasattr(value, "shape")
+            else "Return a number, such as rollout.distance.",
         )
     if number == NOT_COUNTED:
         returned = "None" if value is None else "-inf"

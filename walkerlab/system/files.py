@@ -53,12 +53,16 @@ def absolute_path(given: str | os.PathLike[str], name: str = "path") -> Path:
     if not text.strip():
         raise PathError(f"{name} is {text!r}, which is empty; it must be a path, such as 'walk'.")
     if "\0" in text:
-        raise PathError(f"{name} is {text!r}; a path must not contain a null character.")
+        raise PathError(
+            f"{name} is {text!r}; a path must not contain a null character. Write backslashes as in r'C:\\walk'."
+        )
     if NOT_A_PATH.match(text):
-        raise PathError(f"{name} is {text!r}; it must be a plain path of a file or folder, such as 'run.walk'.")
+        raise PathError(f"{name} is {text!r}; it must be the path of a file or folder on disk, such as 'run.walk'.")
     expanded = os.path.expanduser(text)
     if expanded.startswith("~") and len(Path(expanded).parts) > 1:
-        raise PathError(f"{name} is {text!r}; there is no home folder of {Path(text).parts[0]!r} on this computer.")
+        raise PathError(
+            f"{name} is {text!r}; there is no home folder of {Path(text).parts[0]!r} on this computer. Use '~/…' or an absolute path."
+        )
     try:
         path = Path(expanded).absolute()
     except OSError as error:
