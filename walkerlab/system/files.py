@@ -61,7 +61,8 @@ def absolute_path(given: str | os.PathLike[str], name: str = "path") -> Path:
     expanded = os.path.expanduser(text)
     if expanded.startswith("~") and len(Path(expanded).parts) > 1:
         raise PathError(
-            f"{name} is {text!r}; there is no home folder of {Path(text).parts[0]!r} on this computer. Use '~/…' or an absolute path."
+            f"{name} is {text!r}; there is no home folder of {Path(text).parts[0]!r} on this computer. "
+            "Use '~/…' or an absolute path."
         )
     try:
         path = Path(expanded).absolute()
