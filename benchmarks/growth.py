@@ -142,7 +142,7 @@ def measure_loading(path: Path) -> Figures:
     for name, table in (("curve", records), ("short curve", tenth)):
         figures[name] = min(time_call(_save, draw, table, path.with_suffix(".svg")) for _ in range(2))
     figures |= {"file": float(path.stat().st_size), "text": float(records.genome.str.len().sum())}
-    archive = Archive.of(path, records, run.settings.model_dump())
+    archive = Archive.resume(path, records, run.settings.model_dump())
     children = wl.generate_robot_population(run.settings.robot, 1000, seed=99)
     texts = [str(genome) for genome in map(wl.Genome, children)]
     figures["find"] = min(time_call(archive.find, texts) for _ in range(3)) / len(texts)

@@ -7,6 +7,7 @@ import importlib.util
 import os
 import shutil
 import signal
+import sys
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -84,3 +85,11 @@ def frontend(request):
     if not importlib.util.find_spec(PACKAGES[request.param]):
         lacking(request.param)
     return request.param
+
+
+@pytest.fixture(autouse=True)
+def close_figures():
+    """Close the pyplot figures that a test has left open."""
+    yield
+    if pyplot := sys.modules.get("matplotlib.pyplot"):
+        pyplot.close("all")

@@ -81,7 +81,7 @@ def test_notebook_runs_with_few_generations(path, tmp_path):
 SLIDERS = {
     "00_meet_a_walker": ("generations", ".wl-transport"),
     "01_terrain": ("texture density", ".wl-world"),
-    "02_robot": ("least legs", ".wl-world"),
+    "02_robot": ("minimum legs", ".wl-world"),
     "03_algorithm": ("elites", "[data-setting='algorithm.n_elites']"),
 }
 """One slider of each notebook that has any, and the selector of an element that changes when it moves."""

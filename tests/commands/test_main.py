@@ -328,7 +328,7 @@ def test_resume_prints_the_settings_and_the_path_of_a_renamed_file(here, empty_o
     Path("walk/run.walk").rename("mine.walk")
     assert main(["resume", "mine.walk", "--generations", "3"]) == 0
     output = capsys.readouterr().out
-    assert output.startswith("6 robots, 3 generations (2 of them done), ")
+    assert output.startswith("6 robots, 3 generations (2 completed), ")
     assert "walkerlab show mine.walk " in output
     assert "walkerlab resume mine.walk --generations 6 " in output
 

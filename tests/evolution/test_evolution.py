@@ -102,7 +102,7 @@ class TestRepeatable:
         def punishes(rollout):
             return -1e6 if rollout.distance < 0 else rollout.distance
 
-        with pytest.warns(UserWarning, match=r'-1e\+06.*selection="rank"') as caught:
+        with pytest.warns(UserWarning, match=r'-1\.00e\+06.*selection="rank"') as caught:
             evolve(threads, fitness=punishes, population_size=12, generations=2)
         assert len(caught) == 1
 

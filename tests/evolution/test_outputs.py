@@ -35,7 +35,7 @@ def here(tmp_path, monkeypatch):
 def written(here, threads, monkeypatch):
     """A run and old output files, which contain "old"; slow parts of the new ones are replaced by a text."""
     monkeypatch.setattr(outputs.plots, "save", lambda _axes, *paths: [path.write_text("new") for path in paths])
-    monkeypatch.setattr(outputs.report, "write", lambda *_, **__: None)
+    monkeypatch.setattr(outputs.report, "write_report", lambda *_, **__: None)
     run = wl.evolve(SMALL, here / "walk" / RUN_FILE, threads, progress=False)
     for name in outputs.FILES.keys() - {RUN_FILE}:
         (here / "walk" / name).write_text("old")
@@ -80,7 +80,7 @@ def test_the_command_names_the_part_that_failed_and_the_command_that_repeats_it(
     monkeypatch.setattr(mujoco.MjModel, "from_xml_path", unreadable)
     assert main(["resume", "walk", "--quiet"]) == 2
     message = capsys.readouterr().err
-    assert "The run is whole" in message
+    assert "The run is complete" in message
     assert "champion.xml: ValueError: XML Error" in message
     assert "all of them are made by: walkerlab resume walk\n" in message
     assert "None" not in message
@@ -125,7 +125,7 @@ def test_every_function_expands_the_home_folder(here, threads, monkeypatch):
     lab = wl.Lab(SMALL, "~/runs", executor=threads)
     assert lab.runs.drawer.files == [os.path.join("home", "runs", "run.walk")]
     monkeypatch.chdir(here / "home")
-    lab.runs.drawer._hear(None, {"load": lab.runs.drawer.files[0]}, [])
+    lab.runs.drawer._handle_message(None, {"load": lab.runs.drawer.files[0]}, [])
     assert lab.run.path == run.path, "a listed run can be loaded from any folder"
     lab.close()
     monkeypatch.chdir(here)

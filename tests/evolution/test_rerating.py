@@ -10,6 +10,7 @@ import pytest
 import walkerlab as wl
 from walkerlab.runfile import provenance, store
 from walkerlab.runfile.provenance import source_digest
+from walkerlab.settings.values import number_text
 
 SETTINGS = wl.Settings().with_(duration=1, population_size=4, generations=2, n_elites=1, seed=1, mutation_rate=0.5)
 same = partial(pd.testing.assert_frame_equal, check_exact=True)
@@ -76,8 +77,10 @@ def test_a_changed_fitness_raises_and_the_file_is_unchanged(first, second, begin
         resume(fitness=second)
     last = run.records[run.records.generation == 1]
     best = last.loc[last.fitness.idxmax()]
-    assert f"Robot {best.individual} of generation 1 has fitness {best.fitness:.10g} in the file" in str(caught.value)
-    assert f"{100 * best.fitness:.10g} with the function given" in str(caught.value)
+    stored, now = number_text(float(best.fitness)), number_text(float(100 * best.fitness))
+    assert f"Robot {best.individual} of generation 1 has fitness {stored} in the file, and {now} with" in str(
+        caught.value
+    )
     assert "rerate=True)" in str(caught.value)
     assert "wl.evolve(wl.load(" in str(caught.value)
     assert path.read_bytes() == before

@@ -169,7 +169,7 @@ def test_a_file_that_may_not_grow_keeps_what_is_done(whole, tmp_path):
     path = tmp_path / "run.walk"
     ended = subprocess.run([sys.executable, "-c", program, root, path], capture_output=True, text=True, check=False)
     assert "RunFileError" in ended.stderr
-    assert "What was in it is whole" in ended.stderr
+    assert "Its contents have not changed" in ended.stderr
     kept = text(wl.load(path).records)
     assert truth.startswith(kept)
     assert kept
@@ -199,7 +199,7 @@ def test_where_nothing_can_be_written_a_run_can_be_read_and_all_else_is_told(who
     path, truth = whole
     path = Path(shutil.copy(path, anywhere / "run.walk"))
     asked = {
-        "it, or the folder that it is in, cannot be written to": lambda: wl.resume(path, 40, progress=False),
+        "the file or its folder cannot be written to": lambda: wl.resume(path, 40, progress=False),
         "no run file can be created at": lambda: wl.evolve(SETTINGS, anywhere / "new.walk", progress=False),
         "Permission denied": lambda: wl.rescue(path, anywhere / "folder" / "new.walk"),
     }

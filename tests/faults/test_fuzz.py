@@ -229,7 +229,7 @@ def test_a_huge_value_is_not_quoted_whole(huge):
             assert settings_or_refusal(Settings, **{domain: [bad]}) is None
         assert settings_or_refusal(Settings.model_validate, [bad]) is None
         for make in (Genome, Genome.of, Genome.parse):
-            with pytest.raises(ValueError, match="genome") as caught:
+            with pytest.raises((ValueError, TypeError), match="genome") as caught:
                 make(bad)
             assert is_brief(str(caught.value))
 

@@ -119,12 +119,12 @@ def test_a_run_with_bound_values_resumes_with_the_code_in_its_error_message(valu
     settings = SETTINGS.with_(fitness=partial(scaled, k=value))
     with ThreadPoolExecutor(1) as threads:
         wl.evolve(settings, path, threads, progress=False)
-        with pytest.raises(wl.RunFileError, match="give them back") as caught:
+        with pytest.raises(wl.RunFileError, match="pass the functions under the same names") as caught:
             wl.resume(path, 2, threads, progress=False)
-        recipe = str(caught.value).partition(", fitness=")[2].partition("). To look")[0]
+        recipe = str(caught.value).partition(", fitness=")[2].partition("). To view")[0]
         given_back = eval(recipe, {"np": np, "wl": wl, "partial": partial, "scaled": scaled})
         other = partial(scaled, k=[*"another"])
-        with pytest.raises(wl.RunFileError, match="give them back"):
+        with pytest.raises(wl.RunFileError, match="pass the functions under the same names"):
             wl.resume(path, 2, threads, progress=False, fitness=other)
         run = wl.resume(path, 2, threads, progress=False, fitness=given_back)
     assert run.n_generations == 2

@@ -156,7 +156,7 @@ def of_roster(run):
 
 def of_confirmation(value):
     confirmed = Confirmation(value, value, (value,), ("ok", "ok"), "near(target=2, k=3)")
-    return found(r"k=3\) of (\S+), when", str(confirmed)) + found(r"k=3\) of (\S+) when", str(confirmed.table()))
+    return found(r"k=3\) of (\S+), when", str(confirmed)) + found(r"k=3\) of ([^\s,]+),? when", str(confirmed.table()))
 
 
 PLACES = {

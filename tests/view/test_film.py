@@ -529,7 +529,7 @@ def test_a_file_name_of_maximum_length_is_accepted_and_a_longer_one_rejected(mon
 
 def test_a_path_that_is_not_writable_is_rejected_before_rendering(monkeypatch, tmp_path):
     monkeypatch.setattr(process, "_render_with_first_backend", None)
-    with pytest.raises(FilmError, match=r"there is no folder .*missing; make it first, for the file walk\.mp4"):
+    with pytest.raises(FilmError, match=r"there is no folder .*missing for the file walk\.mp4; create it first"):
         film(GENOME, SHORT, tmp_path / "missing" / "walk.mp4")
     (tmp_path / "folder.mp4").mkdir()
     with pytest.raises(FilmError, match="is a folder"):

@@ -190,7 +190,7 @@ def test_a_run_shows_its_champion_or_a_race_of_champions_of_generations():
     assert race.camera == Camera.top
     best = run.records[run.records.generation == 0].sort_values("fitness").genome.iloc[-1]
     assert str(race.walks[0].scene.genome) == best
-    with pytest.raises(ValueError, match="no generation 3: this run has 0 to 2"):
+    with pytest.raises(ValueError, match="no generation 3; this run has 0 to 2"):
         run.replay(0, 3)
 
 
