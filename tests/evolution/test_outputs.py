@@ -82,7 +82,7 @@ def test_the_command_names_the_part_that_failed_and_the_command_that_repeats_it(
     message = capsys.readouterr().err
     assert "The run is complete" in message
     assert "champion.xml: ValueError: XML Error" in message
-    assert "all of them are made by: walkerlab resume walk\n" in message
+    assert "write them with: walkerlab resume walk\n" in message
     assert "None" not in message
 
 
