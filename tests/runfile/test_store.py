@@ -400,7 +400,7 @@ def test_other_files_are_rejected_and_not_changed(tmp_path):
     text.write_text("generation,individual\n0,1\n" * 100)
     empty.touch()
     broken(foreign, "CREATE TABLE records (generation)", "CREATE TABLE run (fact, value)")
-    for path, reason in ((text, "not a database"), (empty, "is empty"), (foreign, "not a run")):
+    for path, reason in ((text, "not a run file"), (empty, "is empty"), (foreign, "not a run")):
         before = path.read_bytes()
         assert all(reason in message for message in rejections(path))
         assert path.read_bytes() == before
