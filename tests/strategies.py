@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import genes_of
+from walkerlab.genome.repair import build_genes
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.fields import OneOf, Quantity
 from walkerlab.settings.model import SettingsError
@@ -52,7 +52,7 @@ def robots(draw):
 @st.composite
 def tables(draw, robot, n=6):
     """(n, n_genes) of finite numbers: within the ranges, at their ends, near them, far off, and anything at all."""
-    genes = genes_of(robot)
+    genes = build_genes(robot)
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     width = genes.high - genes.low
     inside = genes.low + width * rng.random((n, len(genes)))

@@ -14,8 +14,8 @@ from walkerlab.breeding import (
     resolve_operators,
 )
 from walkerlab.ga import mutation, selection
-from walkerlab.genome.repair import genes_of
-from walkerlab.randomness import stream
+from walkerlab.genome.repair import build_genes
+from walkerlab.randomness import random_stream
 
 ROBOT = wl.Robot()
 POPULATION = wl.generate_robot_population(ROBOT, 12, seed=1)
@@ -86,7 +86,7 @@ def test_mutation_settings_are_not_bound_to_selections_and_crossovers():
 def test_an_operator_without_a_usable_signature_is_named_with_its_slot(slot, name, operator):
     algorithm = wl.Algorithm(**{slot: operator})
     with pytest.raises(wl.OperatorError, match=f"^{slot} '{name}' "):
-        check_user_operators(algorithm, genes_of(ROBOT))
+        check_user_operators(algorithm, build_genes(ROBOT))
 
 
 def test_the_operators_of_an_algorithm_are_described_with_their_parameters():
@@ -154,5 +154,5 @@ def test_wrong_arguments_of_the_steps_are_explained():
 
 def test_the_first_genomes_do_not_depend_on_the_population_size():
     np.testing.assert_array_equal(wl.generate_robot_population(ROBOT, 5, seed=1), POPULATION[:5])
-    gene = wl.generate_robot_gene(ROBOT, rng=stream(1, "population", 0, 0))
+    gene = wl.generate_robot_gene(ROBOT, rng=random_stream(1, "population", 0, 0))
     np.testing.assert_array_equal(gene.values, POPULATION[0])

@@ -3,7 +3,7 @@
 import pytest
 
 import walkerlab as wl
-from walkerlab.errors import Fault
+from walkerlab.errors import WalkerlabError
 
 PUBLIC_ERRORS = (wl.SettingsError, wl.GenomeError, wl.RunFileError, wl.OperatorError)
 CELL = """
@@ -16,7 +16,7 @@ run = wl.evolve(s)
 
 
 def test_all_public_value_errors_have_the_short_display():
-    assert all(issubclass(error, Fault) and issubclass(error, ValueError) for error in PUBLIC_ERRORS)
+    assert all(issubclass(error, WalkerlabError) and issubclass(error, ValueError) for error in PUBLIC_ERRORS)
 
 
 def test_a_notebook_shows_the_line_of_the_cell_the_message_and_the_notes():

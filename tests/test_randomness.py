@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from walkerlab.randomness import PURPOSES, stream
+from walkerlab.randomness import PURPOSES, random_stream
 
 addresses = st.tuples(
     st.integers(0, 2**31 - 1), st.sampled_from(PURPOSES), st.lists(st.integers(0, 2**32 - 1), max_size=4)
@@ -15,7 +15,7 @@ addresses = st.tuples(
 
 
 def draws(seed, purpose, address):
-    return stream(seed, purpose, *address).random(4).tolist()
+    return random_stream(seed, purpose, *address).random(4).tolist()
 
 
 @hypothesis_settings(max_examples=50)
@@ -33,9 +33,9 @@ def test_neighbouring_addresses_give_different_draws():
 
 def test_draws_do_not_depend_on_draws_at_other_addresses():
     alone = draws(7, "mutation", (3, 0))
-    before = stream(7, "mutation", 3, 0)
+    before = random_stream(7, "mutation", 3, 0)
     for purpose in PURPOSES:
-        stream(7, purpose, 3).random(1000)
+        random_stream(7, purpose, 3).random(1000)
     assert before.random(4).tolist() == alone
     assert draws(7, "mutation", (3, 0)) == alone
 
@@ -48,7 +48,7 @@ def test_global_random_state_is_neither_used_nor_changed():
     np.random.seed(99)  # noqa: NPY002
     assert draws(1, "check", ()) == one
     random.setstate(state)
-    assert np.random.default_rng(0) is not stream(0, "check")
+    assert np.random.default_rng(0) is not random_stream(0, "check")
     assert len(numpy_state) == 624
 
 
@@ -57,4 +57,4 @@ def test_purposes_are_only_ever_appended():
     assert PURPOSES[: len(recorded)] == recorded
     assert len(set(PURPOSES)) == len(PURPOSES)
     with pytest.raises(ValueError):  # noqa: PT011 - a programming error, not a user's
-        stream(0, "no such purpose")
+        random_stream(0, "no such purpose")

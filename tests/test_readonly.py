@@ -12,7 +12,7 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.evolution.live import LiveRun
-from walkerlab.genome.repair import genes_of
+from walkerlab.genome.repair import build_genes
 from walkerlab.readonly import ReadOnlyArrays, ReadOnlyError
 from walkerlab.runfile.records import last_population
 
@@ -37,7 +37,7 @@ def objects_with_arrays(run):
     """Return an object of each class with read-only arrays."""
     champion = run.champion
     population = last_population(run.records)
-    return [champion.genome, wl.simulate(champion.genome, SETTINGS), population, genes_of(SETTINGS.robot)]
+    return [champion.genome, wl.simulate(champion.genome, SETTINGS), population, build_genes(SETTINGS.robot)]
 
 
 def test_an_object_of_every_class_with_read_only_arrays_is_tested(objects_with_arrays):
@@ -67,7 +67,7 @@ def test_arrays_of_copied_containers_are_read_only(run, threads):
 
 
 def test_masks_of_the_gene_table_are_read_only():
-    genes = genes_of(SETTINGS.robot)
+    genes = build_genes(SETTINGS.robot)
     assert not genes.is_count.flags.writeable
     assert not genes.is_cyclic.flags.writeable
 

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from io import TextIOWrapper
 
 from walkerlab.commands.terminal import INTERRUPTED, INVALID_REQUEST, print_error, print_safely
-from walkerlab.errors import Fault
+from walkerlab.errors import WalkerlabError
 from walkerlab.system.interrupts import interrupts_held
 
 
@@ -43,7 +43,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         return 0
     except ImportError as error:
         return print_error(f"{error}\nTo find the cause, run: walkerlab doctor", 1)
-    except (Fault, OSError) as error:
+    except (WalkerlabError, OSError) as error:
         return print_error(str(error), INVALID_REQUEST)
     finally:
         if argv is None:
@@ -90,7 +90,7 @@ def _run_command(words: Sequence[str]) -> int:
         except KeyboardInterrupt:
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # from now on, further ones are ignored
             return print_error(f"\n{runs.describe_stop(arguments)}", INTERRUPTED)
-        except Fault as error:
+        except WalkerlabError as error:
             if not hasattr(error, "kept"):
                 raise
             return print_error(f"\n{error}\n{runs.describe_stop(arguments)}", 1)

@@ -20,14 +20,14 @@ from walkerlab.ga.operators import Operators, cross_in_turn, mutate_in_turn, sel
 from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
 from walkerlab.ga.selection import require_finite
 from walkerlab.genome.genome import Genome, read_genomes
-from walkerlab.genome.repair import genes_of, repair
-from walkerlab.randomness import stream
+from walkerlab.genome.repair import build_genes, repair
+from walkerlab.randomness import random_stream
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.arguments import require_algorithm, require_count
 from walkerlab.settings.choices import Choice, Crossover, Mutation, Selection
 from walkerlab.settings.robot import Robot
-from walkerlab.settings.values import brief, function_name
-from walkerlab.text.numbers import significant
+from walkerlab.settings.values import function_name, short_repr
+from walkerlab.text.numbers import format_significant
 
 MIN_LEAD = 0.05  # of the best fitness over the median, as a share of the larger of their absolute values
 MIN_COUNTED = 8  # individuals; with fewer, the median can be close to the best by coincidence
@@ -116,8 +116,10 @@ def explain_lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
     if pressure >= selection.MIN_PRESSURE or best - median < MIN_LEAD * max(abs(best), abs(median)):
         return ""
     return (
-        f"the lowest fitness, {significant(worst)}, is so far below the others that gradient selection hardly prefers "
-        f"the best robot: its fitness is {significant(best)} and the median {significant(median)}, yet it is selected "
+        f"the lowest fitness, {format_significant(worst)}, is so far below the others that gradient selection hardly "
+        "prefers "
+        f"the best robot: its fitness is {format_significant(best)} and the median {format_significant(median)}, yet "
+        "it is selected "
         f"only {pressure - 1:.2%} more often than the median robot. Select by order instead, with "
         'settings.with_(selection="rank"), or limit the fitness from below.'
     )
@@ -170,7 +172,9 @@ def generate_robot_population(robot: Robot, size: int, *, seed: int) -> Floats:
     """
     size = require_count(size, "size", "the number of robots in the population")
     seed = require_count(seed, "seed", "the seed of the random generator", low=0)
-    return np.array([generate_robot_gene(robot, rng=stream(seed, "population", 0, i)).values for i in range(size)])
+    return np.array(
+        [generate_robot_gene(robot, rng=random_stream(seed, "population", 0, i)).values for i in range(size)]
+    )
 
 
 def select_from_population(fitness: ArrayLike, n_parents: int, algorithm: Algorithm, *, generation: int) -> Indices:
@@ -217,7 +221,7 @@ def crossover_population(
         ValueError: If there is not one fitness for each parent, or one is NaN or +inf.
     """
     cross = resolve_operators(algorithm).cross
-    genes = genes_of(robot)
+    genes = build_genes(robot)
     genomes = _as_table(parents, robot)
     fitness = _as_fitness(fitness)
     if not len(genomes):
@@ -249,7 +253,7 @@ def mutate_population(genomes: Individuals, robot: Robot, algorithm: Algorithm, 
         Mutated genomes, shape (n, n_genes).
     """
     mutate = resolve_operators(algorithm).mutate
-    genes = genes_of(robot)
+    genes = build_genes(robot)
     table = _as_table(genomes, robot)
     require_count(generation, "generation", GENERATION_MEANING, low=0)
     return repair(mutate_in_turn(mutate, table, genes, seed=algorithm.seed, generation=generation), robot)
@@ -266,7 +270,7 @@ def _as_fitness(given: ArrayLike) -> Floats:
     except (TypeError, ValueError):
         fitness = np.empty(())
     if fitness.ndim != 1:
-        raise ValueError(f"fitness must be a row of numbers, one for each individual; got {brief(given)}")
+        raise ValueError(f"fitness must be a row of numbers, one for each individual; got {short_repr(given)}")
     return fitness
 
 
@@ -277,7 +281,7 @@ def _as_table(genomes: Individuals, robot: Robot) -> Floats:
         ValueError: If one has a different length; the message explains how to fix it.
     """
     rows = [genome.values for genome in read_genomes(genomes)]
-    n_genes = len(genes_of(robot))
+    n_genes = len(build_genes(robot))
     for i, row in enumerate(rows):
         if len(row) != n_genes:
             raise ValueError(

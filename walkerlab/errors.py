@@ -5,7 +5,7 @@ from traceback import extract_tb
 CELL_FILE_PATTERNS = ("ipykernel_", "<ipython-input")  # parts of the file names that IPython gives to cells
 
 
-class Fault(Exception):
+class WalkerlabError(Exception):
     """An error that the user can fix; the message explains how."""
 
     def _render_traceback_(self) -> list[str]:

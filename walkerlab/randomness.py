@@ -10,7 +10,7 @@ PURPOSES = ("population", "selection", "crossover", "mutation", "perturbation", 
 """What random numbers are used for. Results depend on the order: append, never reorder."""
 
 
-def stream(seed: int, purpose: str, *address: int) -> Generator:
+def random_stream(seed: int, purpose: str, *address: int) -> Generator:
     """Return the random generator of an address.
 
     Args:

@@ -5,10 +5,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from walkerlab.errors import Fault
+from walkerlab.errors import WalkerlabError
 
 
-class ReadOnlyError(Fault, AttributeError):
+class ReadOnlyError(WalkerlabError, AttributeError):
     """An assignment to a read-only attribute; the message says what to do instead."""
 
 

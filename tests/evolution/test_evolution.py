@@ -17,7 +17,7 @@ from walkerlab.breeding import explain_lost_pressure
 from walkerlab.ga import crossover, mutation, selection
 from walkerlab.runfile import provenance, store
 from walkerlab.settings.choices import Crossover, Fitness, Mutation, Selection
-from walkerlab.text.numbers import significant
+from walkerlab.text.numbers import format_significant
 
 SETTINGS = wl.Settings().with_(duration=1.0, population_size=6, generations=3, n_elites=1, seed=5)
 same = partial(pd.testing.assert_frame_equal, check_exact=True)
@@ -69,7 +69,7 @@ class TestTable:
 
     def test_repr_summarises_the_run_in_a_line(self, run):
         assert repr(run).startswith("Run(3 generations of 6 robots; champion: robot ")
-        assert f"distance {significant(run.champion.fitness)} m)" in repr(run)
+        assert f"distance {format_significant(run.champion.fitness)} m)" in repr(run)
 
     def test_the_table_has_its_units_in_attrs(self, run):
         assert run.records.attrs["units"]["velocity"] == "m/s"

@@ -6,11 +6,11 @@ import numpy as np
 
 from walkerlab.ga import crossover, mutation, selection
 from walkerlab.ga.genes import Genes
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 
 
 def rng(*address):
-    return stream(11, "check", *address)
+    return random_stream(11, "check", *address)
 
 
 def genes_of(kinds, low, high, names=None, **body):

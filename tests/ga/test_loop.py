@@ -18,7 +18,7 @@ from walkerlab.ga import (
     selection,
 )
 from walkerlab.ga.operators import cross_in_turn, mutate_in_turn, select_in_turn
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 
 from .tables import bits, random_genomes, reals, rng
 
@@ -169,7 +169,7 @@ def test_each_operator_draws_from_its_own_stream():
 
     evolve(Operators((select, select), (cross, cross), (mutate, mutate)), bits(4), 6, 2, seed=9)
     addresses = product((1, 2), ("selection", "crossover", "mutation"), (0, 1))
-    assert drawn == [stream(9, slot, generation, position).random() for generation, slot, position in addresses]
+    assert drawn == [random_stream(9, slot, generation, position).random() for generation, slot, position in addresses]
 
 
 # Elites, births and individuals that do not count.

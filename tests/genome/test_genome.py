@@ -16,7 +16,7 @@ from walkerlab.breeding import crossover_population, generate_robot_population, 
 from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.phenotype import express
-from walkerlab.genome.repair import gene_table, genes_of, repair
+from walkerlab.genome.repair import build_genes, gene_table, repair
 from walkerlab.genome.text import GenomeError
 from walkerlab.runfile import records
 from walkerlab.settings.algorithm import Algorithm
@@ -74,7 +74,7 @@ def is_in_its_ranges(population, robot):
 def test_the_gene_table_has_a_row_for_each_gene_and_its_ranges_are_the_limits(robot):
     table = gene_table(robot).set_index("gene", drop=False)
     assert list(table.columns) == ["gene", "unit", "low", "high", "kind", "meaning"]
-    assert len(table) == len(genes_of(robot)) == 2 + 12 * robot.segments[1]
+    assert len(table) == len(build_genes(robot)) == 2 + 12 * robot.segments[1]
     assert table.index.is_unique
     assert set(table.kind) <= {"real", "count", "cyclic"}
     assert (table.low <= table.high).all()
@@ -86,14 +86,14 @@ def test_the_gene_table_has_a_row_for_each_gene_and_its_ranges_are_the_limits(ro
 
 
 def test_a_gene_table_requires_limits():
-    for make in (gene_table, genes_of, lambda robot: generate_robot_population(robot, 2, seed=0)):
+    for make in (gene_table, build_genes, lambda robot: generate_robot_population(robot, 2, seed=0)):
         with pytest.raises(ValueError, match=r"must be a Robot such as settings\.robot; got a Settings"):
             make(Settings())
 
 
 def test_every_feature_can_be_favored():
     for feature in Feature:
-        found = [genes_of(Robot()).names[i] for i in genes_of(Robot()).find(feature.name)]
+        found = [build_genes(Robot()).names[i] for i in build_genes(Robot()).find(feature.name)]
         assert found
         assert {name.rpartition(".")[2] for name in found} == {feature.name}
 
@@ -244,7 +244,7 @@ VARIED = [
 
 def test_ten_thousand_random_genomes_survive_the_text_form():
     for robot in VARIED:
-        genes = genes_of(robot)
+        genes = build_genes(robot)
         drawn = rng(len(genes)).uniform(genes.low, genes.high, (2000, len(genes)))
         repaired = repair(drawn[:1000], robot)
         for values in (*repaired, *drawn[1000:]):
@@ -447,7 +447,7 @@ def test_repair_treats_each_genome_separately(drawn):
 @given(st.integers(0, 2**32 - 1))
 def test_repair_changes_only_lengths_masses_and_legs_of_grown_segments(seed):
     robot = Robot()
-    genes = genes_of(robot)
+    genes = build_genes(robot)
     inside = np.round(rng(seed).uniform(genes.low, genes.high, (20, len(genes))), 3)
     values = np.where(genes.is_count, np.rint(inside), np.where(inside < genes.high, inside, genes.low))
     repaired = repair(values, robot)

@@ -15,7 +15,7 @@ import walkerlab as wl
 from walkerlab.breeding import generate_robot_population
 from walkerlab.genome.phenotype import express
 from walkerlab.simulation import evaluation
-from walkerlab.simulation.rollout import walk, walk_from_every_start
+from walkerlab.simulation.rollout import simulate_walk, walk_from_every_start
 from walkerlab.simulation.starts import draw_nudge
 from walkerlab.world.scene import compile_scene, reusable_scene_of
 
@@ -213,7 +213,7 @@ class TestSeveralStarts:
     def test_the_poorest_walk_counts_and_the_first_start_is_exact(self):
         for genome, found in zip(GENOMES[:4], wl.evaluate(GENOMES[:4], self.settings), strict=True):
             scene = wl.compile_scene(genome, self.settings)
-            rollouts = [walk(scene, nudge=draw_nudge(scene, start), poses=False) for start in range(3)]
+            rollouts = [simulate_walk(scene, nudge=draw_nudge(scene, start), poses=False) for start in range(3)]
             scores = [wl.fitness.score(rollout, self.settings.algorithm.fitness) for rollout in rollouts]
             assert found.fitness == min(scores)
             assert found.verdict == rollouts[scores.index(min(scores))].verdict
@@ -257,8 +257,8 @@ def as_bytes(rollouts):
 
 def test_a_diverged_walk_does_not_change_the_next_one():
     scene, data = reusable_scene_of(wl.Genome(GENOMES[0]), SETTINGS)
-    expected = walk(scene, poses=False)
+    expected = simulate_walk(scene, poses=False)
     for state in (data.qpos, data.qvel, data.ctrl, data.qacc_warmstart, data.xfrc_applied, data.warning.number):
         state[:] = np.nan if state.dtype.kind == "f" else 3
     data.time = np.nan
-    assert as_bytes([walk(scene, data, poses=False)]) == as_bytes([expected])
+    assert as_bytes([simulate_walk(scene, data, poses=False)]) == as_bytes([expected])

@@ -16,13 +16,13 @@ from hypothesis import strategies as st
 
 import walkerlab as wl
 from benchmarks import plain_walk
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.simulation.export import _exact_xml
-from walkerlab.simulation.rollout import walk
+from walkerlab.simulation.rollout import simulate_walk
 from walkerlab.world.scene import describe_scene
 
-GENOME = wl.Genome.random(wl.Robot(), rng=stream(4, "check"))
+GENOME = wl.Genome.random(wl.Robot(), rng=random_stream(4, "check"))
 
 WORLDS = [{"structure": structure} for structure in Structure]
 WORLDS += [{"obstacle": obstacle, "structure": "incline", "seed": 3} for obstacle in Obstacle if obstacle]
@@ -78,7 +78,9 @@ def test_the_file_holds_the_start_the_gait_and_the_genome(tmp_path):
         [model.numeric(f"gait_{of}").data for of in ("amplitude", "phase", "offset")], scene.gait
     )
     assert model.numeric("gait_frequency").data.item() == scene.phenotype.frequency
-    assert model.numeric("settle_steps").data.item() == walk(scene).settled / scene.settings.simulation.timestep
+    assert (
+        model.numeric("settle_steps").data.item() == simulate_walk(scene).settled / scene.settings.simulation.timestep
+    )
     assert wl.Genome.parse(bytes(model.text_data).decode().rstrip("\0")) == GENOME
 
 

@@ -15,14 +15,14 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.ga import OperatorError
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Fitness
 from walkerlab.simulation import fitness
 from walkerlab.simulation.rollout import walk_from_every_start
 from walkerlab.simulation.validity import REJECTED
 from walkerlab.world.scene import compile_scene
 
-ROLLOUT_GENOME = wl.Genome.random(wl.Robot(), rng=stream(0, "check"))
+ROLLOUT_GENOME = wl.Genome.random(wl.Robot(), rng=random_stream(0, "check"))
 ROLLOUT = wl.simulate(ROLLOUT_GENOME, wl.Settings().with_(duration=1.5))
 CONNECTION_OF_MAIN_THREAD = sqlite3.connect(":memory:")
 TIME = np.linspace(0, 9, 451)
@@ -66,8 +66,8 @@ def test_straightness_subtracts_the_distance_to_either_side():
 
 
 def test_every_choice_has_a_function_and_a_unit():
-    assert set(fitness.FUNCTIONS) == set(Fitness)
-    assert set(fitness.UNITS) == set(Fitness)
+    assert set(fitness.FITNESS_FUNCTIONS) == set(Fitness)
+    assert set(fitness.FITNESS_UNITS) == set(Fitness)
 
 
 def test_a_walk_that_does_not_count_has_a_lower_fitness_than_any_other():
@@ -181,7 +181,7 @@ def test_any_single_real_number_is_a_fitness(answer, number):
 @pytest.mark.parametrize("answer", [None, -np.inf, np.float32("-inf"), Decimal("-Infinity")])
 def test_minus_infinity_and_none_reject_a_robot(answer):
     fitness.check_user_function(lambda rollout: answer)
-    rated, walk = fitness.rate(walked(TIME), lambda rollout: answer)
+    rated, walk = fitness.rate_walk(walked(TIME), lambda rollout: answer)
     assert (rated, walk.verdict, walk.counts) == (-np.inf, REJECTED, False)
     assert walk.reason == f"the fitness function returned {'None' if answer is None else '-inf'}"
 

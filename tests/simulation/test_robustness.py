@@ -11,7 +11,7 @@ import walkerlab as wl
 from tests.simulation.test_validity import WALKER
 from walkerlab.simulation import robustness, starts
 from walkerlab.simulation.robustness import FIRST_NUDGE, Confirmation, confirm
-from walkerlab.simulation.rollout import walk
+from walkerlab.simulation.rollout import simulate_walk
 from walkerlab.simulation.starts import NUDGE_BEND, NUDGE_SHIFT, NUDGE_TURN, draw_nudge
 from walkerlab.world.assembly import ROBOT_BODY
 from walkerlab.world.geometry import skins
@@ -135,7 +135,7 @@ def test_a_sledge_starts_level_and_without_overlap_for_every_nudge():
         mujoco.mj_forward(scene.model, data)
         assert data.body("sledge/").xmat[8] == pytest.approx(1.0)
         assert data.ten_length[0] < 1.05 * scene.rope_length
-        assert walk(scene, nudge=draw_nudge(scene, number), poses=False).verdict == "ok"
+        assert simulate_walk(scene, nudge=draw_nudge(scene, number), poses=False).verdict == "ok"
 
 
 # ------------------------------------------------------------------------------------------------ summaries

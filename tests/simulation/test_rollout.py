@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.randomness import stream
-from walkerlab.simulation.rollout import walk
+from walkerlab.randomness import random_stream
+from walkerlab.simulation.rollout import simulate_walk
 
 SETTINGS = wl.Settings().with_(duration=2.0)
-GENOMES = [wl.Genome.random(wl.Robot(), rng=stream(2, "check", i)) for i in range(8)]
+GENOMES = [wl.Genome.random(wl.Robot(), rng=random_stream(2, "check", i)) for i in range(8)]
 
 
 def test_the_recorded_walk_equals_a_loop_of_mj_step():
     scene = wl.compile_scene(GENOMES[0], SETTINGS)
-    rollout = walk(scene)
+    rollout = simulate_walk(scene)
     data = mujoco.MjData(scene.model)
     scene.place(data)
     data.ctrl[:] = scene.rest
@@ -92,7 +92,7 @@ def test_a_simulation_that_diverges_is_unstable_and_prints_nothing(capfd):
     scene.model.actuator_gainprm[:, 0] *= 1e9
     scene.model.actuator_biasprm[:, 1] *= 1e9
     scene.model.actuator_forcelimited[:] = 0
-    rollout = walk(scene)
+    rollout = simulate_walk(scene)
     assert rollout.verdict == "unstable"
     assert not rollout.counts
     assert "".join(capfd.readouterr()) == ""

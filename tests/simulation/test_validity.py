@@ -10,12 +10,12 @@ import pytest
 import walkerlab as wl
 from walkerlab.genome.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.genome.repair import FREQUENCY_RANGE
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Guard, Obstacle, Structure, Texture
 from walkerlab.simulation import validity
 from walkerlab.simulation.fitness import distance, score
-from walkerlab.simulation.rollout import walk
-from walkerlab.simulation.validity import GUARDS, REJECTED, VERDICTS, Trace, judge
+from walkerlab.simulation.rollout import simulate_walk
+from walkerlab.simulation.validity import GUARD_FUNCTIONS, REJECTED, VERDICTS, Trace, judge
 from walkerlab.world.compilation import assemble
 from walkerlab.world.geometry import skins
 from walkerlab.world.scene import Scene, compile_scene
@@ -102,12 +102,14 @@ def expect(verdict, reason):
 @expect("fell", "its centre of mass was below 40% of its height at rest for")
 def robot_on_stilts_that_falls_forward():
     stilts = grown(*[(0.3, 4.0, 0.8, 40.0, 0.0, 0.0)] * 2)
-    return walk(driven(stilts, lambda time, target, rest: rest - np.minimum(time, 0.5) * np.tile([2.0, 0.0], 4)))
+    return simulate_walk(
+        driven(stilts, lambda time, target, rest: rest - np.minimum(time, 0.5) * np.tile([2.0, 0.0], 4))
+    )
 
 
 @expect("too fast", "body lengths/s; 10 is allowed")
 def robot_on_one_pair_of_stilts_that_tips_over():
-    return walk(grown((0.3, 4.0, 1.2, 40.0, 0.0, 0.0)))
+    return simulate_walk(grown((0.3, 4.0, 1.2, 40.0, 0.0, 0.0)))
 
 
 @expect("too fast", "body lengths/s; 10 is allowed")
@@ -115,42 +117,42 @@ def robot_that_throws_itself_with_excessive_torque():
     scene = grown(*CROUCH)
     for strength in (scene.model.actuator_gainprm, scene.model.actuator_biasprm, scene.model.actuator_forcerange):
         strength *= 20
-    return walk(driven(scene, lambda time, target, rest: np.where(time > 0.5, 0.0, target)))
+    return simulate_walk(driven(scene, lambda time, target, rest: np.where(time > 0.5, 0.0, target)))
 
 
 @expect("restless", r"after 3 s without drive it still moved at \d+\.\d\d m/s; 0.05 is allowed")
 def robot_that_starts_with_upward_speed():
-    return walk(placed(scene_of(), lambda model, data: data.qvel.__setitem__(2, 20.0)))
+    return simulate_walk(placed(scene_of(), lambda model, data: data.qvel.__setitem__(2, 20.0)))
 
 
 @expect("airborne", r"off the ground for \d\.\d\d s; 0.5 is allowed")
 def robot_without_gravity():
-    return walk(scene_of(wl.Terrain(gravity=(0, 0, 0)), duration=2))
+    return simulate_walk(scene_of(wl.Terrain(gravity=(0, 0, 0)), duration=2))
 
 
 @expect("airborne", "off the ground for")
 def robot_that_hops_on_the_moon():
-    return walk(scene_of(wl.Terrain(gravity="moon")))
+    return simulate_walk(scene_of(wl.Terrain(gravity="moon")))
 
 
 @expect("too high", "body lengths higher than at rest; 0.5 is allowed")
 def robot_that_vaults():
-    return walk(driven(grown(*CROUCH), lambda time, target, rest: np.where(time > 0.5, 0.0, target)))
+    return simulate_walk(driven(grown(*CROUCH), lambda time, target, rest: np.where(time > 0.5, 0.0, target)))
 
 
 @expect("sunk", "m deep in the ground; 0.05 is allowed")
 def robot_on_soft_ground():
     scene = scene_of()
     scene.model.geom_solref[:] = 0.1, 1
-    return walk(scene)
+    return simulate_walk(scene)
 
 
 @expect("sunk", "m deep in the ground; 0.05 is allowed")
 def robot_that_presses_a_foot_into_the_ground():
     scene = grown(*CROUCH)
     scene.model.geom_solref[:] = 0.08, 1
-    assert walk(held(scene), poses=False).verdict == "ok"
-    return walk(driven(scene, lambda time, target, rest: rest * np.where(time > 0.5, 0.7, 1.0)))
+    assert simulate_walk(held(scene), poses=False).verdict == "ok"
+    return simulate_walk(driven(scene, lambda time, target, rest: rest * np.where(time > 0.5, 0.7, 1.0)))
 
 
 @expect("bad start", r"at the start it was 0\.04\d m deep in another body; 0.001 is allowed")
@@ -158,7 +160,7 @@ def start_in_the_ground():
     def lower(model, data):
         data.qpos[2] -= 0.05
 
-    return walk(placed(scene_of(), lower))
+    return simulate_walk(placed(scene_of(), lower))
 
 
 @expect("bad start", "m deep in another body")
@@ -169,7 +171,7 @@ def start_inside_an_obstacle():
     def overlap(model, data):
         data.qpos[start : start + 2] = -0.2, 0.0
 
-    return walk(placed(scene, overlap))
+    return simulate_walk(placed(scene, overlap))
 
 
 @expect("bad start", "m deep in another body")
@@ -180,12 +182,12 @@ def start_inside_the_sledge():
     def overlap(model, data):
         data.qpos[start] = -0.3
 
-    return walk(placed(scene, overlap))
+    return simulate_walk(placed(scene, overlap))
 
 
 @expect("jittering", "a joint was driven at 15.0 Hz; 2.5 is allowed")
 def robot_that_jitters():
-    return walk(driven(scene_of(), lambda time, target, rest: rest + 0.2 * np.sin(math.tau * 15 * time)))
+    return simulate_walk(driven(scene_of(), lambda time, target, rest: rest + 0.2 * np.sin(math.tau * 15 * time)))
 
 
 @expect("unstable", "MuJoCo gave 1 warning")
@@ -195,45 +197,45 @@ def robot_with_unstable_servos():
     scene.model.actuator_gainprm[:, 0] *= 1e9
     scene.model.actuator_biasprm[:, 1] *= 1e9
     scene.model.actuator_forcelimited[:] = 0
-    return walk(scene)
+    return simulate_walk(scene)
 
 
 @expect("unstable", "MuJoCo gave 1 warning")
 def controls_that_become_nan():
-    return walk(driven(scene_of(), lambda time, target, rest: np.where(time > 1, np.nan, target)))
+    return simulate_walk(driven(scene_of(), lambda time, target, rest: np.where(time > 1, np.nan, target)))
 
 
 @expect("unstable", "MuJoCo gave 3 warnings")
 def start_with_nan():
     scene = scene_of(drag_weight=2)
-    return walk(scene, nudge=nudge(scene, x=math.nan))
+    return simulate_walk(scene, nudge=nudge(scene, x=math.nan))
 
 
 @expect("out of arena", "m outside the arena; 0 is allowed")
 def robot_that_leaves_the_stairs_sideways():
     scene = scene_of(wl.Terrain(structure="stairs"))
-    return walk(scene, nudge=nudge(scene, y=3.5, yaw=math.pi / 2))
+    return simulate_walk(scene, nudge=nudge(scene, y=3.5, yaw=math.pi / 2))
 
 
 @expect("out of arena", "m outside the arena; 0 is allowed")
 def robot_that_walks_around_the_obstacles():
     scene = scene_of(wl.Terrain(obstacle="rock"))
-    return walk(scene, nudge=nudge(scene, y=2.5, yaw=math.pi / 2))
+    return simulate_walk(scene, nudge=nudge(scene, y=2.5, yaw=math.pi / 2))
 
 
 @expect("restless", "after 3 s without drive it still moved at")
 def robot_that_slides_on_an_icy_slope():
-    return walk(held(scene_of(wl.Terrain(structure="incline", incline=-10, texture="ice"))))
+    return simulate_walk(held(scene_of(wl.Terrain(structure="incline", incline=-10, texture="ice"))))
 
 
 @expect("restless", r"it still moved at 0\.0\d m/s; 0.05 is allowed")
 def robot_that_creeps_because_of_soft_contacts():
-    return walk(held(scene_of(wl.Terrain(structure="incline", incline=-5, texture="ice"))))
+    return simulate_walk(held(scene_of(wl.Terrain(structure="incline", incline=-5, texture="ice"))))
 
 
 @expect("restless", "after 3 s without drive it still moved at")
 def robot_that_is_moved_by_wind():
-    return walk(held(scene_of(wl.Terrain(wind=(0, 40, 0)))))
+    return simulate_walk(held(scene_of(wl.Terrain(wind=(0, 40, 0)))))
 
 
 @expect("restless", "after 3 s without drive it still moved at")
@@ -251,21 +253,21 @@ def robot_that_rides_on_an_obstacle():
         data.qpos[start + 3 : start + 7] = data.qpos[3:7]
         data.qpos[:3] += (2 * half + 0.005) * up
 
-    return walk(placed(scene, mount))
+    return simulate_walk(placed(scene, mount))
 
 
 @expect("load lost", r"the rope was stretched to \d\.\d\d times its length; 1.1 is allowed")
 def robot_whose_rope_is_cut():
     scene = scene_of(drag_weight=2)
     scene.model.tendon_limited[:] = 0
-    return walk(scene)
+    return simulate_walk(scene)
 
 
 @expect("load lost", r"the rope was stretched to \d\.\d\d times its length; 1.1 is allowed")
 def robot_with_an_elastic_rope():
     scene = scene_of(drag_weight=2)
     scene.model.tendon_solref_lim[:] = 0.2, 1
-    return walk(scene)
+    return simulate_walk(scene)
 
 
 @expect("load lost", "m ahead of the robot; 0 is allowed")
@@ -273,13 +275,13 @@ def sledge_that_slides_ahead_downhill():
     scene = scene_of(wl.Terrain(structure="incline", incline=-10), drag_weight=2)
     _, sledge = body(scene, "sledge/")
     scene.model.geom_priority[sledge], scene.model.geom_friction[sledge] = 2, (0.05, 0.0005, 0.0005)
-    return walk(held(scene))
+    return simulate_walk(held(scene))
 
 
 @expect("load lost", "m ahead of the robot; 0 is allowed")
 def robot_that_pushes_its_sledge():
     scene = scene_of(drag_weight=2)
-    return walk(scene, nudge=nudge(scene, yaw=math.pi))
+    return simulate_walk(scene, nudge=nudge(scene, yaw=math.pi))
 
 
 @expect("load lost", "the sledge was .* m")
@@ -287,7 +289,7 @@ def sledge_that_falls_through_the_ground():
     scene = scene_of(drag_weight=2)
     _, sledge = body(scene, "sledge/")
     scene.model.geom_contype[sledge] = scene.model.geom_conaffinity[sledge] = 0
-    return walk(scene)
+    return simulate_walk(scene)
 
 
 @pytest.mark.parametrize("cheat", CHEATS)
@@ -310,7 +312,7 @@ def test_every_verdict_has_a_cheat():
 def test_walking_in_circles_gives_no_distance():
     scene = scene_of(duration=40)
     left = np.array([scene.model.actuator(i).name.startswith("walker/left") for i in range(scene.model.nu)])
-    rollout = walk(driven(scene, lambda time, target, rest: np.where(left, target, rest)), poses=False)
+    rollout = simulate_walk(driven(scene, lambda time, target, rest: np.where(left, target, rest)), poses=False)
     path = np.linalg.norm(np.diff(rollout.com[:, :2], axis=0), axis=1).sum()
     assert rollout.verdict == "ok"
     assert path > 8
@@ -319,7 +321,7 @@ def test_walking_in_circles_gives_no_distance():
 
 def test_walking_backward_gives_a_negative_distance():
     scene = scene_of()
-    forward, backward = walk(scene), walk(scene, nudge=nudge(scene, yaw=math.pi))
+    forward, backward = simulate_walk(scene), simulate_walk(scene, nudge=nudge(scene, yaw=math.pi))
     assert backward.verdict == "ok"
     assert distance(backward) == pytest.approx(-distance(forward), rel=0.05)
 
@@ -327,7 +329,7 @@ def test_walking_backward_gives_a_negative_distance():
 def test_stretching_a_leg_forward_gives_no_distance():
     scene = grown((0.2, 0.2, 0.8, 5.0, -1.4, 0.0), (0.4, 6.0, 0.3, 20.0, 0.3, 0.0), (0.4, 6.0, 0.3, 20.0, 0.0, 0.0))
     arms = np.array([1, 0, 1, 0] + [0] * 8)
-    rollout = walk(
+    rollout = simulate_walk(
         driven(scene, lambda time, target, rest: rest - arms * np.minimum(time, 3.4))
     )  # raises the front legs
     first, last = (max(skin[:, 0].max() for skin, _ in skins(scene, pose)) for pose in rollout.poses[[0, -1]])
@@ -338,7 +340,7 @@ def test_stretching_a_leg_forward_gives_no_distance():
 
 def test_standing_still_gives_no_distance_on_any_slope():
     for incline in (-30, -15, 0, 15, 30):
-        rollout = walk(held(scene_of(wl.Terrain(structure="incline", incline=incline))), poses=False)
+        rollout = simulate_walk(held(scene_of(wl.Terrain(structure="incline", incline=incline))), poses=False)
         assert rollout.verdict == "ok", rollout.reason
         assert distance(rollout) < validity.MAX_REST_SPEED * rollout.time[-1]
 
@@ -346,7 +348,7 @@ def test_standing_still_gives_no_distance_on_any_slope():
 @pytest.mark.parametrize("duration", [1, 2, 3.3])
 def test_the_greatest_gait_frequency_is_not_jittering_for_any_duration(duration):
     for number in range(10):
-        values = wl.Genome.random(wl.Robot(), rng=stream(9, "check", number)).values.copy()
+        values = wl.Genome.random(wl.Robot(), rng=random_stream(9, "check", number)).values.copy()
         values[1] = FREQUENCY_RANGE[1]
         settings = wl.Settings().with_(duration=duration)
         assert wl.simulate(wl.Genome(values), settings, poses=False).verdict != "jittering"
@@ -478,17 +480,17 @@ def test_a_reason_names_the_time_the_value_and_the_limit(case):
     assert re.fullmatch(rf"{moment}.*\d.*; \d+(\.\d+)?%? is allowed", reason), reason
 
 
-@pytest.mark.parametrize("guard", GUARDS)
+@pytest.mark.parametrize("guard", GUARD_FUNCTIONS)
 def test_forgive_turns_off_one_guard_by_name_code_or_member(guard):
     trace = replace(PLAIN, **violation(guard))
-    others = [other for other in GUARDS if other != guard]
+    others = [other for other in GUARD_FUNCTIONS if other != guard]
     for forgiven in (guard, guard.name, int(guard)):
         assert judge(trace, SETTINGS.with_(forgive=forgiven)) == ("ok", "")
         assert judge(trace, with_forgiven(others[0], forgiven)) == ("ok", "")
     assert judge(trace, with_forgiven(*others)) == judge(trace, SETTINGS)
 
 
-@pytest.mark.parametrize("forgiven", [(), tuple(GUARDS)], ids=["strict", "all forgiven"])
+@pytest.mark.parametrize("forgiven", [(), tuple(GUARD_FUNCTIONS)], ids=["strict", "all forgiven"])
 def test_a_diverged_simulation_is_never_forgiven(forgiven):
     settings = with_forgiven(*forgiven)
     assert judge(replace(PLAIN, warnings=1), settings) == ("unstable", "MuJoCo gave 1 warning")
@@ -503,16 +505,19 @@ def test_a_diverged_simulation_is_never_forgiven(forgiven):
 def test_the_first_violated_guard_gives_the_verdict():
     """The guards are turned off one by one for a walk that violates all of them."""
     all_violations = PLAIN
-    for guard in GUARDS:
+    for guard in GUARD_FUNCTIONS:
         for name, change in violation(guard).items():
             plain, so_far = getattr(PLAIN, name), getattr(all_violations, name)
             all_violations = replace(all_violations, **{name: np.where(change == plain, so_far, change)[()]})
-    verdicts = [judge(all_violations, with_forgiven(*list(GUARDS)[:count]))[0] for count in range(len(GUARDS) + 1)]
-    assert verdicts == [*(guard.name.replace("_", " ") for guard in GUARDS), "ok"]
+    verdicts = [
+        judge(all_violations, with_forgiven(*list(GUARD_FUNCTIONS)[:count]))[0]
+        for count in range(len(GUARD_FUNCTIONS) + 1)
+    ]
+    assert verdicts == [*(guard.name.replace("_", " ") for guard in GUARD_FUNCTIONS), "ok"]
     assert judge(replace(all_violations, warnings=1), SETTINGS)[0] == "unstable"
 
 
 def test_guards_and_verdicts_are_in_the_order_of_the_codes():
-    assert list(GUARDS) == [guard for guard in Guard if guard != Guard.none]
-    assert list(VERDICTS) == ["ok", "unstable", *(guard.name.replace("_", " ") for guard in GUARDS), REJECTED]
+    assert list(GUARD_FUNCTIONS) == [guard for guard in Guard if guard != Guard.none]
+    assert list(VERDICTS) == ["ok", "unstable", *(guard.name.replace("_", " ") for guard in GUARD_FUNCTIONS), REJECTED]
     assert all(sentence[0].isupper() and sentence.endswith(".") for sentence in VERDICTS.values())

@@ -23,7 +23,13 @@ from walkerlab.runfile.records import Individual, name_fitness
 from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.simulation.robustness import Confirmation
 from walkerlab.text.html import Html
-from walkerlab.text.numbers import NO_VALUE, fixed_column, significant, significant_column, with_unit
+from walkerlab.text.numbers import (
+    NO_VALUE,
+    format_fixed_column,
+    format_significant,
+    format_significant_column,
+    with_unit,
+)
 from walkerlab.view import film, summary
 from walkerlab.view.replay import replay
 from walkerlab.view.report import page
@@ -68,7 +74,7 @@ def is_read_back(text, value):
     ],
 )
 def test_a_number_is_written_to_three_significant_figures(value, text):
-    assert significant(value) == text
+    assert format_significant(value) == text
 
 
 def test_a_unit_follows_after_a_blank():
@@ -77,27 +83,27 @@ def test_a_unit_follows_after_a_blank():
 
 @given(st.floats(-1e100, 1e100))
 def test_any_number_is_read_back_and_is_short(value):
-    assert float(significant(value)) == pytest.approx(value, rel=5.1e-3, abs=0)
-    assert len(significant(value)) <= 10
+    assert float(format_significant(value)) == pytest.approx(value, rel=5.1e-3, abs=0)
+    assert len(format_significant(value)) <= 10
 
 
 @given(st.lists(FITNESS, min_size=1, max_size=8))
 def test_every_number_of_a_column_is_read_back(values):
-    for text, value in zip(significant_column(values), values, strict=True):
+    for text, value in zip(format_significant_column(values), values, strict=True):
         assert is_read_back(text, value)
         assert not re.fullmatch(r"-0\.?0*", text)
 
 
 def test_the_points_of_a_column_align_as_far_as_its_sizes_allow():
-    assert significant_column([2.345, 0.0412, -0.5, 0.0]) == ["2.3450", "0.0412", "-0.5000", "0.0000"]
-    assert significant_column([2.345, 1e-6, math.nan]) == ["2.3450", "1.00e-06", NO_VALUE]
-    assert significant_column([1e-6, 2e-5]) == ["1.00e-06", "2.00e-05"]
-    assert significant_column([-math.inf]) == [NO_VALUE]
+    assert format_significant_column([2.345, 0.0412, -0.5, 0.0]) == ["2.3450", "0.0412", "-0.5000", "0.0000"]
+    assert format_significant_column([2.345, 1e-6, math.nan]) == ["2.3450", "1.00e-06", NO_VALUE]
+    assert format_significant_column([1e-6, 2e-5]) == ["1.00e-06", "2.00e-05"]
+    assert format_significant_column([-math.inf]) == [NO_VALUE]
 
 
 def test_a_column_of_known_scale_has_more_decimals_where_all_are_small():
-    assert fixed_column([1.234, -0.0001, math.nan], 2) == ["1.23", "0.00", NO_VALUE]
-    assert fixed_column([0.004, 0.001], 2) == ["0.00400", "0.00100"]
+    assert format_fixed_column([1.234, -0.0001, math.nan], 2) == ["1.23", "0.00", NO_VALUE]
+    assert format_fixed_column([0.004, 0.001], 2) == ["0.00400", "0.00100"]
 
 
 # ---------------------------------------------------------------------------------------------------------- fitness

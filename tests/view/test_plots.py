@@ -21,7 +21,7 @@ from matplotlib.patches import StepPatch
 import walkerlab as wl
 from walkerlab.breeding import generate_robot_population, resolve_operators
 from walkerlab.ga.loop import first_population, next_population
-from walkerlab.genome.repair import genes_of, repair
+from walkerlab.genome.repair import build_genes, repair
 from walkerlab.runfile.records import (
     COLUMNS,
     Walked,
@@ -42,7 +42,7 @@ from walkerlab.view.plots import genomes as plots_of_genomes
 from walkerlab.view.plots.ancestry import MAX_COMPLETE_LINE, N_DRAWN_OF_LONG_LINE
 from walkerlab.view.plots.bodies import add_body, resting_scene
 from walkerlab.world.geometry import skins
-from walkerlab.world.heights import height
+from walkerlab.world.heights import ground_height
 
 
 def random_table(n=8, seed=0):
@@ -66,7 +66,7 @@ def evolved_table(generations=6, size=10, *, void=0.2, **changes):
         **changes: Settings that differ from the defaults.
     """
     settings = wl.Settings().with_(population_size=size, **changes)
-    genes = genes_of(settings.robot)
+    genes = build_genes(settings.robot)
     rng = np.random.default_rng(0)
 
     def evaluate_genome(values):
@@ -518,7 +518,7 @@ def genomes(records):
 
 def test_diversity_is_the_root_mean_square_distance_over_all_pairs(records, ax):
     wl.plots.diversity(records, ax)
-    table, values = genes_of(wl.Robot()), genomes(records)
+    table, values = build_genes(wl.Robot()), genomes(records)
     span = np.where(table.is_cyclic, table.high, np.ptp(values, axis=0))
     for generation, diversity in zip(*ax.lines[0].get_data(), strict=True):
         squares = []
@@ -564,7 +564,7 @@ def test_clones_have_zero_diversity_and_the_order_of_rows_does_not_matter(record
 
 def test_the_colour_of_a_gene_is_its_position_in_the_range_if_it_is_grown(records, ax):
     wl.plots.genes(records, ax, generation=2)
-    table, values = genes_of(wl.Robot()), genomes(records)
+    table, values = build_genes(wl.Robot()), genomes(records)
     picture = next(child for child in ax.get_children() if isinstance(child, QuadMesh)).get_array()
     rows = records[records.generation == 2].sort_values(["fitness", "individual"], ascending=[False, True])
     assert picture.shape == (len(rows), len(table))
@@ -586,7 +586,7 @@ def test_the_colour_of_a_gene_is_its_position_in_the_range_if_it_is_grown(record
 def test_columns_are_labelled_with_gene_and_segment(records, ax):
     wl.plots.genes(records, ax)
     names = [label.get_text() for label in ax.get_xticklabels()]
-    expected = [name.rpartition(".")[2].replace("_", " ") for name in genes_of(wl.Robot()).names]
+    expected = [name.rpartition(".")[2].replace("_", " ") for name in build_genes(wl.Robot()).names]
     assert names == expected
     assert {"body", "segment 1", "segment 4"} <= {text.get_text() for text in ax.texts}
 
@@ -929,4 +929,4 @@ class TestStride:
         for x in (-0.5, 0.7, 1.3, 2.9, 6.1):
             above = np.array([x, 3.0, 8.0])  # beside the robot, which is at y = 0
             depth = mujoco.mj_ray(scene.model, data, above, np.array([0, 0, -1.0]), None, 1, -1, np.zeros(1, np.int32))
-            assert 8.0 - depth == pytest.approx(height(settings.terrain, np.array([x]))[0], abs=1e-6)
+            assert 8.0 - depth == pytest.approx(ground_height(settings.terrain, np.array([x]))[0], abs=1e-6)

@@ -20,7 +20,7 @@ from walkerlab.view import sketch
 from walkerlab.view.sketch.description import describe_world
 from walkerlab.view.sketch.svg import hex_colour
 from walkerlab.world.entities.walker import TRUNK_COLOUR
-from walkerlab.world.heights import height
+from walkerlab.world.heights import ground_height
 from walkerlab.world.placement import compute_layout
 
 TRUNK_HEX = hex_colour(np.float32(TRUNK_COLOUR))  # MuJoCo stores colours as float32
@@ -126,8 +126,8 @@ def test_the_ground_is_drawn_to_scale(terrain):
     x = (x_pixels - labels["start"]) / scale + SHIFT * near
     start_pixels = labels["start"] - SHIFT * near * scale
     rises = -(np.interp(x_pixels, *edge.T) - np.interp(start_pixels, *edge.T)) / scale
-    expected = height(terrain, x, near) - height(terrain, np.zeros(1), near)
-    is_near_an_edge = np.abs(height(terrain, x - 0.02, near) - height(terrain, x + 0.02, near)) > 0.03
+    expected = ground_height(terrain, x, near) - ground_height(terrain, np.zeros(1), near)
+    is_near_an_edge = np.abs(ground_height(terrain, x - 0.02, near) - ground_height(terrain, x + 0.02, near)) > 0.03
     tolerance = 0.01 + (
         0.25 * terrain.hill_height if terrain.structure.name == "rough" else 0
     )  # drawn with few corners

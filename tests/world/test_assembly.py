@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 from walkerlab.world.scene import describe_scene, scene_of
 
 ROUNDED = {"body_subtreemass", "body_invweight0", "dof_invweight0", "tendon_invweight0", "actuator_acc0"}
@@ -24,7 +24,7 @@ WORLDS = {
 def test_the_assembled_model_equals_the_compiled_specification(world):
     settings = WORLDS[world]
     for i in range(4):
-        genome = wl.Genome.random(settings.robot, rng=stream(1, "check", i))
+        genome = wl.Genome.random(settings.robot, rng=random_stream(1, "check", i))
         quick, full = scene_of(genome, settings).model, describe_scene(genome, settings, scenery=False)[1].model
         for name, array in arrays(full).items():
             tolerance = 1e-12 if name in ROUNDED else 0.0
@@ -45,7 +45,7 @@ def arrays(model):
 
 def test_a_reused_model_does_not_depend_on_the_previous_robot():
     settings = WORLDS["gravel, rocks, pack and sledge"]
-    first, other = (wl.Genome.random(settings.robot, rng=stream(1, "check", i)) for i in range(2))
+    first, other = (wl.Genome.random(settings.robot, rng=random_stream(1, "check", i)) for i in range(2))
     before = arrays(scene_of(first, settings).model)
     scene_of(other, settings)
     for name, array in arrays(scene_of(first, settings).model).items():

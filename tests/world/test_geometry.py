@@ -10,7 +10,7 @@ import walkerlab as wl
 from walkerlab.commands.worlds import GENOME
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.world.geometry import material_image, placements, rope_ends, rotate, surfaces
-from walkerlab.world.heights import height
+from walkerlab.world.heights import ground_height
 
 GEOM = mujoco.mjtGeom
 
@@ -46,7 +46,7 @@ def test_drawn_hills_have_the_computed_height():
         one for one in surfaces(wl.compile_scene(GENOME, settings).model, bodies=False) if len(one.points) > 1000
     ]
     x, y, z = hills.points.T
-    assert np.allclose(z, height(settings.terrain, x, y), atol=1e-3)
+    assert np.allclose(z, ground_height(settings.terrain, x, y), atol=1e-3)
 
 
 def test_placements_and_rope_ends_agree_with_mujoco():

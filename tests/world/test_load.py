@@ -6,15 +6,15 @@ import pytest
 
 import walkerlab as wl
 from tests.simulation.test_validity import WALKER
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 from walkerlab.simulation.fitness import distance, velocity
-from walkerlab.simulation.rollout import walk
+from walkerlab.simulation.rollout import simulate_walk
 from walkerlab.simulation.starts import draw_nudge
 from walkerlab.world.entities.walker import LEG_COLOURS, TRUNK_COLOUR
 from walkerlab.world.scene import compile_scene
 
 LOADS = [{"carry_weight": 3}, {"drag_weight": 2}, {"carry_weight": 3, "drag_weight": 2}]
-OTHERS = [wl.Genome.random(wl.Robot(), rng=stream(4, "check", i)) for i in range(8)]
+OTHERS = [wl.Genome.random(wl.Robot(), rng=random_stream(4, "check", i)) for i in range(8)]
 
 
 def scene_with(load, **changes):
@@ -168,4 +168,4 @@ def test_a_robot_whose_tail_is_higher_than_the_rope_is_long_can_start():
     settings = wl.Settings(robot=robot).with_(duration=1.0)
     scene = wl.compile_scene(wl.Genome.random(robot, rng=np.random.default_rng(2)), settings)
     for start in range(20):
-        assert np.isfinite(walk(scene, nudge=draw_nudge(scene, start), poses=False).com).all()
+        assert np.isfinite(simulate_walk(scene, nudge=draw_nudge(scene, start), poses=False).com).all()

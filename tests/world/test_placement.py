@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import walkerlab as wl
 from tests.strategies import domains, robots
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.settings.model import SettingsError
 from walkerlab.settings.terrain import FIELD, MAX_PIECES, PLANETS
@@ -19,7 +19,7 @@ from walkerlab.simulation.validity import MAX_START_OVERLAP
 from walkerlab.world import heights, placement
 from walkerlab.world.assembly import _add_pieces
 from walkerlab.world.entities import generate_terrain
-from walkerlab.world.heights import FIELD_START, LANDING, height, hill_heights, level_stretches, slope
+from walkerlab.world.heights import FIELD_START, LANDING, ground_height, hill_heights, level_stretches, slope
 from walkerlab.world.placement import compute_layout
 from walkerlab.world.scene import compile_scene
 
@@ -85,7 +85,9 @@ def test_rays_from_above_hit_the_ground_at_the_computed_height(terrain):
     rng = np.random.default_rng(1)
     x, y = rng.uniform(-3, LANDING + heights.ARENA_LENGTH - 0.1, 1000), rng.uniform(-4.9, 4.9, 1000)
     found = cast_rays(*compiled(world_spec(terrain)), np.stack([x, y, np.full_like(x, 200.0)], axis=1), DOWN)
-    np.testing.assert_allclose(200 - np.array([distance for _, distance in found]), height(terrain, x, y), atol=1e-4)
+    np.testing.assert_allclose(
+        200 - np.array([distance for _, distance in found]), ground_height(terrain, x, y), atol=1e-4
+    )
 
 
 @pytest.mark.parametrize("structure", Structure)
@@ -194,7 +196,7 @@ loads = st.just(0.0) | st.floats(0.01, 100)
 @settings(max_examples=60)
 def test_no_robot_or_sledge_starts_inside_anything(terrain, limits, carried, dragged, number):
     robot = wl.Robot(**limits.model_dump() | {"carry_weight": carried, "drag_weight": dragged})
-    genome = wl.Genome.random(robot, rng=stream(1, "check", number))
+    genome = wl.Genome.random(robot, rng=random_stream(1, "check", number))
     scene = compile_scene(genome, wl.Settings(terrain=terrain, robot=robot))
     model, data = scene.model, mujoco.MjData(scene.model)
     scene.place(data)

@@ -9,14 +9,14 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.genome.phenotype import express
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.world import assembly
 from walkerlab.world import scene as scenes
 
 
 def random_genomes(n, robot=None):
-    return [wl.Genome.random(robot or wl.Robot(), rng=stream(1, "check", i)) for i in range(n)]
+    return [wl.Genome.random(robot or wl.Robot(), rng=random_stream(1, "check", i)) for i in range(n)]
 
 
 @pytest.mark.parametrize("genome", random_genomes(12), ids=range(12))

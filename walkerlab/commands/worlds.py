@@ -20,7 +20,7 @@ from PIL import Image
 from walkerlab.settings.settings import Settings
 from walkerlab.system.files import file_path, replacing
 from walkerlab.world.assembly import ROBOT_BODY
-from walkerlab.world.heights import height, slope
+from walkerlab.world.heights import ground_height, slope
 from walkerlab.world.scene import Scene, compile_scene
 
 GENOME = (
@@ -78,7 +78,7 @@ def simulate_in_world(scene: Scene) -> mujoco.MjData:
     offsets = np.linspace(-1, 0)  # m from the front of the robot
     for root in scene.roots:
         start = model.jnt_qposadr[model.body_jntadr[root]]
-        rise = np.max(height(terrain, offsets + START_SHIFT) - height(terrain, offsets))
+        rise = np.max(ground_height(terrain, offsets + START_SHIFT) - ground_height(terrain, offsets))
         data.qpos[start : start + 3] += (START_SHIFT, 0, rise)
     for control in scene.controls(round(WALK_TIME / model.opt.timestep)):
         data.ctrl[:] = control

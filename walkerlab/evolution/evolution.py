@@ -28,7 +28,7 @@ from walkerlab.ga.loop import first_population, next_population
 from walkerlab.ga.population import Population
 from walkerlab.ga.user_functions import OperatorError
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import genes_of, repair
+from walkerlab.genome.repair import build_genes, repair
 from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.runfile import paths, provenance, records
 from walkerlab.runfile.archive import Archive
@@ -110,7 +110,7 @@ class Evolution(ReadOnlyProperties):
         """
         reject_unknown_arguments("Evolution", unknown)
         require_settings(settings)
-        check_user_operators(settings.algorithm, genes_of(settings.robot))
+        check_user_operators(settings.algorithm, build_genes(settings.robot))
         fitness.check_user_function(settings.algorithm.fitness)
         workers.check_executor(executor)
         workers.check_open(executor)
@@ -255,7 +255,7 @@ class Evolution(ReadOnlyProperties):
             return next_population(
                 self._population,
                 resolve_operators(algorithm),
-                genes_of(robot),
+                build_genes(robot),
                 self._walk,
                 repair=partial(repair, robot=robot),
                 n_elites=algorithm.n_elites,

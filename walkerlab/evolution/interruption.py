@@ -6,7 +6,7 @@ from walkerlab.evolution.stored_functions import user_functions
 from walkerlab.runfile.archive import Archive
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import count
+from walkerlab.settings.values import pluralize
 from walkerlab.system.files import shown
 
 
@@ -24,7 +24,7 @@ def save_after(error: Exception, archive: Archive, settings: Settings, n_generat
     except RunFileError as problem:
         error.add_note(str(problem))
         return
-    saved = f"The run is saved in {shown(path)}, with {count(n_generations, 'generation')}."
+    saved = f"The run is saved in {shown(path)}, with {pluralize(n_generations, 'generation')}."
     if not n_generations:
         saved = f"No generation was done; the settings are saved in {shown(path)}."
     error.kept = path  # type: ignore[attr-defined]

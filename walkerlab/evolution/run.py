@@ -13,7 +13,7 @@ from walkerlab.runfile import records
 from walkerlab.runfile.records import Individual, copy_of
 from walkerlab.settings.choices import Camera, Fitness
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import brief
+from walkerlab.settings.values import short_repr
 from walkerlab.simulation import fitness
 from walkerlab.simulation.robustness import N_NUDGES, Confirmation, confirm
 from walkerlab.system.files import shown
@@ -124,7 +124,7 @@ class Run(ReadOnlyProperties):
         for number in generations:
             if not isinstance(number, int | np.integer) or isinstance(number, bool):  # pyright: ignore[reportUnnecessaryIsInstance]
                 raise TypeError(
-                    f"{brief(number)} is not the number of a generation; generations are whole numbers, 0 to "
+                    f"{short_repr(number)} is not the number of a generation; generations are whole numbers, 0 to "
                     f"{self.n_generations - 1}, or negative to count from the end, as in run.replay(0, -1)"
                 )
         generations = tuple(n + self.n_generations if n < 0 else n for n in generations)

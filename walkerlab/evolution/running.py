@@ -19,7 +19,7 @@ from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
 from walkerlab.system.files import shown
-from walkerlab.text.numbers import significant
+from walkerlab.text.numbers import format_significant
 
 
 def evolve(
@@ -131,7 +131,7 @@ def _run_to_end(evolution: Evolution, bar: Any) -> Run:
     try:
         for generation in evolution:
             best = generation.champion
-            result = f"best {significant(best.fitness)}" if best.verdict == "ok" else "no walk counted"
+            result = f"best {format_significant(best.fitness)}" if best.verdict == "ok" else "no walk counted"
             bar.set_postfix_str(f"generation {generation.number}, {result}")
     except KeyboardInterrupt:
         if not evolution.n_generations:

@@ -9,7 +9,7 @@ import numpy as np
 from walkerlab.ga.genes import Floats, Genes
 from walkerlab.ga.slots import CROSSOVER, MUTATION, SELECTION, Cross, Mutate, Select, run_cross, run_mutate, run_select
 from walkerlab.ga.user_functions import CHECK_TIME_LIMIT, OperatorError, Slot, name_of
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 
 TRIAL_SIZE = 20
 """Number of individuals in the trial population."""
@@ -62,7 +62,7 @@ def check_mutate(mutate: Mutate, genes: Genes) -> None:
 
 def _trial_genomes(genes: Genes) -> Floats:
     """Return random genomes within the ranges, shape (TRIAL_SIZE, n_genes)."""
-    values = genes.low + (genes.high - genes.low) * stream(0, "check").random((TRIAL_SIZE, len(genes)))
+    values = genes.low + (genes.high - genes.low) * random_stream(0, "check").random((TRIAL_SIZE, len(genes)))
     return np.where(genes.is_count, np.rint(values), values)
 
 
@@ -88,7 +88,7 @@ def _check_operator(
     _check_signature(operator, slot, arguments, keywords)
     try:
         first, second = (
-            run(operator, *arguments, rng=stream(0, "check", 1), time_limit=CHECK_TIME_LIMIT, **keywords)
+            run(operator, *arguments, rng=random_stream(0, "check", 1), time_limit=CHECK_TIME_LIMIT, **keywords)
             for _ in range(2)
         )
         if not all(map(np.array_equal, first, second)):

@@ -12,7 +12,7 @@ from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
 from walkerlab.ga.selection import require_finite
 from walkerlab.ga.slots import Cross, Mutate, Select, run_cross, run_mutate, run_select
 from walkerlab.ga.user_functions import OperatorError
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ def _operator_stream(
 ) -> Generator[np.random.Generator, None, None]:
     """Yield the random generator of one operator; add the generation number to an OperatorError."""
     try:
-        yield stream(seed, slot, generation, position)
+        yield random_stream(seed, slot, generation, position)
     except OperatorError as error:
         error.context = f"while making generation {generation}"
         raise

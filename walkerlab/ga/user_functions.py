@@ -10,7 +10,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from walkerlab.errors import Fault
+from walkerlab.errors import WalkerlabError
 from walkerlab.system.time_limit import (
     LIMIT_VARIABLE,
     TimeLimitExceeded,
@@ -32,7 +32,7 @@ RANDOM_MODULE = "random"
 """Module of Python's shared random generator; its state is read only if it is imported already."""
 
 
-class OperatorError(Fault, ValueError):
+class OperatorError(WalkerlabError, ValueError):
     """A user function does not do what its slot requires; the message names it and explains how to fix it.
 
     Attributes:
@@ -146,7 +146,7 @@ def _call_and_explain(slot: Slot, function: Callable[..., object], call: Callabl
             "Check it for a loop that never ends. "
             f"If it needs more time, set os.environ[{LIMIT_VARIABLE!r}] = '600' before the run.{still_running}",
         ) from error
-    except Fault:  # has an explanation already
+    except WalkerlabError:  # has an explanation already
         raise
     except BaseException as error:
         if isinstance(error, KeyboardInterrupt) and not raised_in_call(error):

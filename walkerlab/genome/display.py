@@ -3,14 +3,14 @@
 from collections.abc import Iterator
 
 from walkerlab.ga.genes import Floats
-from walkerlab.genome.repair import PART, WHOLE
-from walkerlab.genome.text import MOTIONS, format_text, n_segments_of
+from walkerlab.genome.repair import BODY_FEATURES, SEGMENT_FEATURES
+from walkerlab.genome.text import SWING_PARAMETERS, count_segments, format_text
 from walkerlab.settings.choices import Feature
-from walkerlab.settings.values import count
+from walkerlab.settings.values import pluralize
 from walkerlab.text.html import Html, code, details, join, table, tag
 
-BODY_FEATURES = PART[:5]
-GAIT_FEATURES = PART[5:]
+BODY_COLUMNS = SEGMENT_FEATURES[:5]
+GAIT_COLUMNS = SEGMENT_FEATURES[5:]
 MAX_FIXED = 1e6  # larger numbers are written with an exponent
 
 
@@ -22,10 +22,10 @@ def genome_html(values: Floats) -> Html:
     Args:
         values: Gene values, shape (n_genes,).
     """
-    n_segments = n_segments_of(values.size)
-    wanted, frequency = values[: len(WHOLE)].tolist()
-    rows_of_values = values[len(WHOLE) :].reshape(n_segments, -1).tolist()
-    segments = [dict(zip(PART, row, strict=True)) for row in rows_of_values]
+    n_segments = count_segments(values.size)
+    wanted, frequency = values[: len(BODY_FEATURES)].tolist()
+    rows_of_values = values[len(BODY_FEATURES) :].reshape(n_segments, -1).tolist()
+    segments = [dict(zip(SEGMENT_FEATURES, row, strict=True)) for row in rows_of_values]
     is_grown = [i < wanted for i in range(n_segments)]
     row_classes = ["" if grown else "faint" for grown in is_grown]
 
@@ -36,18 +36,18 @@ def genome_html(values: Floats) -> Html:
             yield [f"{i + 1}{'' if is_grown[i] else ' (not grown)'}", *cells]
 
     n_grown = sum(is_grown)
-    size = count(n_segments, "segment")
+    size = pluralize(n_segments, "segment")
     body = table(
         f"Body: {f'{n_grown} of {size} grown' if n_grown < n_segments else size}",
         ["seg", "length [m]", "mass [kg]", "legs", "length [m]", "force [N·m]"],
-        rows(BODY_FEATURES),
+        rows(BODY_COLUMNS),
         numbers=(1, 2, 4, 5),
         classes=row_classes,
     )
     gait = table(
         f"Gait: frequency {_format_number(frequency)} Hz; angles in rad",
-        ["step", *MOTIONS, *MOTIONS, "stride"],
-        rows(GAIT_FEATURES),
+        ["step", *SWING_PARAMETERS, *SWING_PARAMETERS, "stride"],
+        rows(GAIT_COLUMNS),
         groups=[("", 1), ("hip", 3), ("knee", 3), ("", 1)],
         numbers=range(1, 8),
         classes=row_classes,

@@ -10,13 +10,13 @@ from numpy.typing import ArrayLike
 
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.display import genome_html
-from walkerlab.genome.repair import MAX_SEGMENTS, PART, WHOLE, genes_of, repair
-from walkerlab.genome.text import format_text, n_segments_of, parse_text
+from walkerlab.genome.repair import BODY_FEATURES, MAX_SEGMENTS, SEGMENT_FEATURES, build_genes, repair
+from walkerlab.genome.text import count_segments, format_text, parse_text
 from walkerlab.readonly import ReadOnlyArrays
 from walkerlab.settings.arguments import require_generator
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import brief
+from walkerlab.settings.values import short_repr
 from walkerlab.text.html import shown
 
 
@@ -48,12 +48,13 @@ class Genome(ReadOnlyArrays):
         try:
             values = np.asarray(self.values, dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
-            raise ValueError(f"a genome's values must be a row of numbers; got {brief(self.values)}") from None
-        n_segments, remainder = divmod(values.size - len(WHOLE), len(PART))
+            raise ValueError(f"a genome's values must be a row of numbers; got {short_repr(self.values)}") from None
+        n_segments, remainder = divmod(values.size - len(BODY_FEATURES), len(SEGMENT_FEATURES))
         if values.ndim != 1 or remainder or not 1 <= n_segments <= MAX_SEGMENTS:
-            got = f"an array of shape {values.shape}" if values.ndim else brief(self.values)
+            got = f"an array of shape {values.shape}" if values.ndim else short_repr(self.values)
             raise ValueError(
-                f"a genome has {len(WHOLE)} genes and {len(PART)} more for each of 1 to {MAX_SEGMENTS} segments, "
+                f"a genome has {len(BODY_FEATURES)} genes and {len(SEGMENT_FEATURES)} more for each of 1 to "
+                f"{MAX_SEGMENTS} segments, "
                 f"in one row; got {got}"
             )
         if not np.isfinite(values).all():
@@ -74,7 +75,7 @@ class Genome(ReadOnlyArrays):
             ValueError: If ``robot`` is not a ``Robot``.
             TypeError: If ``rng`` is not a numpy random Generator.
         """
-        genes = genes_of(robot)
+        genes = build_genes(robot)
         rng = require_generator(rng)
         drawn = rng.uniform(genes.low, genes.high)
         whole = rng.integers(genes.low.astype(int), genes.high.astype(int), endpoint=True)
@@ -128,7 +129,7 @@ class Genome(ReadOnlyArrays):
     @property
     def n_parts(self) -> int:
         """Number of segments that the genome describes, grown or not."""
-        return n_segments_of(self.values.size)
+        return count_segments(self.values.size)
 
     def within(self, robot: Robot) -> Self:
         """Return the nearest genome that obeys these limits.
@@ -142,9 +143,9 @@ class Genome(ReadOnlyArrays):
         Raises:
             ValueError: If ``robot`` is not a ``Robot``.
         """
-        genes_of(robot)  # checks the argument
-        whole = self.values[: len(WHOLE)]
-        parts = self.values[len(WHOLE) :].reshape(self.n_parts, -1)
+        build_genes(robot)  # checks the argument
+        whole = self.values[: len(BODY_FEATURES)]
+        parts = self.values[len(BODY_FEATURES) :].reshape(self.n_parts, -1)
         parts = parts[np.minimum(np.arange(robot.segments[1]), self.n_parts - 1)]
         return type(self)(repair(np.concatenate([whole, parts.ravel()])[np.newaxis], robot)[0])
 
@@ -190,7 +191,7 @@ def read_genomes(given: Iterable[Genome | str | ArrayLike | HasGenome]) -> list[
     if given is not None and not isinstance(given, list | tuple):  # pyright: ignore[reportUnnecessaryComparison]
         _check_has_one_genome(given)
     if not isinstance(given, Iterable | Genome) and not hasattr(given, "genome"):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise TypeError(f"several genomes are expected, as a list; got {brief(given)}")
+        raise TypeError(f"several genomes are expected, as a list; got {short_repr(given)}")
     if is_row or isinstance(given, Genome | str) or hasattr(given, "genome"):
         raise ValueError("several genomes are expected, but this is a single one; put it in a list: [genome]")
     return [Genome.of(item) for item in given]

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import PART, WHOLE
+from walkerlab.genome.repair import BODY_FEATURES, SEGMENT_FEATURES
 from walkerlab.settings.choices import Feature
 
 
@@ -87,13 +87,13 @@ class Phenotype:
 def express(genome: Genome) -> Phenotype:
     """Return the robot that a genome expresses; unexpressed genes are ignored."""
     genome = Genome.of(genome)
-    n_segments, frequency = genome.values[: len(WHOLE)].tolist()
-    rows = genome.values[len(WHOLE) :].reshape(genome.n_parts, -1)[: int(n_segments)]
+    n_segments, frequency = genome.values[: len(BODY_FEATURES)].tolist()
+    rows = genome.values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)[: int(n_segments)]
     return Phenotype(tuple(map(_express_segment, rows.tolist())), frequency)
 
 
 def _express_segment(values: list[float]) -> Segment:
-    gene = dict(zip(PART, values, strict=True))
+    gene = dict(zip(SEGMENT_FEATURES, values, strict=True))
     hip = Swing(gene[Feature.hip_amplitude], gene[Feature.hip_phase], gene[Feature.hip_offset])
     knee_phase = hip.phase + gene[Feature.knee_phase]
     knee = Swing(gene[Feature.knee_amplitude], knee_phase, gene[Feature.knee_offset])

@@ -15,10 +15,10 @@ GRID_DECIMALS = 3
 
 MAX_SEGMENTS = Robot.declared()["segments"].high  # type: ignore[union-attr]
 
-WHOLE = (Feature.segments, Feature.frequency)
+BODY_FEATURES = (Feature.segments, Feature.frequency)
 """Features of the whole body."""
 
-PART = tuple(feature for feature in Feature if feature not in WHOLE)
+SEGMENT_FEATURES = tuple(feature for feature in Feature if feature not in BODY_FEATURES)
 """Features of each segment."""
 
 FREQUENCY_RANGE = (0.4, 2.2)  # Hz, of strides
@@ -27,7 +27,7 @@ SUM_TOLERANCE = 1e-10  # relative to the maximum of the sum
 GRID_TOLERANCE = 1e-6  # steps of the grid
 
 
-def _ranges(robot: Robot) -> dict[Feature, tuple[float, float, str, Kind]]:
+def _feature_ranges(robot: Robot) -> dict[Feature, tuple[float, float, str, Kind]]:
     """Return low, high, unit and kind of every feature."""
     shortest, longest = robot.segment_length
     angle = "rad"
@@ -50,7 +50,7 @@ def _ranges(robot: Robot) -> dict[Feature, tuple[float, float, str, Kind]]:
 
 
 @lru_cache(maxsize=64)
-def genes_of(robot: Robot) -> Genes:
+def build_genes(robot: Robot) -> Genes:
     """Return the gene table of robots within these limits: two genes of the whole body and twelve for each segment.
 
     Raises:
@@ -58,10 +58,12 @@ def genes_of(robot: Robot) -> Genes:
     """
     if not isinstance(robot, Robot):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ValueError(f"the limits must be a Robot such as settings.robot; got a {type(robot).__name__}")
-    ranges = _ranges(robot)
+    ranges = _feature_ranges(robot)
     n_parts = robot.segments[1]
-    columns = [(feature.name, feature) for feature in WHOLE]
-    columns += [(f"seg{part}.{feature.name}", feature) for part in range(1, n_parts + 1) for feature in PART]
+    columns = [(feature.name, feature) for feature in BODY_FEATURES]
+    columns += [
+        (f"seg{part}.{feature.name}", feature) for part in range(1, n_parts + 1) for feature in SEGMENT_FEATURES
+    ]
     low, high, units, kinds = zip(*(ranges[feature] for _, feature in columns), strict=True)
     return Genes(
         names=tuple(name for name, _ in columns),
@@ -71,8 +73,8 @@ def genes_of(robot: Robot) -> Genes:
         low=np.array(low, dtype=np.float64),
         high=np.array(high, dtype=np.float64),
         n_parts=n_parts,
-        n_whole=len(WHOLE),
-        count=WHOLE.index(Feature.segments),
+        n_whole=len(BODY_FEATURES),
+        count=BODY_FEATURES.index(Feature.segments),
     )
 
 
@@ -85,7 +87,7 @@ def gene_table(robot: Robot) -> pd.DataFrame:
     Raises:
         ValueError: If ``robot`` is not a ``Robot``.
     """
-    genes = genes_of(robot)
+    genes = build_genes(robot)
     columns = ("names", "units", "low", "high", "kinds", "meanings")
     titles = ("gene", "unit", "low", "high", "kind", "meaning")
     return pd.DataFrame({title: list(getattr(genes, column)) for title, column in zip(titles, columns, strict=True)})
@@ -109,7 +111,7 @@ def repair(genomes: ArrayLike, robot: Robot) -> Floats:
     Raises:
         ValueError: If a value is not finite, or the shape is wrong.
     """
-    genes = genes_of(robot)
+    genes = build_genes(robot)
     given = np.asarray(genomes, dtype=np.float64)
     if given.ndim != 2 or given.shape[1] != len(genes):
         raise ValueError(f"genomes must have the shape (n, {len(genes)}) for these limits; got {given.shape}")
@@ -125,10 +127,10 @@ def repair(genomes: ArrayLike, robot: Robot) -> Floats:
     parts = genes.parts(values)
     is_grown = np.arange(genes.n_parts) < genes.n_grown(values)[:, np.newaxis]
     for feature, (min_sum, max_sum) in ((Feature.length, robot.body_length), (Feature.mass, robot.weight)):
-        low, high, *_ = _ranges(robot)[feature]
-        column = PART.index(feature)
+        low, high, *_ = _feature_ranges(robot)[feature]
+        column = SEGMENT_FEATURES.index(feature)
         parts[:, :, column] = _fit_sum(genes.parts(clipped)[:, :, column], is_grown, low, high, min_sum, max_sum)
-    column = PART.index(Feature.legs)
+    column = SEGMENT_FEATURES.index(Feature.legs)
     parts[:, :, column] = _fit_leg_pairs(parts[:, :, column], is_grown, *robot.leg_pairs)
     return values
 
@@ -157,27 +159,27 @@ def _fit_sum(x: Floats, is_grown: NDArray[np.bool_], low: float, high: float, mi
     """
     tolerance = SUM_TOLERANCE * max_sum
 
-    def total(x: Floats) -> Floats:
+    def sum_grown(x: Floats) -> Floats:
         return np.where(is_grown, x, 0.0).sum(axis=1, keepdims=True)
 
-    def fits(x: Floats) -> NDArray[np.bool_]:
-        return (min_sum - tolerance <= total(x)) & (total(x) <= max_sum + tolerance)
+    def is_within_limits(x: Floats) -> NDArray[np.bool_]:
+        return (min_sum - tolerance <= sum_grown(x)) & (sum_grown(x) <= max_sum + tolerance)
 
-    lowest = total(np.full_like(x, low))
-    highest = total(np.full_like(x, high))
+    lowest = sum_grown(np.full_like(x, low))
+    highest = sum_grown(np.full_like(x, high))
     with np.errstate(divide="ignore", invalid="ignore"):
-        decreased = low + (x - low) * (max_sum - lowest) / (total(x) - lowest)
-        increased = high - (high - x) * (highest - min_sum) / (highest - total(x))
-    is_too_high = total(x) > max_sum + tolerance
-    is_too_low = total(x) < min_sum - tolerance
+        decreased = low + (x - low) * (max_sum - lowest) / (sum_grown(x) - lowest)
+        increased = high - (high - x) * (highest - min_sum) / (highest - sum_grown(x))
+    is_too_high = sum_grown(x) > max_sum + tolerance
+    is_too_low = sum_grown(x) < min_sum - tolerance
     exact = np.clip(np.where(is_too_high, decreased, np.where(is_too_low, increased, x)), low, high)
 
     steps = np.cumsum(np.where(is_grown, exact, 0.0), axis=1) * 10**GRID_DECIMALS
-    is_in_upper_half = 2 * total(exact) > min_sum + max_sum
+    is_in_upper_half = 2 * sum_grown(exact) > min_sum + max_sum
     steps = np.where(is_in_upper_half, np.floor(steps + GRID_TOLERANCE), np.ceil(steps - GRID_TOLERANCE))
     rounded_sums = np.clip(np.diff(steps, axis=1, prepend=0.0) / 10**GRID_DECIMALS, low, high)
     rounded = _on_grid(exact, low, high)
-    fitted = np.where(fits(rounded), rounded, np.where(fits(rounded_sums), rounded_sums, exact))
+    fitted = np.where(is_within_limits(rounded), rounded, np.where(is_within_limits(rounded_sums), rounded_sums, exact))
     return np.where(is_grown, fitted, _on_grid(x, low, high))
 
 

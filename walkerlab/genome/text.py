@@ -10,12 +10,12 @@ from functools import lru_cache
 from operator import itemgetter
 from typing import Final
 
-from walkerlab.errors import Fault
-from walkerlab.genome.repair import MAX_SEGMENTS, PART, WHOLE
+from walkerlab.errors import WalkerlabError
+from walkerlab.genome.repair import BODY_FEATURES, MAX_SEGMENTS, SEGMENT_FEATURES
 from walkerlab.settings.choices import Feature
-from walkerlab.settings.values import brief
+from walkerlab.settings.values import short_repr
 
-MOTIONS: Final = ("amplitude", "phase", "offset")
+SWING_PARAMETERS: Final = ("amplitude", "phase", "offset")
 """Genes of the motion of each joint."""
 
 MAX_TEXT_LENGTH = 20_000
@@ -23,27 +23,27 @@ ERROR_CONTEXT = 30  # characters of the text that an error shows before and afte
 
 LEGS_VALUES = {"nolegs": 0.0, "legs": 1.0}
 LEGS_WORDS = {"0": "nolegs", "1": "legs"}
-FIRST_LEGS_INDEX = len(WHOLE) + PART.index(Feature.legs)
+FIRST_LEGS_INDEX = len(BODY_FEATURES) + SEGMENT_FEATURES.index(Feature.legs)
 
 NUMBER_PATTERN = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d{1,3})?"
 DECIMAL_PATTERN = r"(-?\d{1,9}+\.?\d{0,17}+)"  # matches nearly all numbers that format_text writes
 
 
-class GenomeError(Fault, ValueError):
+class GenomeError(WalkerlabError, ValueError):
     """The text is not a genome; the message gives the position, and what was expected there."""
 
 
-def n_segments_of(n_genes: int) -> int:
+def count_segments(n_genes: int) -> int:
     """Return the number of segments, grown or not, that a genome of this length describes."""
-    return (n_genes - len(WHOLE)) // len(PART)
+    return (n_genes - len(BODY_FEATURES)) // len(SEGMENT_FEATURES)
 
 
 def format_text(values: Sequence[float]) -> str:
     """Return the text form, from which ``parse_text`` reads exactly the same numbers."""
     numbers = [repr(value).removesuffix(".0") for value in values]
-    for index in range(FIRST_LEGS_INDEX, len(numbers), len(PART)):
+    for index in range(FIRST_LEGS_INDEX, len(numbers), len(SEGMENT_FEATURES)):
         numbers[index] = LEGS_WORDS.get(numbers[index], f"legs={numbers[index]}")
-    return _template(n_segments_of(len(numbers))).format(*numbers)
+    return _template(count_segments(len(numbers))).format(*numbers)
 
 
 def parse_text(text: str) -> list[float]:
@@ -53,7 +53,7 @@ def parse_text(text: str) -> list[float]:
         GenomeError: If the text is not a genome; the message gives the position, and what was expected there.
     """
     if not isinstance(text, str):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise GenomeError(f"a genome is read from its text, a str; got {brief(text)}")
+        raise GenomeError(f"a genome is read from its text, a str; got {short_repr(text)}")
     if len(text) > MAX_TEXT_LENGTH:
         raise GenomeError(f"a genome's text has at most {MAX_TEXT_LENGTH} characters; this one has {len(text)}")
     pattern, in_gene_order = _decimal_form(_clip_n_segments(text.count("| seg ")))
@@ -66,8 +66,8 @@ def _parse_word_by_word(text: str) -> list[float]:
     """Return the gene values in a text form that may have been edited; see ``parse_text``."""
     words = [(match.group(), match.start()) for match in re.finditer(r"\||[^\s|]+", text)]
     n_segments = _clip_n_segments(sum(word == "seg" for word, _ in words))
-    layout = _layout(n_segments)
-    values = [0.0] * (len(WHOLE) + n_segments * len(PART))
+    layout = _text_layout(n_segments)
+    values = [0.0] * (len(BODY_FEATURES) + n_segments * len(SEGMENT_FEATURES))
     for position, (token, index) in enumerate(layout):
         word, start = words[position] if position < len(words) else ("the end of the text", len(text.rstrip()))
         if index is None:
@@ -96,13 +96,13 @@ def _clip_n_segments(n_segments: int) -> int:
 
 
 @lru_cache(maxsize=int(MAX_SEGMENTS))
-def _layout(n_segments: int) -> tuple[tuple[str, int | None], ...]:
+def _text_layout(n_segments: int) -> tuple[tuple[str, int | None], ...]:
     """Return the tokens of the text form in order: a word and None, or a key and the index of its gene."""
 
     def gene_index(feature: Feature, segment: int = 0) -> int:
-        if feature in WHOLE:
-            return WHOLE.index(feature)
-        return len(WHOLE) + segment * len(PART) + PART.index(feature)
+        if feature in BODY_FEATURES:
+            return BODY_FEATURES.index(feature)
+        return len(BODY_FEATURES) + segment * len(SEGMENT_FEATURES) + SEGMENT_FEATURES.index(feature)
 
     def tokens() -> Iterator[tuple[str, int | None]]:
         yield "wl1", None
@@ -120,7 +120,7 @@ def _layout(n_segments: int) -> tuple[tuple[str, int | None], ...]:
             yield from (("|", None), ("step", None))
             for joint in ("hip", "knee"):
                 yield joint, None
-                for motion in MOTIONS:
+                for motion in SWING_PARAMETERS:
                     yield f"{motion}=", gene_index(Feature[f"{joint}_{motion}"], segment)
             yield "stride=", gene_index(Feature.stride, segment)
 
@@ -137,14 +137,14 @@ def _template(n_segments: int) -> str:
     """Return the text form with a replacement field for each gene."""
     return " ".join(
         token if index is None else f"{{{index}}}" if token == "legs" else f"{token}{{{index}}}"
-        for token, index in _layout(n_segments)
+        for token, index in _text_layout(n_segments)
     )
 
 
 @lru_cache(maxsize=int(MAX_SEGMENTS))
 def _decimal_form(n_segments: int) -> tuple[re.Pattern[str], Callable[[Sequence[str]], tuple[str, ...]]]:
     """Return a fast pattern of the text form, for plain decimals only, and a function that sorts its groups by gene."""
-    layout = _layout(n_segments)
+    layout = _text_layout(n_segments)
     patterns = (
         re.escape(token)
         if index is None
@@ -164,6 +164,6 @@ def _position_error(text: str, start: int, expected: str, got: str) -> GenomeErr
     excerpt = text[start - n_before : start + ERROR_CONTEXT]
     shown = "".join(" " if char.isspace() else char if char.isprintable() else "�" for char in excerpt)
     return GenomeError(
-        f"not a genome: at character {start + 1} expected {expected}, got {brief(got)}\n"
+        f"not a genome: at character {start + 1} expected {expected}, got {short_repr(got)}\n"
         f"    {shown}\n    {' ' * n_before}^"
     )

@@ -54,7 +54,7 @@ class MissingFitness(MissingFunction):
     table: pd.DataFrame | None = None
     conditions: object = None
 
-    def counted(self, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Rollout:
+    def select_counted_walk(self, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Rollout:
         """Return the walk of a robot that counted in the run.
 
         Walks are repeatable: it is the walk with the verdict, distance and velocity in the run file, or on another kind

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 from uuid import uuid4
 
-from walkerlab.errors import Fault
+from walkerlab.errors import WalkerlabError
 from walkerlab.runfile import schema
 from walkerlab.runfile.schema import LAYOUT, LayoutError
 from walkerlab.system.files import quoted, shown
@@ -26,7 +26,7 @@ File: TypeAlias = Path | sqlite3.Connection
 """Path of a run file, or the connection to a temporary one, which has no path."""
 
 
-class RunFileError(Fault, ValueError):
+class RunFileError(WalkerlabError, ValueError):
     """A run file cannot be used as requested; the message says why, and how to fix it."""
 
 

@@ -12,12 +12,12 @@ from pandas.api.types import is_numeric_dtype
 from walkerlab.ga.population import NOT_COUNTED, Population
 from walkerlab.genome.display import genome_html
 from walkerlab.genome.genome import Genome
-from walkerlab.settings.values import brief
+from walkerlab.settings.values import short_repr
 from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.simulation.fitness import MAX_FITNESS
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.html import facts, shown
-from walkerlab.text.numbers import significant
+from walkerlab.text.numbers import format_significant
 
 COLUMNS: dict[str, tuple[type, str, str]] = {
     "generation": (int, "", "0 is the random one"),
@@ -121,7 +121,8 @@ def check(table: pd.DataFrame) -> pd.DataFrame:
             raise ValueError(f"the column {name} has a value that no run writes")
     if unknown := sorted(set(table.verdict) - VERDICTS.keys()):
         raise ValueError(
-            f"the column verdict has {brief(unknown[0])}; the known verdicts are {', '.join(VERDICTS)}. If a newer "
+            f"the column verdict has {short_repr(unknown[0])}; the known verdicts are {', '.join(VERDICTS)}. If a "
+            "newer "
             "walkerlab wrote the file, update this one: pip install --upgrade walkerlab"
         )
     return table
@@ -222,7 +223,10 @@ class Individual:
     def _repr_html_(self) -> str:
         meaning = VERDICTS.get(self.verdict, "")
         rows = (
-            ("fitness", significant(self.fitness) if self.verdict == "ok" else "none, because its walk does not count"),
+            (
+                "fitness",
+                format_significant(self.fitness) if self.verdict == "ok" else "none, because its walk does not count",
+            ),
             ("verdict", f"{self.verdict}: {meaning}{f' That is, {self.reason}.' if self.reason else ''}"),
             ("generation", f"{self.generation}, in which it was born"),
             ("parents", ", ".join(map(str, self.parents)) or "none: it was generated at random"),

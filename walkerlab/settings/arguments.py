@@ -9,7 +9,7 @@ from numpy.random import Generator
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.model import Domain
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import brief
+from walkerlab.settings.values import short_repr
 
 
 def require_settings(given: object) -> Settings:
@@ -35,7 +35,9 @@ def require_settings(given: object) -> Settings:
         fix = "The genome comes first, then the settings."
     else:
         fix = "The defaults are wl.Settings()."
-    raise TypeError(f"settings must be a Settings, as in wl.Settings().with_(duration=4); got {brief(given)}. {fix}")
+    raise TypeError(
+        f"settings must be a Settings, as in wl.Settings().with_(duration=4); got {short_repr(given)}. {fix}"
+    )
 
 
 def require_algorithm(given: object) -> Algorithm:
@@ -47,7 +49,7 @@ def require_algorithm(given: object) -> Algorithm:
     if isinstance(given, Algorithm):
         return given
     raise TypeError(
-        f"algorithm must be an Algorithm, such as settings.algorithm; got a {type(given).__name__}: {brief(given)}"
+        f"algorithm must be an Algorithm, such as settings.algorithm; got a {type(given).__name__}: {short_repr(given)}"
     )
 
 
@@ -61,7 +63,8 @@ def require_generator(given: object) -> Generator:
         return given
     seed = given if isinstance(given, int) and not isinstance(given, bool) else 0
     raise TypeError(
-        f"rng must be a numpy random Generator; got {brief(given)}. Make one from a seed: np.random.default_rng({seed})"
+        f"rng must be a numpy random Generator; got {short_repr(given)}. Make one from a seed: "
+        f"np.random.default_rng({seed})"
     )
 
 
@@ -81,5 +84,5 @@ def require_count(given: Any, name: str, about: str, *, low: int = 1) -> int:
     is_whole = isinstance(given, int | np.integer) and not isinstance(given, bool)
     if not is_whole or given < low:
         kind = ValueError if is_whole else TypeError
-        raise kind(f"{name} is {brief(given)}; it must be a whole number, {low} or more. It is {about}.")
+        raise kind(f"{name} is {short_repr(given)}; it must be a whole number, {low} or more. It is {about}.")
     return int(given)

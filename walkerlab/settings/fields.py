@@ -18,7 +18,7 @@ import numpy as np
 
 from walkerlab.settings.binding import BoundFunction, to_bound
 from walkerlab.settings.choices import Choice
-from walkerlab.settings.values import brief, did_you_mean, number_text, vector_text
+from walkerlab.settings.values import did_you_mean, number_text, short_repr, vector_text
 
 PAIR = ("min", "max")
 """Parts of a range that holds each robot between two numbers."""
@@ -100,7 +100,7 @@ class Quantity:
             names = f" Or the name of one: {', '.join(self.presets)}." if self.presets else ""
             guess = did_you_mean(value, self.presets) if isinstance(value, str) else ""
             raise ValueError(
-                f" is {brief(value)}; it must be {len(self.parts)} numbers: {', '.join(self.parts)}.{names}{guess}"
+                f" is {short_repr(value)}; it must be {len(self.parts)} numbers: {', '.join(self.parts)}.{names}{guess}"
             )
         return items
 
@@ -109,9 +109,9 @@ class Quantity:
             value = value.item()
         kind = "a whole number" if self.whole else "a number"
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f"{part} is {brief(value)}; it must be {kind}, {self.range}.")
+            raise ValueError(f"{part} is {short_repr(value)}; it must be {kind}, {self.range}.")
         if not self.low <= value <= self.high:
-            raise ValueError(f"{part} is {brief(value)}{self.unit_suffix}; it must be {self.range}.")
+            raise ValueError(f"{part} is {short_repr(value)}{self.unit_suffix}; it must be {self.range}.")
         if self.whole and value != int(value):
             raise ValueError(f"{part} is {value}{self.unit_suffix}; it must be {kind}, {self.range}.")
         return int(value) if self.whole else float(value)
@@ -170,7 +170,7 @@ class OneOf:
             return self.choices(value)
         guess = did_you_mean(value, self.choices.__members__)
         or_function = ", or a function of your own" if self.functions else ""
-        raise ValueError(f" is {brief(value)}; it must be one of {self.range}{or_function}.{guess}")
+        raise ValueError(f" is {short_repr(value)}; it must be one of {self.range}{or_function}.{guess}")
 
 
 Declared = Quantity | OneOf

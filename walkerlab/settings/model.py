@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, Self, cast
 
 from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, field_serializer, field_validator
 
-from walkerlab.errors import Fault
+from walkerlab.errors import WalkerlabError
 from walkerlab.settings.binding import written_arguments
 from walkerlab.settings.choices import Choice
 from walkerlab.settings.fields import Declared, OneOf, Quantity
-from walkerlab.settings.values import brief, code_text, did_you_mean, function_name
+from walkerlab.settings.values import code_text, did_you_mean, function_name, short_repr
 from walkerlab.text import strict_json
 
 STORED_MODULES = {"walkerlab.simulation.fitness": "walkerlab.fitness"}
@@ -24,7 +24,7 @@ MAX_JSON = 100_000  # characters; settings take about two thousand
 HELP_WIDTH = 92  # characters
 
 
-class SettingsError(Fault, ValueError):
+class SettingsError(WalkerlabError, ValueError):
     """Invalid settings; the message has a line for each error of the call."""
 
 
@@ -73,7 +73,7 @@ class SettingsModel(ConciseModel, frozen=True):
         """
         if unnamed:
             name = type(self).__name__
-            raise TypeError(f"{name} takes settings by name, as in {name}(name=value); got {brief(unnamed[0])}")
+            raise TypeError(f"{name} takes settings by name, as in {name}(name=value); got {short_repr(unnamed[0])}")
         with _as_settings_errors(type(self)):
             super().__init__(**values)
 
@@ -220,11 +220,11 @@ def _messages(model: type[SettingsModel], error: ValidationError) -> list[str]:
     for details in error.errors(include_url=False)[:MAX_REPORTED_ERRORS]:
         if details["type"] == "extra_forbidden":
             *_, name = details["loc"]
-            messages.append(f"{model.__name__} has no setting {brief(name)}.{model.suggest_name(str(name))}")
+            messages.append(f"{model.__name__} has no setting {short_repr(name)}.{model.suggest_name(str(name))}")
         elif details["type"] == "value_error":
             messages.append(str(details.get("ctx", {})["error"]))
         else:
             where = ".".join([model.__name__, *map(str, details["loc"])])
-            messages.append(f"{where} is {brief(details['input'])}; {details['msg']}.")
+            messages.append(f"{where} is {short_repr(details['input'])}; {details['msg']}.")
     n_omitted = error.error_count() - MAX_REPORTED_ERRORS
     return [*messages, f"… and {n_omitted} more."] if n_omitted > 0 else messages

@@ -12,7 +12,7 @@ from walkerlab.settings.model import Domain, SettingsModel, report_together
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.simulation import Simulation
 from walkerlab.settings.terrain import Terrain
-from walkerlab.settings.values import brief, code_text, did_you_mean
+from walkerlab.settings.values import code_text, did_you_mean, short_repr
 from walkerlab.text.html import code, details, shown
 
 
@@ -43,7 +43,7 @@ class Settings(SettingsModel, frozen=True):
             TypeError: If a value is given without a name.
         """
         if unnamed:
-            raise TypeError(f"with_ takes settings by name, as in s.with_(duration=4); got {brief(unnamed[0])}")
+            raise TypeError(f"with_ takes settings by name, as in s.with_(duration=4); got {short_repr(unnamed[0])}")
         places = self.places()
         errors: list[str] = []
         values: dict[str, Any] = dict(self)
@@ -105,7 +105,7 @@ class Settings(SettingsModel, frozen=True):
         ]
         guess = f" Did you mean {name}={kind.__name__}({fields[0]}={value!r})?" if fields else ""
         raise ValueError(
-            f"Settings.{name} is {brief(value)}; it must be a {kind.__name__}, or a dict of its settings.{guess}"
+            f"Settings.{name} is {short_repr(value)}; it must be a {kind.__name__}, or a dict of its settings.{guess}"
         )
 
     @classmethod

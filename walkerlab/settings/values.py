@@ -17,7 +17,7 @@ def function_name(function: object) -> str:
     """Return the name of a function, for a partial with its arguments: ``tournament(size=7)``."""
     if isinstance(function, partial):
         arguments = ", ".join(arguments_as_python(function))
-        return f"{function_name(function.func)}({shortened(arguments)})"
+        return f"{function_name(function.func)}({truncate(arguments)})"
     return getattr(function, "__name__", type(function).__name__)
 
 
@@ -25,7 +25,7 @@ def code_text(value: object) -> str:
     """Write a setting as Python code, with choices and functions by name.
 
     A function's name that is not an identifier, such as that of a lambda or one from an untrusted file, is written as a
-    string literal, so that the code does nothing when it is code_text.
+    string literal, so that the code does nothing when it runs.
     """
     match value:
         case Choice():
@@ -41,17 +41,17 @@ def code_text(value: object) -> str:
             return repr(value)
 
 
-def brief(value: object) -> str:
+def short_repr(value: object) -> str:
     """Return the representation of a value, shortened to about a line."""
-    return shortened(_BRIEF.repr(value))
+    return truncate(_SHORT_REPR.repr(value))
 
 
-def shortened(text: str) -> str:
+def truncate(text: str) -> str:
     """Truncate a text to one line."""
     return text if len(text) <= MAX_TEXT else f"{text[: MAX_TEXT - 1]}…"
 
 
-class _Brief(Repr):
+class _ShortRepr(Repr):
     """Representation that examines only the shown part of a value, so that huge or deep values take no time."""
 
     def __init__(self) -> None:
@@ -64,7 +64,7 @@ class _Brief(Repr):
         return repr(x) if power < self.maxother else f"some {'-' if x < 0 else ''}1e{power}"
 
 
-_BRIEF = _Brief()
+_SHORT_REPR = _ShortRepr()
 
 
 def did_you_mean(name: object, known: Iterable[str]) -> str:
@@ -75,7 +75,7 @@ def did_you_mean(name: object, known: Iterable[str]) -> str:
     return f" Did you mean {close[0]!r}?" if close else ""
 
 
-def count(number: int, thing: str) -> str:
+def pluralize(number: int, thing: str) -> str:
     """Write a number with its noun in the singular or plural: 1 leg, 2 legs."""
     return f"{number} {thing}{'' if number == 1 else 's'}"
 

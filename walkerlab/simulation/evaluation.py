@@ -12,16 +12,16 @@ from walkerlab.ga.genes import Floats
 from walkerlab.ga.user_functions import OperatorError
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.phenotype import express
-from walkerlab.genome.repair import genes_of, repair
+from walkerlab.genome.repair import build_genes, repair
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
-from walkerlab.simulation.fitness import find_poorest, rate
+from walkerlab.simulation.fitness import find_poorest, rate_walk
 from walkerlab.simulation.rollout import Rollout, walk_from_every_start
 from walkerlab.simulation.timeouts import results_in_order
 from walkerlab.simulation.workers import check_executor, default_executor, n_workers
-from walkerlab.text.numbers import significant, with_unit
+from walkerlab.text.numbers import format_significant, with_unit
 from walkerlab.world.scene import reusable_scene_of
 
 MAX_TASK_SIZE = 16  # robots; about half a second of walks, so that a run can be paused quickly
@@ -63,7 +63,7 @@ class Evaluation:
     def __repr__(self) -> str:
         """Return a one-line summary; the genome is too long to print."""
         why = f", {self.reason}" if self.reason else ""
-        rating = f"fitness {significant(self.fitness)}" if self.verdict == "ok" else "does not count"
+        rating = f"fitness {format_significant(self.fitness)}" if self.verdict == "ok" else "does not count"
         return f"Evaluation({rating}, {with_unit(self.distance, 'm')} forward, verdict {self.verdict}{why})"
 
 
@@ -113,7 +113,7 @@ def evaluate(
         with closing(results_in_order(futures, pool, limit)) as results:
             for task, rollouts_of_task in zip(tasks, results, strict=True):
                 for i, rollouts in zip(task, rollouts_of_task, strict=True):
-                    evaluations[i] = _rate(i, robots[i], rollouts, settings)
+                    evaluations[i] = _rate_robot(i, robots[i], rollouts, settings)
                 on_done(len(task))
     except CancelledError as error:
         raise RuntimeError("the executor was closed while its workers simulated walks") from error
@@ -129,7 +129,7 @@ evaluate_population = evaluate
 
 def _read_and_repair(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Genome]:
     """Read genomes and repair them to obey the robot limits."""
-    if isinstance(genomes, np.ndarray) and genomes.shape[1:] == (len(genes_of(robot)),):
+    if isinstance(genomes, np.ndarray) and genomes.shape[1:] == (len(build_genes(robot)),):
         return [Genome(values) for values in repair(genomes, robot)]
     return [genome.within(robot) for genome in read_genomes(genomes)]
 
@@ -169,18 +169,18 @@ def _simulate_task(genomes: Sequence[Genome], settings: Settings, call_id: str =
     return [walk_from_every_start(*reusable_scene_of(genome, settings), poses=False) for genome in genomes]
 
 
-def _rate(place: int, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Evaluation:
+def _rate_robot(index: int, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Evaluation:
     """Rate the walks of one robot and return the evaluation of the poorest.
 
     Raises:
         OperatorError: If the fitness function fails; the error contains the index and the genome of the robot.
     """
     try:
-        rated = [rate(rollout, settings.algorithm.fitness) for rollout in rollouts]
+        rated = [rate_walk(rollout, settings.algorithm.fitness) for rollout in rollouts]
     except OperatorError as error:
-        error.robot_index = place
+        error.robot_index = index
         error.genome = genome
-        error.context = f"for robot {place} of those given"
+        error.context = f"for robot {index} of those given"
         raise
     fitness, rollout = find_poorest(rated)
     phenotype = rollout.phenotype

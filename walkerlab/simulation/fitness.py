@@ -21,14 +21,14 @@ from walkerlab.genome.genome import Genome
 from walkerlab.genome.phenotype import Legs, Phenotype, Segment, Swing
 from walkerlab.settings.choices import Fitness
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import brief, function_name
+from walkerlab.settings.values import function_name, short_repr
 from walkerlab.simulation.rollout import Rollout, walk_from_every_start
 from walkerlab.simulation.validity import REJECTED
 from walkerlab.world.scene import compile_scene
 
-UNITS = {Fitness.distance: "m", Fitness.velocity: "m/s", Fitness.efficiency: "m/J", Fitness.straightness: "m"}
+FITNESS_UNITS = {Fitness.distance: "m", Fitness.velocity: "m/s", Fitness.efficiency: "m/J", Fitness.straightness: "m"}
 
-SLOT = Slot(
+FITNESS_SLOT = Slot(
     "the fitness function",
     "fitness(rollout)",
     "com = rollout.com.copy()",
@@ -61,7 +61,7 @@ def straightness(rollout: Rollout) -> float:
     return distance(rollout) - abs(float(rollout.com[-1, 1] - rollout.com[0, 1]))
 
 
-FUNCTIONS: dict[Fitness, Callable[[Rollout], float]] = {
+FITNESS_FUNCTIONS: dict[Fitness, Callable[[Rollout], float]] = {
     Fitness.distance: distance,
     Fitness.velocity: velocity,
     Fitness.efficiency: efficiency,
@@ -71,7 +71,7 @@ FUNCTIONS: dict[Fitness, Callable[[Rollout], float]] = {
 
 def name_and_unit(fitness: Fitness | Callable[..., Any]) -> tuple[str, str]:
     """Return the name and the unit of a fitness; the unit of a user function is unknown, ""."""
-    return (fitness.name, UNITS[fitness]) if isinstance(fitness, Fitness) else (function_name(fitness), "")
+    return (fitness.name, FITNESS_UNITS[fitness]) if isinstance(fitness, Fitness) else (function_name(fitness), "")
 
 
 def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: float = RUN_TIME_LIMIT) -> float:
@@ -86,10 +86,10 @@ def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: f
         OperatorError: If the function returns anything but a finite number, -inf or None, or breaks another rule of
             user functions.
     """
-    return rate(rollout, fitness, seconds=seconds)[0]
+    return rate_walk(rollout, fitness, seconds=seconds)[0]
 
 
-def rate(
+def rate_walk(
     rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: float = RUN_TIME_LIMIT
 ) -> tuple[float, Rollout]:
     """Return the fitness of one walk, and the walk; its verdict is ``rejected`` if the function returns -inf or None.
@@ -98,12 +98,12 @@ def rate(
     """
     if not rollout.counts:
         return NOT_COUNTED, rollout
-    function = FUNCTIONS[fitness] if isinstance(fitness, Fitness) else fitness
-    value = call_in_slot(SLOT, function, lambda: function(rollout), seconds)
+    function = FITNESS_FUNCTIONS[fitness] if isinstance(fitness, Fitness) else fitness
+    value = call_in_slot(FITNESS_SLOT, function, lambda: function(rollout), seconds)
     number = NOT_COUNTED if value is None else as_number(value)
     if number is None:
         raise OperatorError(
-            f"{SLOT.label(function)} must return one finite number, higher being better; it returned "
+            f"{FITNESS_SLOT.label(function)} must return one finite number, higher being better; it returned "
             f"{describe_result(value)}",
             "Reduce an array to one number with .mean(), .sum() or an index."
             if hasattr(value, "shape")
@@ -118,7 +118,8 @@ def rate(
         "Is something divided by zero?" if math.isnan(number) else f"Its absolute value must be below {MAX_FITNESS:g}."
     )
     raise OperatorError(
-        f"{SLOT.label(function)} must return one finite number, higher being better; it returned {brief(value)}",
+        f"{FITNESS_SLOT.label(function)} must return one finite number, higher being better; it returned "
+        f"{short_repr(value)}",
         f"{advice} To exclude a robot, return -np.inf.",
     )
 
@@ -150,7 +151,7 @@ def as_number(value: Any) -> float | None:
 class MissingFitnessFunction(Protocol):
     """Stand-in for a user function of a loaded run: the run file holds its name and results, but not its code."""
 
-    def counted(self, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Rollout:
+    def select_counted_walk(self, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Rollout:
         """Return the walk of a robot, from all its starts, that counted in the run."""
         ...
 
@@ -173,8 +174,8 @@ def poorest_walk(genome: Genome | str, settings: Settings, *, poses: bool = True
     rollouts = walk_from_every_start(scene, poses=poses)
     function = fitness.func if isinstance(fitness, partial) else fitness
     if isinstance(function, MissingFitnessFunction):
-        return function.counted(scene.genome, rollouts, settings)
-    return find_poorest([rate(rollout, fitness) for rollout in rollouts])[1]
+        return function.select_counted_walk(scene.genome, rollouts, settings)
+    return find_poorest([rate_walk(rollout, fitness) for rollout in rollouts])[1]
 
 
 def find_poorest(rated: Sequence[tuple[float, Rollout]]) -> tuple[float, Rollout]:
@@ -195,8 +196,9 @@ def check_user_function(fitness: Fitness | Callable[..., Any]) -> None:
         first, second = (score(_create_made_up_walk(), fitness, seconds=CHECK_TIME_LIMIT) for _ in range(2))
         if first != second:
             raise OperatorError(
-                f"{SLOT.label(fitness)} returned {first} and then {second} for the same walk; no run could be repeated",
-                SLOT.repeatability_advice,
+                f"{FITNESS_SLOT.label(fitness)} returned {first} and then {second} for the same walk; no run could "
+                "be repeated",
+                FITNESS_SLOT.repeatability_advice,
             )
     except OperatorError as error:
         error.context = "when tried on a made-up walk"

@@ -11,7 +11,7 @@ from walkerlab.world.scene import Scene
 
 def foot_names(scene: Scene) -> tuple[str, ...]:
     """Return the name of each foot, such as ``"left 1"``: its side, and its segment counted from the front."""
-    return tuple(f"{side} {number}" for number, side in _legs(scene))
+    return tuple(f"{side} {number}" for number, side in _legs_in_actuator_order(scene))
 
 
 def find_footfalls(scene: Scene, poses: Floats) -> NDArray[np.bool_]:
@@ -39,7 +39,7 @@ def find_footfalls(scene: Scene, poses: Floats) -> NDArray[np.bool_]:
     data = mujoco.MjData(model)
     n_legs = scene.phenotype.n_legs
     foot_of_geom = np.full(model.ngeom, -1)
-    shanks = [model.geom(f"walker/{side}_shank{number}").id for number, side in _legs(scene)]
+    shanks = [model.geom(f"walker/{side}_shank{number}").id for number, side in _legs_in_actuator_order(scene)]
     foot_of_geom[shanks] = np.arange(n_legs)
     is_robot = scene.is_robot_geom
     footfalls = np.zeros((len(poses), n_legs), dtype=np.bool_)
@@ -56,7 +56,7 @@ def find_footfalls(scene: Scene, poses: Floats) -> NDArray[np.bool_]:
     return footfalls
 
 
-def _legs(scene: Scene) -> list[tuple[int, str]]:
+def _legs_in_actuator_order(scene: Scene) -> list[tuple[int, str]]:
     """Return segment number, counted from 1, and side of each leg, in the order of the actuators."""
     plan = enumerate(scene.phenotype.plan, start=1)
     return [(number, side) for number, has_legs in plan if has_legs for side in SIDES]

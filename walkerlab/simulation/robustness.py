@@ -16,11 +16,11 @@ from walkerlab.genome.genome import Genome
 from walkerlab.settings.arguments import require_count, require_settings
 from walkerlab.settings.choices import Fitness
 from walkerlab.settings.settings import Settings
-from walkerlab.simulation.fitness import UNITS, find_poorest, name_and_unit, rate
-from walkerlab.simulation.rollout import walk, walk_from_every_start
+from walkerlab.simulation.fitness import FITNESS_UNITS, find_poorest, name_and_unit, rate_walk
+from walkerlab.simulation.rollout import simulate_walk, walk_from_every_start
 from walkerlab.simulation.starts import draw_nudge
 from walkerlab.text.html import Html, shown, table
-from walkerlab.text.numbers import significant, with_unit
+from walkerlab.text.numbers import format_significant, with_unit
 from walkerlab.world.scene import compile_scene
 
 TIMESTEP_DIVISOR = 4  # for the finer walk
@@ -54,14 +54,14 @@ class Confirmation:
         1 means the same fitness. A loss is relative to the absolute value: 1.5 is 0.75 of 2, and -2.5 is 0.75 of -2.
         For a fitness of 0, the share is 0 after any loss and 1 otherwise.
         """
-        return self._share(self.finer)
+        return self._remaining_share(self.finer)
 
     @property
     def kept_nudged(self) -> float:
         """Share of the fitness that the median of the other starts reaches; defined as for ``kept_finer``."""
-        return self._share(median(self.nudged))
+        return self._remaining_share(median(self.nudged))
 
-    def _share(self, again: float) -> float:
+    def _remaining_share(self, again: float) -> float:
         if not (math.isfinite(self.fitness) and math.isfinite(again)):
             return 0.0
         if self.fitness > 0:
@@ -81,7 +81,7 @@ class Confirmation:
 
     def _format_result(self, again: float) -> str:
         if self._uses_shares:
-            return f"{self._share(again):.0%}"
+            return f"{self._remaining_share(again):.0%}"
         if not math.isfinite(again):
             return "does not count"
         text = with_unit(again, self._name_and_unit[1])
@@ -90,12 +90,12 @@ class Confirmation:
             return text
         if change == 0:
             return f"{text} (equal)"
-        return f"{text} ({significant(abs(change))} {'less' if change < 0 else 'more'})"
+        return f"{text} ({format_significant(abs(change))} {'less' if change < 0 else 'more'})"
 
     @property
     def _name_and_unit(self) -> tuple[str, str]:
         name, _, unit = self.measure.rpartition(" ")
-        return (name, unit) if unit in UNITS.values() else (self.measure, "")
+        return (name, unit) if unit in FITNESS_UNITS.values() else (self.measure, "")
 
     @property
     def _fitness_in_run(self) -> str:
@@ -169,13 +169,16 @@ def confirm(
     scene = compile_scene(genome, settings)
     rollouts_of_run = walk_from_every_start(scene, poses=False)
     new_rollouts = [
-        walk(compile_scene(genome, finer_settings), poses=False),
-        *(walk(scene, nudge=draw_nudge(scene, FIRST_NUDGE + number), poses=False) for number in range(n_nudges)),
+        simulate_walk(compile_scene(genome, finer_settings), poses=False),
+        *(
+            simulate_walk(scene, nudge=draw_nudge(scene, FIRST_NUDGE + number), poses=False)
+            for number in range(n_nudges)
+        ),
     ]
-    rated = [rate(rollout, measure) for rollout in new_rollouts]
+    rated = [rate_walk(rollout, measure) for rollout in new_rollouts]
     (finer, _), *nudged = rated
     return Confirmation(
-        fitness=find_poorest([rate(rollout, measure) for rollout in rollouts_of_run])[0],
+        fitness=find_poorest([rate_walk(rollout, measure) for rollout in rollouts_of_run])[0],
         finer=finer,
         nudged=tuple(sorted(score for score, _ in nudged)),
         verdicts=tuple(rollout.verdict for _, rollout in rated),

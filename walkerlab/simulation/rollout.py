@@ -10,12 +10,12 @@ from walkerlab.ga.genes import Floats, Indices
 from walkerlab.genome.genome import Genome
 from walkerlab.readonly import ReadOnlyArrays
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import count
+from walkerlab.settings.values import pluralize
 from walkerlab.simulation.starts import draw_nudge, settle, start_overlap
 from walkerlab.simulation.stepping import positions_in, simulate_steps, velocities_in, warnings_counted_not_printed
 from walkerlab.simulation.validity import VERDICTS, Trace, judge
 from walkerlab.text.html import facts, shown
-from walkerlab.text.numbers import significant, with_unit
+from walkerlab.text.numbers import format_significant, with_unit
 from walkerlab.world.assembly import Sensor
 from walkerlab.world.scene import Scene, compile_scene, control_steps
 
@@ -57,8 +57,9 @@ class Rollout(ReadOnlyArrays, Trace):
         return f"Rollout({went}, verdict {self.verdict}{why}; {len(self.poses)} poses)"
 
     def _repr_html_(self) -> str:
-        robot, speed = self.phenotype, self.velocity
-        grown = f"{count(len(robot.segments), 'segment')}, {count(robot.n_legs, 'leg')}"
+        robot = self.phenotype
+        speed = self.velocity
+        grown = f"{pluralize(len(robot.segments), 'segment')}, {pluralize(robot.n_legs, 'leg')}"
         body = f"{grown}, {with_unit(robot.weight, 'kg')}, {with_unit(robot.body_length, 'm')} long"
         known = (
             ("verdict", f"{self.verdict}: {VERDICTS.get(self.verdict, '')}"),
@@ -67,7 +68,7 @@ class Rollout(ReadOnlyArrays, Trace):
             (
                 "velocity",
                 f"{with_unit(speed, 'm/s')} over the last two thirds, "
-                f"{significant(speed / robot.body_length)} body lengths a second",
+                f"{format_significant(speed / robot.body_length)} body lengths a second",
             ),
             ("duration", f"{self.time[-1]:g} s, after {self.settled:g} s to come to rest"),
             ("work", f"{with_unit(self.work[-1], 'J')}, done by the legs"),
@@ -88,10 +89,10 @@ def simulate(genome: Genome | str, settings: Settings, *, poses: bool = True) ->
     Raises:
         GenomeError: If the text is not a valid genome.
     """
-    return walk(compile_scene(genome, settings), poses=poses)
+    return simulate_walk(compile_scene(genome, settings), poses=poses)
 
 
-def walk(
+def simulate_walk(
     scene: Scene, data: mujoco.MjData | None = None, *, nudge: Floats | None = None, poses: bool = True
 ) -> Rollout:
     """Let the robot settle without drive, then simulate its walk for the duration in the settings, and judge it.
@@ -104,7 +105,8 @@ def walk(
         nudge: Small displacements of the start, as in ``Scene.place``, shape (nv,).
         poses: Whether to record poses.
     """
-    model, timestep = scene.model, scene.settings.simulation.timestep
+    model = scene.model
+    timestep = scene.settings.simulation.timestep
     data = mujoco.MjData(model) if data is None else data
     mujoco.mj_resetData(model, data)
     with warnings_counted_not_printed():
@@ -126,7 +128,7 @@ def walk(
         com=readings[:, Sensor.COM],
         on_ground=readings[:, Sensor.ANY_CONTACT] > readings[:, Sensor.SELF_CONTACT],
         sink=np.maximum(0.0, -ground_distance),
-        work=_work(model, time, recorded_states, targets),
+        work=_cumulative_work(model, time, recorded_states, targets),
         load=readings[:, Sensor.SLEDGE] if scene.rope_length else np.empty((0, 3)),
         rope=readings[:, Sensor.ROPE] / scene.rope_length if scene.rope_length else np.empty(0),
         phenotype=scene.phenotype,
@@ -144,7 +146,7 @@ def walk(
 def walk_from_every_start(scene: Scene, data: mujoco.MjData | None = None, *, poses: bool) -> list[Rollout]:
     """Simulate a walk from each start in the settings, as evolution does; the lowest fitness of these counts."""
     starts = range(scene.settings.simulation.n_starts)
-    return [walk(scene, data, nudge=draw_nudge(scene, start), poses=poses) for start in starts]
+    return [simulate_walk(scene, data, nudge=draw_nudge(scene, start), poses=poses) for start in starts]
 
 
 @lru_cache(maxsize=16)
@@ -155,7 +157,7 @@ def _recorded_steps(n_steps: int, timestep: float) -> Indices:
     return recorded
 
 
-def _work(model: mujoco.MjModel, time: Floats, states: Floats, targets: Floats) -> Floats:
+def _cumulative_work(model: mujoco.MjModel, time: Floats, states: Floats, targets: Floats) -> Floats:
     """Return the work of the servos since the start [J], shape (n,): absolute torque times absolute speed."""
     joint = model.actuator_trnid[:, 0]
     angle = positions_in(model, states)[:, model.jnt_qposadr[joint]]

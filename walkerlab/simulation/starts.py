@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 
 from walkerlab.ga.genes import Floats
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 from walkerlab.simulation.stepping import STATE_PARTS, simulate_steps, warnings_counted_not_printed
 from walkerlab.world.assembly import ROBOT_BODY, Sensor
 from walkerlab.world.scene import ROTATION, TRANSLATION, Scene
@@ -33,7 +33,7 @@ def draw_nudge(scene: Scene, start: int) -> Floats | None:
     scale = np.where(model.body_rootid[model.dof_bodyid] == ROBOT_BODY, NUDGE_BEND, 0.0)
     scale[TRANSLATION] = (0, NUDGE_SHIFT, 0)
     scale[ROTATION] = NUDGE_TURN
-    return scale * stream(scene.settings.terrain.seed, "perturbation", start).standard_normal(model.nv)
+    return scale * random_stream(scene.settings.terrain.seed, "perturbation", start).standard_normal(model.nv)
 
 
 def start_overlap(scene: Scene, data: mujoco.MjData) -> float:
@@ -50,12 +50,14 @@ def settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float, float]:
     Returns:
         The state reached, shape (1, n_state); the time that it took [s]; the speed at its end [m/s].
     """
-    model, timestep = scene.model, scene.settings.simulation.timestep
+    model = scene.model
+    timestep = scene.settings.simulation.timestep
     state = np.empty((1, mujoco.mj_stateSize(model, STATE_PARTS)))
     mujoco.mj_getState(model, data, state[0], STATE_PARTS)
     n_steps = round(SETTLE_CHUNK / timestep)
     hold = np.tile(scene.rest, (1, n_steps, 1))
-    settled, speed = 0.0, math.inf
+    settled = 0.0
+    speed = math.inf
     while settled < MAX_SETTLE_TIME and speed > REST_SPEED:
         states, sensors = simulate_steps(model, data, state, hold)
         state = states[:, -1].copy()

@@ -53,7 +53,7 @@ def results_in_order(futures: Sequence[Future[_T]], executor: Executor, limit: f
             for loss in losses[n_reported:]:
                 warnings.warn(WorkerLostWarning(loss), stacklevel=2)
             n_reported = len(losses)
-            yield _result(future)
+            yield _result_of(future)
     finally:
         _active_limits.remove(limit)
 
@@ -73,10 +73,10 @@ def _no_answer(silence: float) -> str:
     )
 
 
-def _result(future: Future[_T]) -> _T:
+def _result_of(future: Future[_T]) -> _T:
     try:
         return future.result()
     except Exception as error:
-        if isinstance(error, MemoryError) or "allocate memory" in str(error):  # MuJoCo raises errors of its own
+        if isinstance(error, MemoryError) or "allocate memory" in str(error):  # MuJoCo raises its own error classes
             raise WorkersLostError(f"a worker ran out of memory during a walk. To fix it, {LOAD_ADVICE}.") from error
         raise

@@ -1,7 +1,7 @@
 """Validity of walks: the recorded trace, the guards that check it, and the verdict.
 
-Evolution exploits every weakness of a simulation. Each guard is one entry of ``GUARDS``: a function of the trace that
-returns the reason why the walk does not count, or "".
+Evolution exploits every weakness of a simulation. Each guard is one entry of ``GUARD_FUNCTIONS``: a function of the
+trace that returns the reason why the walk does not count, or "".
 """
 
 import math
@@ -16,7 +16,7 @@ from walkerlab.genome.phenotype import Phenotype
 from walkerlab.genome.repair import FREQUENCY_RANGE
 from walkerlab.settings.choices import Guard, Structure
 from walkerlab.settings.settings import Settings
-from walkerlab.world.heights import arena_bounds, height
+from walkerlab.world.heights import arena_bounds, ground_height
 
 MAX_START_OVERLAP = 0.001  # m by which a body may penetrate another at the start
 MAX_REST_SPEED = 0.05  # m/s of the body after settling; 0.4 m in a walk of 8 s
@@ -91,7 +91,7 @@ def judge(trace: Trace, settings: Settings) -> tuple[str, str]:
         return UNSTABLE, f"at {trace.time[int(np.argmin(is_finite))]:.2f} s a value was not finite"
     forgive = settings.simulation.forgive
     forgiven = forgive if isinstance(forgive, tuple) else (forgive,)
-    for guard, find_fault in GUARDS.items():
+    for guard, find_fault in GUARD_FUNCTIONS.items():
         if guard not in forgiven and (reason := find_fault(trace, settings)):
             return guard.name.replace("_", " "), reason
     return "ok", ""
@@ -165,7 +165,7 @@ def _load_lost(trace: Trace, settings: Settings) -> str:
     if not trace.load.size:
         return ""
     lead = trace.load[:, 0] - trace.com[:, 0]
-    depth = height(settings.terrain, trace.load[:, 0], trace.load[:, 1]) - trace.load[:, 2]
+    depth = ground_height(settings.terrain, trace.load[:, 0], trace.load[:, 1]) - trace.load[:, 2]
     checks = (
         (trace.rope, MAX_ROPE_STRETCH, "the rope was stretched to {:.2f} times its length; {:g} is allowed"),
         (lead, MAX_LOAD_LEAD, "the sledge was {:.2f} m ahead of the robot; {:g} is allowed"),
@@ -175,7 +175,7 @@ def _load_lost(trace: Trace, settings: Settings) -> str:
     return next(filter(None, reasons), "")
 
 
-GUARDS: dict[Guard, Callable[[Trace, Settings], str]] = {
+GUARD_FUNCTIONS: dict[Guard, Callable[[Trace, Settings], str]] = {
     Guard.bad_start: _bad_start,
     Guard.restless: _restless,
     Guard.jittering: _jittering,
@@ -214,7 +214,7 @@ def _ground_heights(trace: Trace, settings: Settings) -> tuple[Floats, Floats]:
         return np.zeros(len(trace.time)), np.zeros(len(trace.time))
     offset = trace.phenotype.body_length / 2 * np.linspace(-1, 1, 5)[:, np.newaxis]
     x, y = np.broadcast_arrays(trace.com[:, 0] + offset, trace.com[:, 1])
-    heights = height(settings.terrain, x, y)
+    heights = ground_height(settings.terrain, x, y)
     return heights.min(axis=0), heights.max(axis=0)
 
 

@@ -12,7 +12,7 @@ from functools import cache, partial
 from multiprocessing.util import Finalize
 from typing import Any
 
-from walkerlab.errors import Fault
+from walkerlab.errors import WalkerlabError
 from walkerlab.system.interrupts import interrupts_held
 
 IDLE_TIMEOUT = 300  # s without work after which worker processes end
@@ -28,7 +28,7 @@ LOAD_ADVICE = (
 """How to reduce the load on a computer that is short of memory."""
 
 
-class WorkersLostError(Fault, RuntimeError):
+class WorkersLostError(WalkerlabError, RuntimeError):
     """The workers did not complete their tasks: they ended repeatedly, gave no answer, or ran out of memory."""
 
 
@@ -99,7 +99,7 @@ def check_open(executor: object) -> None:
         )
 
 
-def unwrap(executor: Executor) -> Executor:
+def unwrap_executor(executor: Executor) -> Executor:
     """Return the executor inside a ``PausableExecutor``; any other executor unchanged."""
     wrapped = getattr(executor, "wrapped", None)
     return wrapped() if wrapped else executor
@@ -115,7 +115,7 @@ def replace_hung_workers(executor: Executor, silence: float) -> bool:
     Returns:
         Whether the executor replaces lost workers; if not, its tasks will never be done.
     """
-    executor = unwrap(executor)
+    executor = unwrap_executor(executor)
     if isinstance(executor, _WorkerProcesses):
         executor.replace_hung(silence)
         return True

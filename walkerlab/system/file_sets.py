@@ -26,7 +26,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from walkerlab.errors import Fault
+from walkerlab.errors import WalkerlabError
 from walkerlab.system import folder_locks
 from walkerlab.system.files import shown, sync, write_text
 from walkerlab.system.interrupts import interrupts_held
@@ -44,7 +44,7 @@ OUTPUT_NAMES = re.compile(
 """Names of the files that a set may hold; no other file is changed, whatever an untrusted hidden folder contains."""
 
 
-class OutputError(Fault, OSError):
+class OutputError(WalkerlabError, OSError):
     """Output files could not be written; the message names each of them."""
 
 
@@ -157,7 +157,7 @@ def _listed(names: Sequence[str]) -> str:
 
 def _message(error: Exception) -> str:
     message = (isinstance(error, OSError) and error.strerror) or str(error)  # strerror omits the temporary path
-    return message if isinstance(error, Fault) else f"{type(error).__name__}: {message}"
+    return message if isinstance(error, WalkerlabError) else f"{type(error).__name__}: {message}"
 
 
 # ------------------------------------------------------------------------------------------------- the transaction

@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
-from walkerlab.errors import Fault
+from walkerlab.errors import WalkerlabError
 
 NOT_A_PATH = re.compile(r"(?i):memory:$|file:|[a-z][a-z0-9+.-]+:/")
 """Texts that SQLite or a browser would not read as a path."""
@@ -24,7 +24,7 @@ MISREAD_STARTS = ("~", "-", ":")
 """Beginnings of a relative path that a shell or SQLite would misread."""
 
 
-class PathError(Fault, ValueError):
+class PathError(WalkerlabError, ValueError):
     """A path that cannot be used."""
 
 

@@ -9,10 +9,10 @@ import pandas as pd
 from walkerlab.genome.phenotype import express
 from walkerlab.runfile.records import Individual, births, champion, fitter_line
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import count, number_text
-from walkerlab.simulation.fitness import UNITS
+from walkerlab.settings.values import number_text, pluralize
+from walkerlab.simulation.fitness import FITNESS_UNITS
 from walkerlab.simulation.validity import VERDICTS
-from walkerlab.text.numbers import significant, significant_column, with_unit
+from walkerlab.text.numbers import format_significant, format_significant_column, with_unit
 
 MAX_GENERATION_ROWS = 12  # of the table of generations
 MAX_ANCESTOR_ROWS = 8  # of a line of descent
@@ -30,11 +30,12 @@ def describe_start(settings: Settings, n_cores: int, *, done: int = 0) -> str:
         done: Number of generations that are already completed.
     """
     algorithm = settings.algorithm
-    robots = count(algorithm.population_size, "robot")
-    generations = count(algorithm.generations, "generation")
+    robots = pluralize(algorithm.population_size, "robot")
+    generations = pluralize(algorithm.generations, "generation")
     completed = f" ({done} completed)" if done else ""
     return (
-        f"{robots}, {generations}{completed}, {count(n_cores, 'core')}. Ctrl-C stops early and saves the generations "
+        f"{robots}, {generations}{completed}, {pluralize(n_cores, 'core')}. Ctrl-C stops early and saves the "
+        "generations "
         "that are complete."
     )
 
@@ -46,8 +47,8 @@ def describe_result(records: pd.DataFrame, settings: PlainSettings) -> str:
     n_generations = int(records.generation.nunique())
     best = champion(records)
     start = int(records.generation.min())
-    robots = count(int((records.generation == start).sum()), "robot")
-    size = f"{count(n_generations, 'generation')} of {robots}"
+    robots = pluralize(int((records.generation == start).sum()), "robot")
+    size = f"{pluralize(n_generations, 'generation')} of {robots}"
     if best.verdict != "ok":
         return f"{size}; no walk counted, so there is no champion."
     first = records.fitness[(records.generation == start) & (records.verdict == "ok")]
@@ -75,9 +76,9 @@ def describe_champion(records: pd.DataFrame, settings: PlainSettings) -> str:
         f"The champion is robot {best.individual}, born in generation {best.generation}.\n"
         f"It moved {with_unit(row.distance, 'm')} forward in {settings['simulation']['duration']:g} s. Over the last "
         f"two thirds of the walk, its velocity was {with_unit(row.velocity, 'm/s')}, or "
-        f"{significant(row.velocity / row.body_length)} body lengths per second.\n"
+        f"{format_significant(row.velocity / row.body_length)} body lengths per second.\n"
         f"Its fitness ({_fitness_name(settings)}) is {_format_fitness(best.fitness, settings)}.\n"
-        f"Its body has {count(row.n_segments, 'segment')} and {row.n_legs} legs, weighs "
+        f"Its body has {pluralize(row.n_segments, 'segment')} and {row.n_legs} legs, weighs "
         f"{with_unit(row.weight, 'kg')} and is {with_unit(row.body_length, 'm')} long."
     )
 
@@ -132,7 +133,7 @@ def format_generations(records: pd.DataFrame, selected: Collection[int]) -> list
     statistics = generation_statistics(records)
     statistics = statistics.loc[statistics.generation.isin(selected), :]
     n = len(statistics)
-    texts = significant_column([*statistics["best"], *statistics["median"]])
+    texts = format_significant_column([*statistics["best"], *statistics["median"]])
     return list(zip(statistics.itertuples(), texts[:n], texts[n:], strict=True))
 
 
@@ -162,7 +163,7 @@ def tabulate_verdicts(records: pd.DataFrame) -> str:
     """Return a table of the verdicts; the walk of an elite is counted once, although the table repeats it."""
     n_robots = len(births(records))
     elites = ", where elites occur once in each generation" if n_robots < len(records) else ""
-    title = f"Verdicts of {count(n_robots, 'robot')} ({count(len(records), 'row')} in the table{elites}):"
+    title = f"Verdicts of {pluralize(n_robots, 'robot')} ({pluralize(len(records), 'row')} in the table{elites}):"
     return "\n".join([title, *(f"  {n:6}  {verdict}: {meaning}" for verdict, n, meaning in count_verdicts(records))])
 
 
@@ -210,7 +211,7 @@ def format_descent(records: pd.DataFrame, individual: int) -> list[tuple[Any, st
         without meaning, and the number of ancestors omitted there.
     """
     line = select_descent(records, individual)
-    texts = significant_column(math.nan if n_omitted else row.fitness for row, n_omitted in line)
+    texts = format_significant_column(math.nan if n_omitted else row.fitness for row, n_omitted in line)
     return [
         (row, fitness if n_omitted or row.verdict == "ok" else str(row.verdict), n_omitted)
         for (row, n_omitted), fitness in zip(line, texts, strict=True)
@@ -227,7 +228,7 @@ def _format_fitness(fitness: float, settings: PlainSettings) -> str:
 
 def _fitness_unit(settings: PlainSettings) -> str:
     """Return the unit of the fitness; "" for a user function."""
-    return {kind.name: unit for kind, unit in UNITS.items()}.get(_fitness_name(settings), "")
+    return {kind.name: unit for kind, unit in FITNESS_UNITS.items()}.get(_fitness_name(settings), "")
 
 
 def _format_setting(value: Any) -> str:

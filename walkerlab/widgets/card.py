@@ -5,7 +5,7 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.runfile.records import BY_HAND, births, champion
-from walkerlab.settings.values import count
+from walkerlab.settings.values import pluralize
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.html import Html, details, facts, shown, table
 from walkerlab.view import summary
@@ -31,7 +31,8 @@ def robot_card(records: pd.DataFrame, individual: int) -> str:
         ("Walk", f"{format_value(row.distance, 'm')} forward, {format_value(row.velocity, 'm/s')}"),
         (
             "Body",
-            f"{count(row.n_segments, 'segment')}, {count(row.n_legs, 'leg')}, {format_value(row.weight, 'kg')}, "
+            f"{pluralize(row.n_segments, 'segment')}, {pluralize(row.n_legs, 'leg')}, "
+            f"{format_value(row.weight, 'kg')}, "
             f"{format_value(row.body_length, 'm')} long",
         ),
     ]

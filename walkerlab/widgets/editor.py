@@ -8,7 +8,7 @@ import traitlets
 
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.text import GenomeError
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 from walkerlab.settings.settings import Settings
 from walkerlab.text.html import Html, code, join, tag
 from walkerlab.view import sketch
@@ -65,7 +65,7 @@ class Editor(Component):
         self.observe(self._update_text, "genome")
         self.on_msg(self._handle_message)
         if genome is None:
-            rng = stream(self.settings.algorithm.seed, "population", 0, 0)
+            rng = random_stream(self.settings.algorithm.seed, "population", 0, 0)
             genome = Genome.random(self.settings.robot, rng=rng)
         self.text = genome if isinstance(genome, str) else format_genome(genome)
 

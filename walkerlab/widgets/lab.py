@@ -13,7 +13,7 @@ from typing import cast
 
 import ipywidgets
 
-from walkerlab.errors import Fault
+from walkerlab.errors import WalkerlabError
 from walkerlab.evolution.forecast import describe_duration, estimate_seconds, n_walks
 from walkerlab.evolution.live import LiveRun, State
 from walkerlab.evolution.run import Run
@@ -287,7 +287,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
 
 def _error_text(error: BaseException | None) -> str:
     """Return the message of an error, with its type unless the message is written for users."""
-    return str(error) if isinstance(error, Fault) else f"{type(error).__name__}: {error}"
+    return str(error) if isinstance(error, WalkerlabError) else f"{type(error).__name__}: {error}"
 
 
 def _world_of(settings: Settings) -> tuple[object, ...]:

@@ -7,9 +7,9 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.runfile.records import BY_HAND
-from walkerlab.settings.values import count
+from walkerlab.settings.values import pluralize
 from walkerlab.simulation.validity import VERDICTS
-from walkerlab.text.numbers import fixed_column, significant_column, with_unit
+from walkerlab.text.numbers import format_fixed_column, format_significant_column, with_unit
 from walkerlab.view.plots.tables import unit_of
 
 MAX_LISTED = 300  # robots that have a row in the table
@@ -82,7 +82,7 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
     unit = unit_of(records, "fitness")
     invalid = records[records.verdict != "ok"]
     n_elites = int((records.born < records.generation).sum())
-    elites = f", {SIGNS[ELITE]} {count(n_elites, 'elite')}" if n_elites else ""
+    elites = f", {SIGNS[ELITE]} {pluralize(n_elites, 'elite')}" if n_elites else ""
     n_inserted = int((records.operators == BY_HAND).sum())
     inserted = f", {SIGNS[INSERTED]} {n_inserted} made by hand" if n_inserted else ""
     verdicts = ", ".join(f"{n} {verdict}" for verdict, n in invalid.verdict.value_counts().items())
@@ -91,7 +91,7 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
     columns = [_format_cells(name, listed[name].tolist()) for name in COLUMNS]
     rows = zip(listed.to_dict("records"), zip(*columns, strict=True), strict=True)
     return {
-        "title": f"Generation {records.generation.iloc[0]}: {count(n, 'robot')}{elites}{inserted}",
+        "title": f"Generation {records.generation.iloc[0]}: {pluralize(n, 'robot')}{elites}{inserted}",
         "warning": f"{SIGNS[INVALID]} {len(invalid):,} not counted: {verdicts}" if len(invalid) else "",
         "n_drawn": MAX_DRAWN,
         "drawn_note": f"the first {MAX_DRAWN} of {n:,} are drawn" if n > MAX_DRAWN else "",
@@ -115,9 +115,9 @@ def _format_cells(name: str, values: list[Any]) -> list[str]:
         return values
     digits = COLUMNS[name].digits
     if name == "fitness":
-        texts = significant_column(values)
+        texts = format_significant_column(values)
     elif digits:
-        texts = fixed_column(values, digits)
+        texts = format_fixed_column(values, digits)
     else:
         texts = map(str, values)
     return [text.replace("-", MINUS) for text in texts]
@@ -146,7 +146,8 @@ def _describe_row(row: Mapping[Any, Any], cells: Sequence[str], fitness_name: st
 def _description(row: Mapping[Any, Any], kind: str, fitness: str) -> str:
     """Describe one robot in a few sentences, which are also the alternative text of its picture."""
     body = (
-        f"{count(row['n_segments'], 'segment')}, {count(row['n_legs'], 'leg')}, {with_unit(row['weight'], 'kg')}, "
+        f"{pluralize(row['n_segments'], 'segment')}, {pluralize(row['n_legs'], 'leg')}, "
+        f"{with_unit(row['weight'], 'kg')}, "
         f"{with_unit(row['body_length'], 'm')} long"
     )
     robot = f"Robot {row['individual']}: {body}."

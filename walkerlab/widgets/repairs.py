@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import GRID_DECIMALS, PART, WHOLE, genes_of
+from walkerlab.genome.repair import BODY_FEATURES, GRID_DECIMALS, SEGMENT_FEATURES, build_genes
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.robot import Robot
 
@@ -19,7 +19,7 @@ def format_genome(genome: Genome) -> str:
     return str(genome).replace(" | ", "\n| ")
 
 
-_GENES = genes_of(Robot())
+_GENES = build_genes(Robot())
 _KINDS = [
     (Feature[name.rpartition(".")[2]], unit, kind)
     for name, unit, kind in zip(_GENES.names, _GENES.units, _GENES.kinds, strict=True)
@@ -66,18 +66,18 @@ def describe_repairs(genome: Genome, robot: Robot) -> list[str]:
         genome: Genome before the repair.
         robot: Limits of the robot.
     """
-    genes = genes_of(robot)
+    genes = build_genes(robot)
     values = genome.within(robot).values
     used = genes.parts(values[np.newaxis])[0]
-    given = genome.values[len(WHOLE) :].reshape(genome.n_parts, -1)
+    given = genome.values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)
     lows, highs = (genes.parts(limits[np.newaxis])[0] for limits in (genes.low, genes.high))
     sentences = list(_describe_segments(genome, robot))
-    for i, feature in enumerate(WHOLE):
+    for i, feature in enumerate(BODY_FEATURES):
         sentences += _describe_gene(feature, genome.values[i], values[i], (genes.low[i], genes.high[i]), robot)
     for segment in range(min(genome.n_parts, int(values[genes.count or 0]))):
-        has_legs = used[segment, PART.index(Feature.legs)]
-        for feature in PART if has_legs else (Feature.length, Feature.mass, Feature.legs):
-            at = segment, PART.index(feature)
+        has_legs = used[segment, SEGMENT_FEATURES.index(Feature.legs)]
+        for feature in SEGMENT_FEATURES if has_legs else (Feature.length, Feature.mass, Feature.legs):
+            at = segment, SEGMENT_FEATURES.index(feature)
             changes = _describe_gene(feature, given[at], used[at], (lows[at], highs[at]), robot)
             sentences += [f"Segment {segment + 1}: {sentence}" for sentence in changes]
     return sentences

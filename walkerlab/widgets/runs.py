@@ -7,7 +7,7 @@ from typing import Any
 
 import ipywidgets
 
-from walkerlab.errors import Fault
+from walkerlab.errors import WalkerlabError
 from walkerlab.evolution import outputs
 from walkerlab.evolution.loading import load
 from walkerlab.evolution.run import Run
@@ -158,7 +158,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
     def _write(self, run: Run, folder: Path) -> None:
         try:
             outputs.write(run, folder)
-        except Fault as error:
+        except WalkerlabError as error:
             self.drawer.words = str(error)
         except Exception as error:  # on this thread, nothing else reports it
             self.drawer.words = f"The run could not be exported into {shown(folder)}. {type(error).__name__}: {error}"

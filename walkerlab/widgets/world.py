@@ -6,7 +6,7 @@ from typing import Any
 import traitlets
 
 from walkerlab.genome.genome import Genome
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 from walkerlab.settings.settings import Settings
 from walkerlab.text.html import Html
 from walkerlab.view import sketch
@@ -71,7 +71,7 @@ class World(Component):
             if self.settings and wanted != self._drawn:  # called once for each trait that changes
                 settings, genome, number = self._drawn = wanted
                 self.by_chance = genome is None
-                rng = stream(settings.algorithm.seed, "population", 0, number)
+                rng = random_stream(settings.algorithm.seed, "population", 0, number)
                 self.picture = sketch.draw_world(settings, genome or Genome.random(settings.robot, rng=rng))
 
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:

@@ -18,7 +18,7 @@ from functools import lru_cache
 import numpy as np
 
 from walkerlab.ga.genes import Floats
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Structure
 from walkerlab.settings.terrain import FIELD, Terrain
 
@@ -37,7 +37,7 @@ def slope(terrain: Terrain) -> float:
     return math.radians(terrain.incline) if terrain.structure == Structure.incline else 0.0
 
 
-def height(terrain: Terrain, x: Floats, y: Floats | float = 0.0) -> Floats:
+def ground_height(terrain: Terrain, x: Floats, y: Floats | float = 0.0) -> Floats:
     """Return the height of the bare ground [m] at each x, y [m]; in a gap, the height of its bottom."""
     match terrain.structure:
         case Structure.stairs:
@@ -105,7 +105,7 @@ def hill_heights(terrain: Terrain) -> Floats:
     """
     if terrain.structure != Structure.rough:
         return np.empty((0, 0))
-    rng = stream(terrain.seed, "terrain", 0)
+    rng = random_stream(terrain.seed, "terrain", 0)
     cell = terrain.hill_length / CELLS_PER_HILL
     x = np.linspace(0, ARENA_LENGTH, round(ARENA_LENGTH / cell) + 1)
     y = np.linspace(-ARENA_WIDTH / 2, ARENA_WIDTH / 2, round(ARENA_WIDTH / cell) + 1)[:, np.newaxis]
@@ -149,10 +149,10 @@ def project_onto_ground(terrain: Terrain, spots: Floats, step: Floats | float = 
     pitch = slope(terrain)
     x = along * math.cos(pitch)
     # The offset keeps a spot at the edge of a tread on that tread in spite of rounding.
-    points = np.stack([x, across, height(terrain, x + 1e-9, across)], axis=1)
+    points = np.stack([x, across, ground_height(terrain, x + 1e-9, across)], axis=1)
     if terrain.structure == Structure.rough:
-        slope_x = (height(terrain, x + step, across) - height(terrain, x - step, across)) / (2 * step)
-        slope_y = (height(terrain, x, across + step) - height(terrain, x, across - step)) / (2 * step)
+        slope_x = (ground_height(terrain, x + step, across) - ground_height(terrain, x - step, across)) / (2 * step)
+        slope_y = (ground_height(terrain, x, across + step) - ground_height(terrain, x, across - step)) / (2 * step)
         normals = np.stack([-slope_x, -slope_y, np.ones_like(x)], axis=1)
         return points, normals / np.linalg.norm(normals, axis=1, keepdims=True)
     return points, np.tile([-math.sin(pitch), 0.0, math.cos(pitch)], (len(spots), 1))

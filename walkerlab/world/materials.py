@@ -18,6 +18,7 @@ from walkerlab.settings.choices import Texture
 RGB = tuple[float, float, float]
 
 FOOT_RADIUS = 0.02  # m
+TRANSPARENT = (0, 0, 0, 0)  # RGBA of sites that are not drawn
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.random import Generator
 
 from walkerlab.ga.genes import Floats
-from walkerlab.randomness import stream
+from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.settings.terrain import FIELD, MAX_PIECES, REACH, SPREAD, Terrain
-from walkerlab.world.heights import FIELD_START, LANDING, height, level_stretches, project_onto_ground
+from walkerlab.world.heights import FIELD_START, LANDING, ground_height, level_stretches, project_onto_ground
 
 PIECE_HEIGHT = 0.25  # height of a texture piece, a flat dome, as a share of its width
 
@@ -46,9 +46,9 @@ class Layout:
 @lru_cache(maxsize=16)
 def compute_layout(terrain: Terrain) -> Layout:
     """Scatter texture pieces and obstacles over the ground; the same seed gives the same layout."""
-    spots = _scatter_pieces(terrain, stream(terrain.seed, "terrain", 1))
+    spots = _scatter_pieces(terrain, random_stream(terrain.seed, "terrain", 1))
     pieces, piece_normals = project_onto_ground(terrain, spots)
-    spots, angles, sizes = _scatter_obstacles(terrain, stream(terrain.seed, "terrain", 2))
+    spots, angles, sizes = _scatter_obstacles(terrain, random_stream(terrain.seed, "terrain", 2))
     reaches = REACH[terrain.obstacle] * sizes
     obstacles, normals = project_onto_ground(terrain, spots, reaches)
     radius, depth = dome_sphere(terrain)
@@ -86,7 +86,7 @@ def _clearance(
     if terrain.structure == Structure.rough:
         grid = np.linspace(-1.2 * reach, 1.2 * reach, 2 * math.ceil(max(10, 1.2 * reach / PROBE_SPACING)) + 1)
         x, y = (values.ravel() for values in np.meshgrid(spot[0] + grid, spot[1] + grid))
-        along, off = _axis_coordinates(np.stack([x, y, height(terrain, x, y)], axis=1) - spot, normal)
+        along, off = _axis_coordinates(np.stack([x, y, ground_height(terrain, x, y)], axis=1) - spot, normal)
         clearance = PROBE_SPACING / 5 + float(np.max(along, where=off <= reach, initial=clearance))
     if len(spheres):
         along, off = _axis_coordinates(spheres - spot, normal)

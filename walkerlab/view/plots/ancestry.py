@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from walkerlab.runfile.records import champion, fitter_line, lineage, parent_numbers
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import count
+from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.bodies import SLANT, BodyParts, add_body, resting_scene
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description, annotate_no_data, escape_label
@@ -144,10 +144,11 @@ def _write_alt_text(births: pd.DataFrame, line: list[int], n_drawn: int, unit: s
     n_parents = len(parent_numbers(last.parents))
     return (
         f"Family tree of robot {last.individual}, born in generation {last.born} with "
-        f"{count(n_parents, 'parent') if n_parents else 'no parents'}: {_describe_result(last, unit)}. Its line of "
-        f"descent through the fitter parent has {count(len(line), 'robot')} and begins with robot {first.individual} "
+        f"{pluralize(n_parents, 'parent') if n_parents else 'no parents'}: {_describe_result(last, unit)}. Its line of "
+        f"descent through the fitter parent has {pluralize(len(line), 'robot')} and begins with robot "
+        f"{first.individual} "
         f"of generation {first.born}: {_describe_result(first, unit)}{end}. It has "
-        f"{count(len(births) - 1, 'ancestor')} in total; {n_drawn - 1} of them are drawn."
+        f"{pluralize(len(births) - 1, 'ancestor')} in total; {n_drawn - 1} of them are drawn."
     )
 
 

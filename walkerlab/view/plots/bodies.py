@@ -13,13 +13,13 @@ from walkerlab.genome.genome import Genome
 from walkerlab.genome.phenotype import Phenotype
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import count
+from walkerlab.settings.values import pluralize
 from walkerlab.simulation.fitness import poorest_walk
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description
 from walkerlab.view.plots.tables import format_value
 from walkerlab.world.geometry import ROPE_POINTS, outline, skins, valid_poses
-from walkerlab.world.heights import height
+from walkerlab.world.heights import ground_height
 from walkerlab.world.scene import Scene, compile_scene, scene_of
 
 GROUND_MARGIN = 0.2  # m of ground before and behind the bodies
@@ -105,7 +105,7 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     strengths = np.linspace(0.25, 1.0, n_bodies).tolist() if n_bodies > 1 else [1.0]
     extents = [add_body(axes, parts, strength=strength) for strength, parts in zip(strengths, bodies, strict=True)]
     top = max(extent_top for *_, extent_top in extents)
-    ground = height(settings.terrain, x)
+    ground = ground_height(settings.terrain, x)
     bottom = ground.min() - GROUND_DEPTH
     axes.fill_between(x, ground, bottom, color=foreground_colour(axes, 0.2), lw=0)
     axes.set_xlim(x[0], x[-1])
@@ -168,7 +168,8 @@ def _add_distance_arrow(axes: Axes, start: float, end: float, level: float, labe
 def describe_body(robot: Phenotype) -> str:
     """Describe a robot: its numbers of segments and legs, weight and length."""
     return (
-        f"{count(len(robot.segments), 'segment')}, {count(robot.n_legs, 'leg')}, {format_value(robot.weight, 'kg')}, "
+        f"{pluralize(len(robot.segments), 'segment')}, {pluralize(robot.n_legs, 'leg')}, "
+        f"{format_value(robot.weight, 'kg')}, "
         f"{format_value(robot.body_length, 'm')} long"
     )
 

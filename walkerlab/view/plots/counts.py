@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from walkerlab.settings.values import count
+from walkerlab.settings.values import pluralize
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.view.plots.appearance import new_axes, styled_plot
 from walkerlab.view.plots.style import (
@@ -124,6 +124,6 @@ def _write_alt_text(counts: Any) -> str:
     most_frequent_first = sorted(void, key=lambda verdict: -void[verdict])
     reasons = ", ".join(f"{verdict} ({void[verdict]} of {n_robots})" for verdict in most_frequent_first)
     return (
-        f"Verdicts over {count(len(counts), 'generation')}: {shares[0]:.0%} of the walks counted in the first "
+        f"Verdicts over {pluralize(len(counts), 'generation')}: {shares[0]:.0%} of the walks counted in the first "
         f"generation and {shares[-1]:.0%} in the last. {f'Other verdicts: {reasons}.' if reasons else 'All counted.'}"
     )

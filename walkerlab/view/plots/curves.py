@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from walkerlab.settings.values import count, did_you_mean
+from walkerlab.settings.values import did_you_mean, pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.style import (
     add_description,
@@ -73,11 +73,11 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     median = _draw_quartiles(axes, counted, "fitness", (colour, marker), prefix)
     if best.empty:
         annotate_no_data(axes, "no walk counted")
-        text = f"{prefix}in {count(n_generations, 'generation')}, no walk counted."
+        text = f"{prefix}in {pluralize(n_generations, 'generation')}, no walk counted."
     else:
         unit = unit_of(records, "fitness")
         text = (
-            f"{prefix}{name} over {count(n_generations, 'generation')}: the best {describe_change(best, unit)}, "
+            f"{prefix}{name} over {pluralize(n_generations, 'generation')}: the best {describe_change(best, unit)}, "
             f"the median {describe_change(median, unit)}."
         )
     add_description(axes, title, text[0].upper() + text[1:], quantity)
@@ -142,7 +142,7 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
         text = f"{prefix}{trait_name}: no walk counted."
     else:
         of_best = f", that of the best robot {describe_change(best, unit)}" if len(best) else ""
-        over = f"over {count(n_generations, 'generation')}"
+        over = f"over {pluralize(n_generations, 'generation')}"
         text = f"{prefix}{trait_name} {over}: the median {describe_change(median, unit)}{of_best}."
     add_description(axes, title, text[0].upper() + text[1:], quantity)
     axes.set_ylabel(escape_label(quantity))

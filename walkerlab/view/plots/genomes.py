@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from walkerlab.ga.genes import Floats, Genes
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import PART, WHOLE, genes_of
+from walkerlab.genome.repair import BODY_FEATURES, SEGMENT_FEATURES, build_genes
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.robot import Robot
-from walkerlab.settings.values import count
+from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import new_axes, styled_plot
 from walkerlab.view.plots.style import (
     add_description,
@@ -73,7 +73,7 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
         name = f"{label}: genetic" if label else "Genetic"
         definition = "the typical distance between two robots in a gene, as a share of its range in the run,"
         change = describe_change(values.round(3), "")
-        text = f"{name} diversity over {count(len(values), 'generation')}: {definition} {change}."
+        text = f"{name} diversity over {pluralize(len(values), 'generation')}: {definition} {change}."
     add_description(axes, title, text, DIVERSITY)
     axes.set_ylabel("genetic diversity: distance between two robots\n[share of a gene's range in the run]")
     axes.set_ylim(0, max(axes.get_ylim()[1], 0.1))
@@ -144,7 +144,7 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     add_description(
         axes,
         GENES_TITLE,
-        f"The {len(table)} genes of the {count(len(rows), 'robot')} of generation {drawn}, the fittest on top: "
+        f"The {len(table)} genes of the {pluralize(len(rows), 'robot')} of generation {drawn}, the fittest on top: "
         f"{positions.mask.mean():.0%} of the genes are not grown. The robots differ least in "
         f"{_spell_gene(most_similar)} and most in {_spell_gene(most_different)}.",
     )
@@ -211,8 +211,8 @@ def _parse_genomes(records: pd.DataFrame) -> tuple[Floats, Genes]:
     if len({len(values) for values in parsed}) > 1:
         raise ValueError("the genomes of this table differ in length; draw the table of one run at a time")
     values = np.array(parsed)
-    n_parts = (values.shape[1] - len(WHOLE)) // len(PART)
-    return values[codes], genes_of(Robot(segments=(1, n_parts)))
+    n_parts = (values.shape[1] - len(BODY_FEATURES)) // len(SEGMENT_FEATURES)
+    return values[codes], build_genes(Robot(segments=(1, n_parts)))
 
 
 def _relative_positions(values: Floats, table: Genes) -> Floats:
@@ -269,8 +269,8 @@ def _compute_diversity(records: pd.DataFrame) -> dict[int, float]:
 def _is_grown(values: Floats, table: Genes) -> NDArray[np.bool_]:
     """Return which genes are grown, shape (n, n_genes): those of existing segments and of their existing legs."""
     has_segment = np.arange(table.n_parts) < table.n_grown(values)[:, np.newaxis]
-    has_legs = table.parts(values)[:, :, PART.index(Feature.legs)] > 0
-    is_trunk = np.array([feature in TRUNK_FEATURES for feature in PART])
+    has_legs = table.parts(values)[:, :, SEGMENT_FEATURES.index(Feature.legs)] > 0
+    is_trunk = np.array([feature in TRUNK_FEATURES for feature in SEGMENT_FEATURES])
     segment_genes = has_segment[:, :, np.newaxis] & (is_trunk | has_legs[:, :, np.newaxis])
     body_genes = np.ones((len(values), table.n_whole), dtype=np.bool_)
     return np.concatenate([body_genes, segment_genes.reshape(len(values), -1)], axis=1)

@@ -17,7 +17,7 @@ from matplotlib.transforms import Bbox
 
 from walkerlab.system.files import file_path, replacing
 from walkerlab.text.html import printable
-from walkerlab.text.numbers import LARGEST, SMALLEST
+from walkerlab.text.numbers import MAX_FIXED_POWER, MIN_FIXED_POWER
 from walkerlab.view.plots.appearance import REPRODUCIBLE_TEXT, StyledFigure, foreground_colour, walkerlab_style
 from walkerlab.view.plots.tables import UNKNOWN_FITNESS
 
@@ -197,7 +197,7 @@ class _ValueFormatter(ScalarFormatter):
 
     def __init__(self) -> None:
         super().__init__(useOffset=False)
-        self.set_powerlimits((SMALLEST - 1, LARGEST))
+        self.set_powerlimits((MIN_FIXED_POWER - 1, MAX_FIXED_POWER))
 
     def set_axis(self, axis: Any) -> None:
         """Set the axis to format, and place its power of ten beside it."""

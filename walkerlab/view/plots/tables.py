@@ -5,7 +5,7 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.runfile.records import COLUMNS
-from walkerlab.text.numbers import significant
+from walkerlab.text.numbers import format_significant
 
 UNKNOWN_FITNESS = "fitness"  # name of the fitness if the table does not name its fitness function
 
@@ -57,7 +57,7 @@ def axis_label(name: str, unit: str) -> str:
 
 def format_value(value: float, unit: str) -> str:
     """Format a number with three significant figures, no trailing zeros, a true minus sign, and its unit."""
-    digits, _, power = significant(value).partition("e")
+    digits, _, power = format_significant(value).partition("e")
     if "." in digits:
         digits = digits.rstrip("0").rstrip(".")
     number = f"{digits}e{power}" if power else digits

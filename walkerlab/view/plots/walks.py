@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import count
+from walkerlab.settings.values import pluralize
 from walkerlab.simulation.fitness import poorest_walk
 from walkerlab.simulation.footfalls import find_footfalls, foot_names
 from walkerlab.simulation.rollout import Rollout
@@ -138,7 +138,7 @@ def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Ax
     add_description(
         axes,
         "Gait",
-        f"Gait diagram of {count(len(names), 'foot').replace('foots', 'feet')} in a walk of "
+        f"Gait diagram of {pluralize(len(names), 'foot').replace('foots', 'feet')} in a walk of "
         f"{format_value(duration, 's')}. Share of the time on the ground: {shares}.{verdict}",
     )
     return axes

@@ -17,7 +17,7 @@ from walkerlab.view.replay.tracks import TRANSFORM_RESOLUTION, Tracks, frame_tim
 from walkerlab.world.assembly import ROBOT_BODY
 from walkerlab.world.cameras import aim_camera
 from walkerlab.world.geometry import PLANE_EXTENT, Surface, rotate, surfaces
-from walkerlab.world.heights import height, slope
+from walkerlab.world.heights import ground_height, slope
 from walkerlab.world.scene import ORIENTATION, POSITION, Scene
 
 MIN_MARKED_DISTANCE = 10  # m
@@ -130,7 +130,9 @@ def build_animation(walks: list[Walk], name: str) -> Animation:
         ),
         up_directions={camera: camera_track.up for camera, camera_track in camera_tracks.items()},
         duration=float(time[-1]),
-        marks=np.stack([distances, mark_y, height(terrain, distances, mark_y) + meshes.GROUND_CLEARANCE], axis=1),
+        marks=np.stack(
+            [distances, mark_y, ground_height(terrain, distances, mark_y) + meshes.GROUND_CLEARANCE], axis=1
+        ),
     )
 
 
@@ -202,7 +204,7 @@ def shadow_transforms(scene: Scene, trunk: Floats, length: float) -> Floats:
         math.sin(half_pitch) * np.cos(half_yaw),
         math.cos(half_pitch) * np.sin(half_yaw),
     ]
-    z = height(terrain, x, y) + meshes.GROUND_CLEARANCE
+    z = ground_height(terrain, x, y) + meshes.GROUND_CLEARANCE
     return np.stack([x, y, z, *quaternion, np.ones_like(x)], axis=1)
 
 

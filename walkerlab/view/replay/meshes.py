@@ -17,7 +17,7 @@ from walkerlab.ga.genes import Floats
 from walkerlab.settings.terrain import Terrain
 from walkerlab.world.cameras import FIELD_OF_VIEW
 from walkerlab.world.geometry import Surface, material_image, rotate
-from walkerlab.world.heights import height
+from walkerlab.world.heights import ground_height
 from walkerlab.world.scene import ORIENTATION, POSITION, Scene
 
 RGB = tuple[float, float, float]
@@ -153,7 +153,7 @@ def line_mesh(terrain: Terrain, extent: tuple[float, float], distances: NDArray[
     edges = (-style.half_width, style.half_width)
     x = np.add.outer(distances, edges)[:, np.newaxis, :] + 0 * y[:, np.newaxis]  # (n_lines, LINE_POINTS, 2)
     across = np.broadcast_to(y[:, np.newaxis], x.shape)
-    points = np.stack([x, across, height(terrain, x, across) + GROUND_CLEARANCE], axis=-1).reshape(-1, 3)
+    points = np.stack([x, across, ground_height(terrain, x, across) + GROUND_CLEARANCE], axis=-1).reshape(-1, 3)
     i = (2 * np.arange(len(y) - 1) + 2 * len(y) * np.arange(len(distances))[:, np.newaxis]).ravel()
     triangles = np.stack([i, i + 1, i + 3, i, i + 3, i + 2], axis=1).reshape(-1, 3)
     return _mesh(points, triangles, color=0xFFFFFF, opacity=style.opacity, side="double")

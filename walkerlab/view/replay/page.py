@@ -29,7 +29,7 @@ from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.choices import Camera
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import count
+from walkerlab.settings.values import pluralize
 from walkerlab.simulation.fitness import name_and_unit, score
 from walkerlab.simulation.validity import UNSTABLE, VERDICTS
 from walkerlab.system.files import file_path, replacing
@@ -143,7 +143,7 @@ class Replay:
                 fitness = score(rollout, self.settings.algorithm.fitness)
                 facts.append((name, with_unit(fitness, unit) if rollout.counts else "does not count"))
         facts += [
-            ("body", f"{count(len(body.segments), 'segment')}, {count(body.n_legs, 'leg')}"),
+            ("body", f"{pluralize(len(body.segments), 'segment')}, {pluralize(body.n_legs, 'leg')}"),
             ("length", with_unit(body.body_length, "m")),
             ("weight", with_unit(body.weight, "kg")),
         ]

@@ -11,7 +11,7 @@ from walkerlab.genome.genome import Genome
 from walkerlab.settings.choices import Structure
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.terrain import Terrain
-from walkerlab.settings.values import brief
+from walkerlab.settings.values import short_repr
 from walkerlab.simulation.fitness import poorest_walk
 from walkerlab.text.html import printable
 from walkerlab.view.plots.style import RUN_COLOURS
@@ -71,7 +71,7 @@ def _labelled_genomes(walkers: Any) -> Iterable[tuple[str, Genome]]:
     elif isinstance(walkers, str | Genome) or hasattr(walkers, "genome") or getattr(walkers, "ndim", 0) == 1:
         pairs = [(_default_label(walkers, ""), walkers)]
     elif not isinstance(walkers, Iterable):
-        raise TypeError(f"replay takes a genome, an individual or a run, or a list of them; got {brief(walkers)}")
+        raise TypeError(f"replay takes a genome, an individual or a run, or a list of them; got {short_repr(walkers)}")
     else:
         walkers = list(cast(Iterable[Any], walkers))
         if numbers := [walker for walker in walkers if isinstance(walker, int | np.integer)]:

@@ -20,7 +20,7 @@ from walkerlab.simulation.rollout import Rollout
 from walkerlab.system.file_sets import NewFiles, replacing_files
 from walkerlab.system.files import folder_path, replacing, write_text
 from walkerlab.text.html import Html, code, details, escape_cell, facts, join, standalone_page, table, tag
-from walkerlab.text.numbers import significant, with_unit
+from walkerlab.text.numbers import format_significant, with_unit
 from walkerlab.view import summary
 from walkerlab.view.replay import replay
 from walkerlab.view.report.code import STEPS, as_python, user_functions
@@ -170,7 +170,7 @@ def _summary_section(run: Subject, figures: Mapping[str, Html]) -> Html:
     row: Any = born.loc[run.champion.individual]
     numbers: list[tuple[str, str]] = []
     if run.champion.verdict == "ok":
-        relative_speed = significant(row.velocity / row.body_length)
+        relative_speed = format_significant(row.velocity / row.body_length)
         numbers += [
             (with_unit(row.distance, "m"), f"forward in {run.settings.simulation.duration:g} s"),
             (with_unit(row.velocity, "m/s"), f"over the last two thirds: {relative_speed} body lengths a second"),

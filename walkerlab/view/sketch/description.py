@@ -8,7 +8,7 @@ from walkerlab.genome.phenotype import Phenotype
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.terrain import PLANETS, Terrain
-from walkerlab.settings.values import count
+from walkerlab.settings.values import pluralize
 from walkerlab.world.heights import LANDING
 
 MIN_DIRECTION_SHARE = 0.1  # of a vector's length; smaller components are left out of its description
@@ -42,7 +42,7 @@ class Force(NamedTuple):
 def describe_robot(robot: Phenotype) -> str:
     """Return the numbers of segments and legs, the weight and the length of a robot."""
     return (
-        f"{count(len(robot.segments), 'segment')}, {count(robot.n_legs, 'leg')}, {robot.weight:.3g} kg, "
+        f"{pluralize(len(robot.segments), 'segment')}, {pluralize(robot.n_legs, 'leg')}, {robot.weight:.3g} kg, "
         f"{robot.body_length:.3g} m long"
     )
 

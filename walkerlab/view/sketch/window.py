@@ -17,7 +17,7 @@ from walkerlab.ga.genes import Floats
 from walkerlab.settings.terrain import Terrain
 from walkerlab.text.html import Html
 from walkerlab.view.sketch.projection import DEPTH_SHIFT, RAISED_VIEW, Projection
-from walkerlab.world.heights import height
+from walkerlab.world.heights import ground_height
 
 DrawnItem = tuple[float, Html]
 """Smallest y [m] of something drawn, and its SVG element; distant items are drawn first."""
@@ -56,7 +56,7 @@ class Window:
 
 def ground_points(terrain: Terrain, x: Floats, y: Floats | float) -> Floats:
     """Return the points of the ground at x, shape (n,), and y [m]; shape (n, 3)."""
-    return np.stack([x, np.broadcast_to(y, x.shape), height(terrain, x, y)], axis=1)
+    return np.stack([x, np.broadcast_to(y, x.shape), ground_height(terrain, x, y)], axis=1)
 
 
 def back_to_front(items: Iterable[DrawnItem]) -> list[Html]:

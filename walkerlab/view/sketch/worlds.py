@@ -22,7 +22,7 @@ from walkerlab.view.sketch.window import DrawnItem, Window, back_to_front, groun
 from walkerlab.world.assembly import ROPE_LENGTH
 from walkerlab.world.entities.load import half_sledge_length
 from walkerlab.world.geometry import skins
-from walkerlab.world.heights import LANDING, height
+from walkerlab.world.heights import LANDING, ground_height
 from walkerlab.world.scene import Scene, scene_of
 
 SCALE_HEIGHT = 22.0  # pixels below the picture, for the distance scale
@@ -119,7 +119,7 @@ def _choose_window(settings: Settings, parts: Parts, size: tuple[float, float], 
     near = -NEAR_SHARE * width
     scale = width_px / width
     section_height = MIN_SECTION_HEIGHT - RAISED_VIEW[1, 1] * near
-    lowest_ground = float(np.min(height(terrain, np.linspace(left, left + width, 200), near)))
+    lowest_ground = float(np.min(ground_height(terrain, np.linspace(left, left + width, 200), near)))
     margin_above = max(MARGIN_ABOVE, FORCE_ROW_HEIGHT * len(list(unusual_forces(terrain))) / scale)
     bottom = max(lowest_ground - section_height, robot_top + margin_above - height_px / scale)
     bottom = min(bottom, robot_bottom - section_height)

@@ -4,10 +4,11 @@ from typing import Any
 
 from dm_control import composer, mjcf
 
+from walkerlab.world.materials import TRANSPARENT
+
 PACK_DENSITY = 400.0  # kg/m³
 CARGO_DENSITY = 600.0  # kg/m³, of the box on the sledge
 RUNNER_RADIUS = 0.02  # m
-TRANSPARENT = (0, 0, 0, 0)
 PACK_COLOUR = (0.60, 0.20, 0.15, 1)
 SLEDGE_COLOUR = (0.45, 0.30, 0.18, 1)
 ROPE_COLOUR = (0.85, 0.75, 0.50, 1)

@@ -11,7 +11,7 @@ import numpy as np
 
 from walkerlab.settings.choices import Obstacle, Structure, Texture
 from walkerlab.settings.terrain import FIELD, Terrain
-from walkerlab.world.heights import ARENA_LENGTH, ARENA_WIDTH, LANDING, TRENCH_DEPTH, height
+from walkerlab.world.heights import ARENA_LENGTH, ARENA_WIDTH, LANDING, TRENCH_DEPTH, ground_height
 from walkerlab.world.materials import MATERIALS, RGB
 
 
@@ -165,7 +165,7 @@ def _darken_gaps(root: Any) -> None:
 def _add_windsock(root: Any, terrain: Terrain, x: float) -> None:
     """Add a striped windsock beside the way; the stronger the wind, the less it droops."""
     y = FIELD[1] / 2 + 0.2
-    foot = np.array([x, y, float(height(terrain, np.array([x]), np.array([y]))[0])])
+    foot = np.array([x, y, float(ground_height(terrain, np.array([x]), np.array([y]))[0])])
     top = foot + np.array([0, 0, MAST_HEIGHT])
     _add_rod(root.worldbody, foot, top, 0.018, MAST_COLOUR)
     wind_x, wind_y, _ = terrain.wind

@@ -6,11 +6,12 @@ individual into the finished model, so that one model serves all robots of a bod
 
 from dm_control import composer, mjcf
 
+from walkerlab.world.materials import TRANSPARENT
+
 BodyPlan = tuple[bool, ...]
 """For each segment from the front, whether it has a pair of legs."""
 
 SIDES = ("left", "right")
-TRANSPARENT = (0, 0, 0, 0)
 TRUNK_COLOUR = (0.90, 0.62, 0.00, 1)
 LEG_COLOURS = {"left": (0.00, 0.45, 0.70, 1), "right": (0.34, 0.71, 0.91, 1)}  # in side view the right one is nearer
 
