@@ -82,12 +82,12 @@ def values(declared):
             return st.sampled_from(declared.choices) | st.lists(st.sampled_from(declared.choices), min_size=1)
         case OneOf():
             return st.sampled_from(declared.choices)
-        case Quantity(whole=True, parts=()):
+        case Quantity(whole=True, components=()):
             return st.integers(declared.low, declared.high)
-        case Quantity(parts=()):
+        case Quantity(components=()):
             return numbers(declared.low, declared.high)
         case Quantity():
-            return st.tuples(*[numbers(declared.low, declared.high)] * len(declared.parts))
+            return st.tuples(*[numbers(declared.low, declared.high)] * len(declared.components))
 
 
 def domains(kind):

@@ -8,7 +8,7 @@ from copy import deepcopy
 import numpy as np
 
 from walkerlab.genome.genome import Genome
-from walkerlab.settings.fields import PAIR, OneOf
+from walkerlab.settings.fields import MIN_MAX, OneOf
 from walkerlab.settings.model import SettingsError
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
@@ -81,10 +81,10 @@ def _value(declared, rng):
         return [one] * int(rng.integers(1, 4)) if declared.several and rng.random() < 0.3 else one
     if declared.presets and rng.random() < 0.3:
         return [*declared.presets][rng.integers(len(declared.presets))]
-    drawn = rng.uniform(declared.low, declared.high, max(1, len(declared.parts)))
+    drawn = rng.uniform(declared.low, declared.high, max(1, len(declared.components)))
     drawn = np.clip(np.round(drawn, 0 if declared.whole else rng.integers(1, 9)), declared.low, declared.high)
     plain = drawn.astype(int if declared.whole else float).tolist()
-    return sorted(plain) if declared.parts == PAIR else plain if declared.parts else plain[0]
+    return sorted(plain) if declared.components == MIN_MAX else plain if declared.components else plain[0]
 
 
 def mutated(text, other, rng):

@@ -167,7 +167,9 @@ def test_whatever_a_stranger_sends_is_read_or_refused_in_words_and_soon(make, ho
 # ------------------------------------------------------------------------------------- by structure, and one by one
 
 
-NAMES = st.sampled_from(["terrain", "robot", "algorithm", "simulation", *Settings.places(), "function", "with"])
+NAMES = st.sampled_from(
+    ["terrain", "robot", "algorithm", "simulation", *Settings.field_locations(), "function", "with"]
+)
 PLAIN = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=9) | st.sampled_from(["rank", "moon"]),
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(NAMES | st.text(max_size=9), inner, max_size=4),
@@ -181,7 +183,7 @@ def test_any_json_is_settings_or_refused(plain):
 
 
 @hypothesis_settings(max_examples=60)
-@given(all_settings, st.sampled_from(list(Settings.places().values())), PLAIN)
+@given(all_settings, st.sampled_from(list(Settings.field_locations().values())), PLAIN)
 def test_anything_in_place_of_one_setting_is_taken_or_refused(made, place, value):
     domain, name = place
     plain = made.model_dump()
@@ -223,7 +225,7 @@ def test_a_huge_value_is_not_quoted_whole(huge):
     for _ in range(10**5):
         nested = [nested]
     for bad in (huge, [huge], [huge] * 2, [huge] * 3, nested):
-        for domain, name in Settings.places().values():
+        for domain, name in Settings.field_locations().values():
             assert settings_or_refusal(Settings, **{domain: {name: bad}}) is None
         for domain in Settings.model_fields:
             assert settings_or_refusal(Settings, **{domain: [bad]}) is None

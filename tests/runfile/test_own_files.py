@@ -19,10 +19,10 @@ from walkerlab.settings.fields import OneOf
 from walkerlab.simulation.validity import VERDICTS
 
 SETTINGS = wl.Settings().with_(population_size=12, generations=2, duration=1, n_elites=2, seed=4)
-PLACES = wl.Settings.places()
+FIELD_LOCATIONS = wl.Settings.field_locations()
 CHOICES = [
     (name, member)
-    for name, (domain, field) in PLACES.items()
+    for name, (domain, field) in FIELD_LOCATIONS.items()
     if isinstance(declared := type(getattr(SETTINGS, domain)).declared()[field], OneOf)
     for member in declared.choices
 ]

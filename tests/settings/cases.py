@@ -29,9 +29,9 @@ def default(domain, name):
 def with_part(domain, name, number):
     """Yield values of a field in which one number is replaced; the others are those of the default."""
     declared = domain.declared()[name]
-    if not declared.parts:
+    if not declared.components:
         yield number
-    for i in range(len(declared.parts)):
+    for i in range(len(declared.components)):
         yield (*default(domain, name)[:i], number, *default(domain, name)[i + 1 :])
 
 

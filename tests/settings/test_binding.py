@@ -38,15 +38,15 @@ class Colour(enum.IntEnum):
 
 
 def text(value):
-    return binding.identity(BoundFunction(scaled, value))
+    return binding.arguments_key(BoundFunction(scaled, value))
 
 
 @given(values)
 def test_a_value_returns_unchanged_from_json_and_from_python_code(value):
     copy = binding.plain_copy(value)
-    written = json.dumps(binding.written(copy), allow_nan=False)
+    written = json.dumps(binding.to_json_data(copy), allow_nan=False)
     for again in (
-        binding.restored(json.loads(written), KINDS),
+        binding.from_json_data(json.loads(written), KINDS),
         eval(binding.as_python(copy), {"np": np, "wl": wl}),
     ):
         assert type(again) is type(copy)
@@ -100,11 +100,11 @@ def test_bound_values_do_not_change_with_the_objects_they_were_copied_from():
     numbers, table = [1.0], np.ones(2)
     bound = partial(scaled, k=numbers, table=table)
     fitness = SETTINGS.with_(fitness=bound).algorithm.fitness
-    before = binding.identity(fitness)
+    before = binding.arguments_key(fitness)
     numbers.append(2.0)
     table[:] = 7
     bound.keywords["k"] = fitness.keywords["k2"] = 5
-    assert binding.identity(fitness) == before
+    assert binding.arguments_key(fitness) == before
     with pytest.raises(ValueError, match="read-only"):
         fitness.keywords["table"][0] = 7
 
@@ -169,4 +169,4 @@ def test_too_many_characters_are_rejected_before_any_walk():
 ])  # fmt: skip
 def test_invalid_stored_data_are_rejected(hostile):
     with pytest.raises(ValueError):  # noqa: PT011
-        binding.restored(hostile, KINDS)
+        binding.from_json_data(hostile, KINDS)

@@ -20,7 +20,7 @@ from tests.settings.cases import (
 )
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.choices import Camera, Choice, Structure
-from walkerlab.settings.fields import PAIR
+from walkerlab.settings.fields import MIN_MAX
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.terrain import Terrain
@@ -45,9 +45,9 @@ def test_every_field_is_declared_with_a_meaning():
 def test_an_annotation_agrees_with_its_declaration(domain, name):
     declared = domain.declared()[name]
     number = int if declared.whole else float
-    wanted = tuple[(number,) * len(declared.parts)] if declared.parts else number
+    wanted = tuple[(number,) * len(declared.components)] if declared.components else number
     assert domain.model_fields[name].annotation == wanted
-    assert type(default(domain, name)) is (tuple if declared.parts else number)
+    assert type(default(domain, name)) is (tuple if declared.components else number)
     schema = domain.model_json_schema()["properties"][name]
     assert (schema["minimum"], schema["maximum"], schema["unit"]) == (declared.low, declared.high, declared.unit)
 
@@ -76,8 +76,8 @@ def test_a_number_out_of_range_is_reported_with_field_value_unit_range_and_meani
 def test_a_range_includes_its_ends(domain, name):
     declared = domain.declared()[name]
     ends = [declared.low, declared.high]
-    if declared.parts:
-        ends = [tuple(ends)] if declared.parts == PAIR else [(end,) * len(declared.parts) for end in ends]
+    if declared.components:
+        ends = [tuple(ends)] if declared.components == MIN_MAX else [(end,) * len(declared.components) for end in ends]
     for end in ends:
         assert getattr(domain(**NEEDS.get(name, {}), **{name: end}), name) == end
 
@@ -97,28 +97,30 @@ def test_numbers_become_plain_python_numbers_and_whole_ones_must_be_whole(domain
     plain = int if declared.whole else float
     middle = default(domain, name)
     for kind in (np.float64, np.float32) + ((np.int64,) if declared.whole else ()):
-        given = tuple(map(kind, middle)) if declared.parts else kind(middle)
+        given = tuple(map(kind, middle)) if declared.components else kind(middle)
         got = getattr(domain(**{name: given}), name)
-        assert [type(one) for one in (got if declared.parts else [got])] == [plain] * max(1, len(declared.parts))
+        assert [type(one) for one in (got if declared.components else [got])] == [plain] * max(
+            1, len(declared.components)
+        )
         assert got == pytest.approx(middle)
     if declared.whole:
         for value in with_part(domain, name, declared.low + 0.5):
             assert "it must be a whole number" in error_message(domain, **{name: value})
 
 
-@pytest.mark.parametrize(("domain", "name"), [(d, n) for d, n in NUMBERS if d.declared()[n].parts])
+@pytest.mark.parametrize(("domain", "name"), [(d, n) for d, n in NUMBERS if d.declared()[n].components])
 def test_a_pair_or_vector_requires_the_right_count_of_numbers_in_order(domain, name):
-    parts = domain.declared()[name].parts
+    components = domain.declared()[name].components
     good = default(domain, name)
     assert getattr(domain(**{name: list(good)}), name) == good
     assert getattr(domain(**{name: np.array(good)}), name) == good
     unordered = set(good), frozenset(good), dict.fromkeys(good), dict.fromkeys(good).keys()
-    letters = [kind(b"123"[: len(parts)]) for kind in (bytes, bytearray)]
-    for bad in (good[:-1], (*good, good[-1]), (), good[0], "123"[: len(parts)], None, *unordered, *letters):
-        assert f"it must be {len(parts)} numbers: {', '.join(parts)}." in error_message(domain, **{name: bad})
+    letters = [kind(b"123"[: len(components)]) for kind in (bytes, bytearray)]
+    for bad in (good[:-1], (*good, good[-1]), (), good[0], "123"[: len(components)], None, *unordered, *letters):
+        assert f"it must be {len(components)} numbers: {', '.join(components)}." in error_message(domain, **{name: bad})
 
 
-@pytest.mark.parametrize("name", [name for name in Robot.declared() if Robot.declared()[name].parts == PAIR])
+@pytest.mark.parametrize("name", [name for name in Robot.declared() if Robot.declared()[name].components == MIN_MAX])
 def test_a_min_over_its_max_is_rejected(name):
     declared = Robot.declared()[name]
     message = error_message(Robot, **{name: (declared.high, declared.low)})

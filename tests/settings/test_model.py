@@ -55,7 +55,7 @@ def test_all_errors_of_one_call_are_reported_together():
     lines = error_message(Settings, **beyond).splitlines()
     assert [re.match(r"\w+\.\w+", line).group() for line in lines] == everything
 
-    flat = {word: beyond[domain][name] for word, (domain, name) in Settings.places().items()}
+    flat = {word: beyond[domain][name] for word, (domain, name) in Settings.field_locations().items()}
     assert len(error_message(Settings().with_, **flat, no_such=1).splitlines()) == len(everything) + 1
 
 

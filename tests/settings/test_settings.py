@@ -24,11 +24,11 @@ from walkerlab.settings.terrain import Terrain
 
 
 def test_each_setting_has_a_unique_name_and_the_algorithm_has_the_shared_one():
-    places = Settings.places()
-    assert sorted(places.values()) == sorted(
+    locations = Settings.field_locations()
+    assert sorted(locations.values()) == sorted(
         (keyword, name) for keyword in DOMAINS for name in DOMAINS[keyword].declared()
     )
-    assert places["seed"] == ("algorithm", "seed")
+    assert locations["seed"] == ("algorithm", "seed")
     both = Settings().with_(seed=3, terrain_seed=4)
     assert (both.algorithm.seed, both.terrain.seed) == (3, 4)
 
@@ -58,14 +58,14 @@ def test_a_choice_given_for_its_domain_gets_a_suggestion():
 @every_field
 def test_a_setting_given_outside_its_domain_is_reported_with_its_domain(domain, name):
     keyword = domain.__name__.lower()
-    word = next(word for word, place in Settings.places().items() if place == (keyword, name))
+    word = next(word for word, place in Settings.field_locations().items() if place == (keyword, name))
     assert f"{keyword}={domain.__name__}({name}=…)" in error_message(Settings, **{word: 1})
 
 
 @hypothesis_settings(max_examples=60)
-@given(all_settings, all_settings, st.sampled_from(list(Settings.places())))
+@given(all_settings, all_settings, st.sampled_from(list(Settings.field_locations())))
 def test_with_changes_only_the_named_setting(settings, others, word):
-    domain, name = Settings.places()[word]
+    domain, name = Settings.field_locations()[word]
     settings = settings.with_(robot=Robot(), terrain=Terrain(texture_size=0.3))  # so that any single change is allowed
     value = getattr(getattr(others, domain), name)
     if domain == "robot":

@@ -12,7 +12,7 @@ from tests.strategies import all_settings, genomes
 from tests.text.test_html import HOSTILE, Seen, assert_harmless
 from walkerlab.runfile.records import Individual, join
 from walkerlab.settings.fields import Quantity
-from walkerlab.settings.glossary import rows_of
+from walkerlab.settings.glossary import glossary_rows
 from walkerlab.simulation.fitness import distance, velocity
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.numbers import with_unit
@@ -58,7 +58,7 @@ def test_each_setting_is_shown_once_and_changed_settings_are_marked(settings):
     assert parsed.text.count("●\N{NO-BREAK SPACE}") == len(settings.changes())
     assert len([row for row in parsed.all("tr") if row.get("class") == "strong"]) == len(settings.changes())
     for _, domain in settings:
-        for row in rows_of(domain):
+        for row in glossary_rows(domain):
             assert row.value in parsed.text
             assert row.about in parsed.text
 

@@ -27,7 +27,7 @@ DOMAINS = (Terrain, Robot, Algorithm, Simulation)
 
 
 def setting_names():
-    return [f"{domain}.{field}" for domain, field in Settings.places().values()]
+    return [f"{domain}.{field}" for domain, field in Settings.field_locations().values()]
 
 
 def controls(form):
@@ -89,7 +89,7 @@ def test_the_traits_for_the_browser_are_plain_data():
 
 
 @pytest.mark.parametrize(
-    ("only", "places"),
+    ("only", "locations"),
     [
         (["step_height"], ["terrain.step_height"]),
         (["seed", "terrain_seed"], ["terrain.seed", "algorithm.seed"]),
@@ -97,9 +97,9 @@ def test_the_traits_for_the_browser_are_plain_data():
         ("legs", ["robot.legs"]),
     ],
 )
-def test_a_form_of_some_settings_keeps_the_others(only, places):
+def test_a_form_of_some_settings_keeps_the_others(only, locations):
     form = Form(Settings().with_(duration=5, legs=(4, 6)), only=only)
-    assert list(controls(form)) == places
+    assert list(controls(form)) == locations
     send(form, terrain__step_height=0.2)
     assert form.settings == Settings().with_(duration=5, legs=(4, 6), step_height=0.2)
 
@@ -217,19 +217,19 @@ CLASHES = [
 @pytest.mark.parametrize("clash", CLASHES, ids=lambda clash: ", ".join(clash))
 def test_an_invalid_combination_is_reported_at_each_setting_that_it_names(clash):
     form = Form()
-    places = Settings.places()
+    locations = Settings.field_locations()
     with pytest.raises(SettingsError) as caught:
         Settings().with_(**clash)
-    send(form, **{"__".join(places[name]): value for name, value in clash.items()})
+    send(form, **{"__".join(locations[name]): value for name, value in clash.items()})
     assert form.settings is None
     assert form.fault == str(caught.value)
     named = {word.rstrip(".,:;").lower() for word in form.fault.split()} & {*setting_names()}
     assert set(form.faults) == named
-    assert {".".join(places[name]) for name in clash} & named
+    assert {".".join(locations[name]) for name in clash} & named
     for sentence in form.faults.values():
         assert sentence[0].isupper()
         assert not any(f"{kind.__name__}." in sentence for kind in DOMAINS)
-    send(form, **{"__".join(places[name]): Form().values[places[name][0]][places[name][1]] for name in clash})
+    send(form, **{"__".join(locations[name]): Form().values[locations[name][0]][locations[name][1]] for name in clash})
     assert (form.settings, form.fault, form.faults) == (Settings(), "", {})
 
 
@@ -263,7 +263,7 @@ garbage = st.recursive(
 )
 
 
-@given(place=st.sampled_from(sorted(Settings.places().values())), sent=garbage)
+@given(place=st.sampled_from(sorted(Settings.field_locations().values())), sent=garbage)
 @settings(deadline=None)
 def test_an_invalid_value_is_reported_at_its_setting_and_raises_nothing(place, sent):
     form, (domain, field) = Form(), place
@@ -368,10 +368,10 @@ def test_a_form_offers_the_presets_of_the_shown_domains():
 
 
 def test_structure_settings_are_those_used_by_single_structures():
-    places = {f"terrain.{control['name']}" for control in make_controls(Terrain) if control["structure_only"]}
+    locations = {f"terrain.{control['name']}" for control in make_controls(Terrain) if control["structure_only"]}
     for structure in Structure:
         values = Settings().with_(structure=structure).model_dump()
-        assert len(places - unused_settings(values).keys()) <= 2, "the height of their group in form.css fits two"
+        assert len(locations - unused_settings(values).keys()) <= 2, "the height of their group in form.css fits two"
     everywhere = [unused_settings(Settings().with_(structure=structure).model_dump()).keys() for structure in Structure]
-    assert places <= set.union(*map(set, everywhere))
-    assert not places & set.intersection(*map(set, everywhere))
+    assert locations <= set.union(*map(set, everywhere))
+    assert not locations & set.intersection(*map(set, everywhere))

@@ -13,7 +13,7 @@ from tests.strategies import domains, robots
 from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.settings.model import SettingsError
-from walkerlab.settings.terrain import FIELD, MAX_PIECES, PLANETS
+from walkerlab.settings.terrain import MAX_PIECES, PLACEMENT_AREA, PLANET_GRAVITY
 from walkerlab.simulation.starts import start_overlap
 from walkerlab.simulation.validity import MAX_START_OVERLAP
 from walkerlab.world import heights, placement
@@ -65,7 +65,7 @@ def crowded_terrains(draw):
         if isinstance(value, tuple | float):
             values[name] = np.round(value, 9).tolist()
     width, kind = draw(st.floats(0.03, 0.6)), draw(st.sampled_from(Obstacle))
-    area = math.pi * (placement.REACH[kind] * width + 0.01) ** 2
+    area = math.pi * (placement.OBSTACLE_REACH[kind] * width + 0.01) ** 2
     share = draw(st.sampled_from([0.1, 0.1, 0.1, 1.0]))
     obstacles = {"obstacle": kind, "obstacle_size": width, "obstacle_density": share * min(2.0, 0.25 / area)}
     size = draw(st.floats(0.02, 0.3))
@@ -116,9 +116,9 @@ def test_pieces_cover_the_requested_share_of_the_ground(structure, size, density
     model, data = compiled(world_spec(terrain))
     rng, pitch, sample = np.random.default_rng(1), slope(terrain), 6000
     # One random point in each of many stripes, to reduce the variance of the measured share.
-    along = FIELD_START + FIELD[0] * (rng.permutation(sample) + rng.random(sample)) / sample
+    along = FIELD_START + PLACEMENT_AREA[0] * (rng.permutation(sample) + rng.random(sample)) / sample
     on_ground = [any(start < place < end for start, end in level_stretches(terrain)) for place in along]
-    along, across = along[on_ground], rng.uniform(-FIELD[1] / 2, FIELD[1] / 2, sample)[on_ground]
+    along, across = along[on_ground], rng.uniform(-PLACEMENT_AREA[1] / 2, PLACEMENT_AREA[1] / 2, sample)[on_ground]
     up = np.array([-math.sin(pitch), 0, math.cos(pitch)])
     points = np.stack([along * math.cos(pitch), across, along * math.sin(pitch)], axis=1) + 30 * up
     first_piece = model.ngeom - len(compute_layout(terrain).pieces)
@@ -144,7 +144,7 @@ def test_pieces_are_fixed_and_lie_completely_on_one_stretch(structure):
 @pytest.mark.parametrize("kind", [kind for kind in Obstacle if kind])
 def test_the_obstacle_density_is_as_requested(structure, kind):
     terrain = wl.Terrain(structure=structure, obstacle=kind, obstacle_density=0.7)
-    area = (np.maximum(level_stretches(terrain), LANDING) @ [-1, 1]).sum() * FIELD[1]
+    area = (np.maximum(level_stretches(terrain), LANDING) @ [-1, 1]).sum() * PLACEMENT_AREA[1]
     spec = world_spec(terrain)
     assert len(spec.bodies) - 1 == pytest.approx(0.7 * area, abs=0.5)
 
@@ -231,7 +231,7 @@ def displacement(seconds, **forces):
     return data.qpos[:3] - [0, 0, 100]
 
 
-gravities = st.tuples(*[st.floats(-30, 30)] * 3) | st.sampled_from(list(PLANETS.values()))
+gravities = st.tuples(*[st.floats(-30, 30)] * 3) | st.sampled_from(list(PLANET_GRAVITY.values()))
 
 
 @given(gravities)
@@ -240,9 +240,9 @@ def test_a_falling_ball_accelerates_by_gravity(gravity):
     np.testing.assert_allclose(displacement(1.0, gravity=gravity), np.array(gravity) / 2, rtol=0.01, atol=1e-12)
 
 
-@pytest.mark.parametrize("planet", PLANETS)
+@pytest.mark.parametrize("planet", PLANET_GRAVITY)
 def test_a_planet_preset_sets_its_gravity(planet):
-    assert displacement(1.0, gravity=planet)[2] == pytest.approx(PLANETS[planet][2] / 2, rel=0.01)
+    assert displacement(1.0, gravity=planet)[2] == pytest.approx(PLANET_GRAVITY[planet][2] / 2, rel=0.01)
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from walkerlab.settings.choices import Choice
-from walkerlab.settings.fields import Declared, OneOf, Quantity
+from walkerlab.settings.fields import FieldDeclaration, OneOf, Quantity
 from walkerlab.settings.model import Domain, report_together
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import number_text
@@ -43,7 +43,7 @@ def parse_path(text: str) -> Path:
 
 def flag_names() -> dict[tuple[str, str], str]:
     """Return the flag of each setting, such as ``--step-height`` for ``("terrain", "step_height")``."""
-    return {place: f"--{word.replace('_', '-')}" for word, place in Settings.places().items()}
+    return {place: f"--{word.replace('_', '-')}" for word, place in Settings.field_locations().items()}
 
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
@@ -116,21 +116,21 @@ def _unpack_preset(value: Any) -> Any:
             return value
 
 
-def _takes_several(declared: Declared) -> bool:
-    return bool(declared.parts) if isinstance(declared, Quantity) else declared.several
+def _takes_several(declared: FieldDeclaration) -> bool:
+    return bool(declared.components) if isinstance(declared, Quantity) else declared.several
 
 
-def _metavar(declared: Declared) -> str:
+def _metavar(declared: FieldDeclaration) -> str:
     match declared:
         case OneOf(several=True):
             return "NAME [NAME ...]"
         case OneOf():
             return "NAME"
-        case Quantity(parts=()):
+        case Quantity(components=()):
             return "N" if declared.whole else "X"
         case _:
             presets = f" | {' | '.join(declared.presets)}" if declared.presets else ""
-            return " ".join(part.upper() for part in declared.parts) + presets
+            return " ".join(component.upper() for component in declared.components) + presets
 
 
 def _format_default(default: Any) -> str:

@@ -290,7 +290,7 @@ def reject_unknown_arguments(function: str, unknown: dict[str, Any]) -> None:
         unknown: Arguments that it does not have, by name.
     """
     for name, value in unknown.items():
-        if name in Settings.places():
+        if name in Settings.field_locations():
             call = f"wl.{function}(wl.Settings().with_({name}={code_text(value)}))"
             raise TypeError(f"{function} has no argument {name!r}, which is a setting: {call}")
         known = ("settings", "path", "executor", "progress" if function == "evolve" else "on_walks")

@@ -123,7 +123,7 @@ def _match(given: tuple[Any, ...], recorded: tuple[Any, ...], slot: str) -> bool
 
     def identity(operator: Any) -> tuple[bool, bool, str, str]:
         function, arguments = (
-            (operator.func, binding.identity(operator)) if isinstance(operator, partial) else (operator, "")
+            (operator.func, binding.arguments_key(operator)) if isinstance(operator, partial) else (operator, "")
         )
         name = operator.name if isinstance(operator, Choice) else name_of(function)
         return _is_user_function(operator, slot), isinstance(operator, Choice), name, arguments
@@ -161,8 +161,8 @@ def _restore_operators(stored: Any, slot: str) -> Any:
             is_built_in = module == STORED_MODULES.get(built_in.__name__, built_in.__name__) and name in _names(slot)
             stand_in = MissingFitness if slot == "fitness" else MissingFunction
             function = getattr(built_in, name) if is_built_in else stand_in(name, slot)
-            arguments = [binding.restored(one, _CHOICES) for one in list[Any](rest.get("args", []))]
-            keywords = {name: binding.restored(one, _CHOICES) for name, one in keywords.items()}
+            arguments = [binding.from_json_data(one, _CHOICES) for one in list[Any](rest.get("args", []))]
+            keywords = {name: binding.from_json_data(one, _CHOICES) for name, one in keywords.items()}
             return partial(function, *arguments, **keywords) if arguments or keywords else function
         case _:
             return stored

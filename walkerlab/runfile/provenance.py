@@ -12,7 +12,7 @@ from textwrap import dedent
 from types import FunctionType, MethodType
 from typing import Any
 
-from walkerlab.settings.binding import plain_copy, written
+from walkerlab.settings.binding import plain_copy, to_json_data
 from walkerlab.text.html import printable
 
 DIGEST_DIGITS = 16
@@ -98,9 +98,9 @@ def _described(value: Any, depth: int = 0) -> Any:
         case type():
             return _normalised(inspect.getsource(value))
         case _ if callable(value) or hasattr(value, "__dict__"):
-            return [_described(type(value), depth + 1), written(plain_copy(vars(value)))]
+            return [_described(type(value), depth + 1), to_json_data(plain_copy(vars(value)))]
         case _:
-            return written(plain_copy(value))
+            return to_json_data(plain_copy(value))
 
 
 def _normalised(source: str) -> str:

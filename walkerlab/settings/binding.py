@@ -23,11 +23,11 @@ MAX_DEPTH = 8  # levels of nested values
 MAX_BITS = 1024  # in a whole number
 MAX_JSON = 10_000  # characters of the arguments of one function
 
-KINDS = (
+BINDABLE_VALUES = (
     f"None, bool, int, float, str, a list, tuple or dict of these with text keys, an array of up to {MAX_ITEMS} "
     "numbers, or one of walkerlab's choices such as wl.Feature.length"
 )
-_DTYPES = {
+_BINDABLE_DTYPES = {
     "bool", "float16", "float32", "float64", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"
 }  # fmt: skip
 _DEFAULT_DTYPES = {"bool", "float64", "int64"}  # dtypes that np.array gives to Python's numbers
@@ -44,14 +44,15 @@ class BoundFunction(partial[Any]):
         """Bind arguments to a function.
 
         Raises:
-            ValueError: If an argument is not of ``KINDS``, or all are too long; the message is a clause that names it.
+            ValueError: If an argument is not of ``BINDABLE_VALUES``, or all are too long; the message is a clause
+                that names it.
         """
         if not (args or keywords):  # copy and pickle add the arguments later
             return super().__new__(cls, function)
         plain_args = [_copy_argument(number, value) for number, value in enumerate(args, start=1)]
         plain_keywords = {name: _copy_argument(name, value) for name, value in keywords.items()}
         bound = super().__new__(cls, function, *plain_args, **plain_keywords)
-        if (length := len(identity(bound))) > MAX_JSON:
+        if (length := len(arguments_key(bound))) > MAX_JSON:
             raise ValueError(
                 f" binds arguments that take {length} characters to write; at most {MAX_JSON} are allowed. Define a "
                 "function with def that makes or reads such data itself."
@@ -64,25 +65,27 @@ class BoundFunction(partial[Any]):
         return dict(super().keywords)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, partial) and self.func == other.func and identity(self) == _identity_if_plain(other)
+        return (
+            isinstance(other, partial) and self.func == other.func and arguments_key(self) == _identity_if_plain(other)
+        )
 
     def __hash__(self) -> int:
-        return hash((self.func, identity(self)))
+        return hash((self.func, arguments_key(self)))
 
 
-def identity(function: "partial[Any]") -> str:
+def arguments_key(function: "partial[Any]") -> str:
     """Return the bound arguments, without the function, as a text that is the same for equal values."""
-    return json.dumps(written_arguments(function), sort_keys=True)
+    return json.dumps(arguments_to_json(function), sort_keys=True)
 
 
-def written_arguments(function: "partial[Any]") -> dict[str, Any]:
+def arguments_to_json(function: "partial[Any]") -> dict[str, Any]:
     """Return bound arguments as JSON data: keywords in ``with``, positional arguments, if any, in ``args``."""
-    keywords = {name: written(value) for name, value in function.keywords.items()}
-    return {"with": keywords} | ({"args": list(map(written, function.args))} if function.args else {})
+    keywords = {name: to_json_data(value) for name, value in function.keywords.items()}
+    return {"with": keywords} | ({"args": list(map(to_json_data, function.args))} if function.args else {})
 
 
 def plain_copy(value: object, depth: int = 0) -> object:
-    """Copy a value of one of ``KINDS``; scalars of numpy become Python numbers, and arrays read-only.
+    """Copy one of ``BINDABLE_VALUES``; scalars of numpy become Python numbers, and arrays read-only.
 
     Args:
         value: Value to copy.
@@ -101,7 +104,7 @@ def plain_copy(value: object, depth: int = 0) -> object:
         kind in (list, tuple, dict, np.ndarray)
         and (n_items := np.size(given) if kind is np.ndarray else len(given)) > MAX_ITEMS
     ):
-        raise UnboundableError(f"{_a(kind.__name__)} of {n_items} items, more than {MAX_ITEMS}")
+        raise UnboundableError(f"{_with_article(kind.__name__)} of {n_items} items, more than {MAX_ITEMS}")
     if kind is int and given.bit_length() > MAX_BITS:
         raise UnboundableError(f"an int of {given.bit_length()} bits, more than {MAX_BITS}")
     if kind is str:
@@ -113,40 +116,40 @@ def plain_copy(value: object, depth: int = 0) -> object:
     if kind is dict:
         for key in given:
             if type(key) is not str:
-                raise UnboundableError(f"a dict with {_a(type(key).__name__)} as key")
+                raise UnboundableError(f"a dict with {_with_article(type(key).__name__)} as key")
             _require_text(key)
         return {key: plain_copy(item, depth + 1) for key, item in given.items()}
     if kind is not np.ndarray:
-        raise UnboundableError(_a(kind.__name__))
-    if given.dtype.name not in _DTYPES:
+        raise UnboundableError(_with_article(kind.__name__))
+    if given.dtype.name not in _BINDABLE_DTYPES:
         raise UnboundableError(f"an array of dtype {given.dtype}")
     array = np.array(given, dtype=given.dtype.newbyteorder("="))
     array.setflags(write=False)
     return array
 
 
-def written(value: object) -> Any:
-    """Return a value of one of ``KINDS`` as JSON data."""
+def to_json_data(value: object) -> Any:
+    """Return one of ``BINDABLE_VALUES`` as JSON data."""
     match value:
         case IntEnum():
             return {"choice": f"{type(value).__name__}.{value.name}"}
         case float() if not math.isfinite(value):
             return {"float": str(value)}
         case list():
-            return list(map(written, cast(list[object], value)))
+            return list(map(to_json_data, cast(list[object], value)))
         case tuple():
-            return {"tuple": list(map(written, cast(tuple[object, ...], value)))}
+            return {"tuple": list(map(to_json_data, cast(tuple[object, ...], value)))}
         case dict():
-            return {"dict": {key: written(item) for key, item in cast(dict[str, object], value).items()}}
+            return {"dict": {key: to_json_data(item) for key, item in cast(dict[str, object], value).items()}}
         case np.ndarray():
             array = cast("np.ndarray[Any, Any]", value)
-            return {"array": written(array.tolist()), "shape": list(array.shape), "dtype": array.dtype.name}
+            return {"array": to_json_data(array.tolist()), "shape": list(array.shape), "dtype": array.dtype.name}
         case _:
             return value
 
 
-def restored(plain: Any, choices: Mapping[str, type[IntEnum]]) -> object:
-    """Return the value that JSON data stand for: the inverse of ``written``.
+def from_json_data(plain: Any, choices: Mapping[str, type[IntEnum]]) -> object:
+    """Return the value that JSON data stand for: the inverse of ``to_json_data``.
 
     Args:
         plain: JSON data, possibly from an untrusted file.
@@ -160,19 +163,21 @@ def restored(plain: Any, choices: Mapping[str, type[IntEnum]]) -> object:
             case None | bool() | int() | float() | str():
                 return plain
             case list():
-                return [restored(item, choices) for item in cast(list[Any], plain)]
+                return [from_json_data(item, choices) for item in cast(list[Any], plain)]
             case {"tuple": list(items), **rest} if not rest:
-                return tuple(restored(item, choices) for item in cast(list[Any], items))
+                return tuple(from_json_data(item, choices) for item in cast(list[Any], items))
             case {"dict": dict(items), **rest} if not rest:
-                return {key: restored(item, choices) for key, item in cast(dict[str, Any], items).items()}
+                return {key: from_json_data(item, choices) for key, item in cast(dict[str, Any], items).items()}
             case {"float": "inf" | "-inf" | "nan" as text, **rest} if not rest:
                 return float(text)
             case {"choice": str(text), **rest} if not rest:
                 kind, _, name = text.partition(".")
                 return choices[kind][name]
             case {"array": list(items), "shape": list(shape), "dtype": str(dtype), **rest} if not rest:
-                if dtype in _DTYPES and all(type(size) is int and size >= 0 for size in cast(list[Any], shape)):
-                    return np.array(restored(items, choices), dtype=dtype).reshape(cast(list[int], shape))
+                if dtype in _BINDABLE_DTYPES and all(
+                    type(size) is int and size >= 0 for size in cast(list[Any], shape)
+                ):
+                    return np.array(from_json_data(items, choices), dtype=dtype).reshape(cast(list[int], shape))
             case _:
                 pass
     except (KeyError, TypeError, OverflowError) as error:
@@ -181,7 +186,7 @@ def restored(plain: Any, choices: Mapping[str, type[IntEnum]]) -> object:
 
 
 def as_python(value: object) -> str:
-    """Return Python code of a value of one of ``KINDS``, for ``import numpy as np`` and ``import walkerlab as wl``."""
+    """Return Python code of one of ``BINDABLE_VALUES``, for ``import numpy as np`` and ``import walkerlab as wl``."""
     match value:
         case IntEnum():
             return f"wl.{type(value).__name__}.{value.name}"
@@ -216,14 +221,15 @@ def _copy_argument(place: int | str, value: object) -> object:
     except UnboundableError as error:
         name = repr(place) if isinstance(place, str) else f"number {place}"
         raise ValueError(
-            f" binds the argument {name} to {error}, which a run file cannot hold. A bound argument is {KINDS}. For "
+            f" binds the argument {name} to {error}, which a run file cannot hold. A bound argument is "
+            f"{BINDABLE_VALUES}. For "
             "anything else, define a function with def that uses it, and give that function."
         ) from None
 
 
 def _identity_if_plain(function: "partial[Any]") -> str | None:
     try:
-        return identity(function if isinstance(function, BoundFunction) else to_bound(function))
+        return arguments_key(function if isinstance(function, BoundFunction) else to_bound(function))
     except ValueError:
         return None
 
@@ -248,5 +254,5 @@ def _require_text(text: str) -> None:
         raise UnboundableError("a str with half a surrogate pair, which is not a character") from None
 
 
-def _a(noun: str) -> str:
+def _with_article(noun: str) -> str:
     return f"{'an' if noun[0] in 'aeiouAEIOU' else 'a'} {noun}"

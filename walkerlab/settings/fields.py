@@ -20,11 +20,11 @@ from walkerlab.settings.binding import BoundFunction, to_bound
 from walkerlab.settings.choices import Choice
 from walkerlab.settings.values import did_you_mean, number_text, short_repr, vector_text
 
-PAIR = ("min", "max")
-"""Parts of a range that holds each robot between two numbers."""
+MIN_MAX = ("min", "max")
+"""Components of a range that holds each robot between two numbers."""
 
-VECTOR = ("x", "y", "z")
-"""Parts of a vector: x forward, y left, z up."""
+XYZ = ("x", "y", "z")
+"""Components of a vector: x forward, y left, z up."""
 
 MAX_CHOICES_IN_TURN = 100
 
@@ -39,7 +39,7 @@ class Quantity:
         unit: Unit as printed; "" for a dimensionless number.
         about: Meaning, as a noun phrase: "the rise of each stair".
         whole: Whether only whole numbers are allowed.
-        parts: Names of the numbers, ``PAIR`` or ``VECTOR``; empty for a single number.
+        components: Names of the numbers, ``MIN_MAX`` or ``XYZ``; empty for a single number.
         presets: Values that can be given by name, such as ``"moon"`` for its gravity.
     """
 
@@ -48,7 +48,7 @@ class Quantity:
     unit: str = ""
     about: str
     whole: bool = False
-    parts: tuple[str, ...] = ()
+    components: tuple[str, ...] = ()
     presets: Mapping[str, tuple[float, ...]] = field(default_factory=dict[str, tuple[float, ...]])
 
     def __call__(self, value: object) -> float | tuple[float, ...]:
@@ -57,21 +57,21 @@ class Quantity:
         Raises:
             ValueError: If the value is not allowed; each argument is a clause to be put after the name of the field.
         """
-        if not self.parts:
+        if not self.components:
             return self._to_number(value, "")
         if isinstance(value, str) and value in self.presets:
             return self.presets[value]
         items = self._items(value)
         numbers: list[float] = []
         clauses: list[str] = []
-        for item, part in zip(items, self.parts, strict=True):
+        for item, component in zip(items, self.components, strict=True):
             try:
-                numbers.append(self._to_number(item, f"'s {part}"))
+                numbers.append(self._to_number(item, f"'s {component}"))
             except ValueError as error:
                 clauses.append(str(error))
         if clauses:
             raise ValueError(*clauses)
-        if self.parts == PAIR and numbers[0] > numbers[1]:
+        if self.components == MIN_MAX and numbers[0] > numbers[1]:
             raise ValueError(f" is {vector_text(tuple(numbers))}{self.unit_suffix}; its min must not be over its max.")
         return tuple(numbers)
 
@@ -91,29 +91,30 @@ class Quantity:
         return {"description": self.about, "minimum": self.low, "maximum": self.high, "unit": self.unit}
 
     def _items(self, value: object) -> list[object]:
-        """Return the numbers of a sequence that has as many as there are parts."""
+        """Return the numbers of a sequence that has as many as there are components."""
         try:
-            items = list(islice(cast(Iterable[object], value), len(self.parts) + 1))
+            items: list[object] = list(islice(cast(Iterable[object], value), len(self.components) + 1))
         except TypeError:
             items = []
-        if isinstance(value, str | bytes | bytearray | Mapping | Set) or len(items) != len(self.parts):
+        if isinstance(value, str | bytes | bytearray | Mapping | Set) or len(items) != len(self.components):
             names = f" Or the name of one: {', '.join(self.presets)}." if self.presets else ""
             guess = did_you_mean(value, self.presets) if isinstance(value, str) else ""
             raise ValueError(
-                f" is {short_repr(value)}; it must be {len(self.parts)} numbers: {', '.join(self.parts)}.{names}{guess}"
+                f" is {short_repr(value)}; it must be {len(self.components)} numbers: "
+                f"{', '.join(self.components)}.{names}{guess}"
             )
         return items
 
-    def _to_number(self, value: object, part: str) -> float:
+    def _to_number(self, value: object, component: str) -> float:
         if isinstance(value, np.generic):
             value = value.item()
         kind = "a whole number" if self.whole else "a number"
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f"{part} is {short_repr(value)}; it must be {kind}, {self.range}.")
+            raise ValueError(f"{component} is {short_repr(value)}; it must be {kind}, {self.range}.")
         if not self.low <= value <= self.high:
-            raise ValueError(f"{part} is {short_repr(value)}{self.unit_suffix}; it must be {self.range}.")
+            raise ValueError(f"{component} is {short_repr(value)}{self.unit_suffix}; it must be {self.range}.")
         if self.whole and value != int(value):
-            raise ValueError(f"{part} is {value}{self.unit_suffix}; it must be {kind}, {self.range}.")
+            raise ValueError(f"{component} is {value}{self.unit_suffix}; it must be {kind}, {self.range}.")
         return int(value) if self.whole else float(value)
 
 
@@ -173,7 +174,7 @@ class OneOf:
         raise ValueError(f" is {short_repr(value)}; it must be one of {self.range}{or_function}.{guess}")
 
 
-Declared = Quantity | OneOf
+FieldDeclaration = Quantity | OneOf
 
 
 def _to_bound_function(value: object) -> object:

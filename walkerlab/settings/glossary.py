@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from walkerlab.settings.choices import Choice
-from walkerlab.settings.fields import PAIR, Declared, OneOf
+from walkerlab.settings.fields import MIN_MAX, FieldDeclaration, OneOf
 from walkerlab.settings.model import Domain
 from walkerlab.settings.values import function_name, number_text, vector_text
 from walkerlab.text.html import Html, details, join, shown, table, tag
@@ -40,7 +40,7 @@ class DisplayedDomain(Domain, frozen=True):
         return shown(glossary(self, unfold=True))
 
 
-def rows_of(domain: Domain) -> list[Row]:
+def glossary_rows(domain: Domain) -> list[Row]:
     """Return the texts of each setting, in the order of declaration."""
     defaults = {name: field.default for name, field in type(domain).model_fields.items()}
     return [
@@ -63,7 +63,7 @@ def glossary(domain: Domain, *, unfold: bool = False) -> Html:
         domain: Settings of one domain.
         unfold: Whether to show all settings unfolded if none is changed.
     """
-    rows = rows_of(domain)
+    rows = glossary_rows(domain)
     name = type(domain).__name__
     changed = [row for row in rows if row.changed]
     others = [row for row in rows if not row.changed]
@@ -89,14 +89,14 @@ def _table(caption: str, rows: list[Row]) -> Html:
     return table(caption, columns, lines, classes=["strong" if row.changed else "" for row in rows])
 
 
-def _value_text(declared: Declared, value: Any) -> str:
+def _value_text(declared: FieldDeclaration, value: Any) -> str:
     """Write the value of a setting with its unit; choices and functions by name."""
     if isinstance(declared, OneOf):
         items = cast(tuple[Any, ...], value if isinstance(value, tuple) else (value,))
         return ", ".join(item.name if isinstance(item, Choice) else function_name(item) for item in items)
-    if not declared.parts:
+    if not declared.components:
         return f"{number_text(value)}{declared.unit_suffix}"
-    if declared.parts == PAIR:
+    if declared.components == MIN_MAX:
         return f"{number_text(value[0])} to {number_text(value[1])}{declared.unit_suffix}"
     preset = next((f", {name}" for name, known in declared.presets.items() if known == value), "")
     return f"{vector_text(value)}{declared.unit_suffix}{preset}"

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, Self, cast
 from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, field_serializer, field_validator
 
 from walkerlab.errors import WalkerlabError
-from walkerlab.settings.binding import written_arguments
+from walkerlab.settings.binding import arguments_to_json
 from walkerlab.settings.choices import Choice
-from walkerlab.settings.fields import Declared, OneOf, Quantity
+from walkerlab.settings.fields import FieldDeclaration, OneOf, Quantity
 from walkerlab.settings.values import code_text, did_you_mean, function_name, short_repr
 from walkerlab.text import strict_json
 
@@ -158,7 +158,7 @@ class Domain(SettingsModel, frozen=True):
         return (cls.__doc__ or "").partition("\n")[0]
 
     @classmethod
-    def declared(cls) -> dict[str, Declared]:
+    def declared(cls) -> dict[str, FieldDeclaration]:
         """Return the declaration of each field, in order: the source of forms, flags and glossaries."""
         return {
             name: item
@@ -189,12 +189,12 @@ class Domain(SettingsModel, frozen=True):
             case int() | float():
                 return value
             case partial():
-                return {"function": _qualified_name(value.func)} | written_arguments(value)
+                return {"function": _qualified_name(value.func)} | arguments_to_json(value)
             case _:
                 return {"function": _qualified_name(value), "with": {}}
 
 
-def _help_text(declared: Declared) -> str:
+def _help_text(declared: FieldDeclaration) -> str:
     """Write meaning and range as an indented paragraph."""
     sentences = f"{declared.about[0].upper()}{declared.about[1:]}. Allowed: {declared.range}."
     return indent(fill(sentences, HELP_WIDTH), " " * 8)

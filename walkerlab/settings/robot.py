@@ -4,12 +4,12 @@ from typing import Annotated, Self
 
 from pydantic import model_validator
 
-from walkerlab.settings.fields import PAIR, Quantity
+from walkerlab.settings.fields import MIN_MAX, Quantity
 from walkerlab.settings.glossary import DisplayedDomain
 from walkerlab.settings.values import number_text
 
-LIGHTEST = 0.01  # kg, the smallest mass of a load
-_TOLERANCE = 1e-12  # m, for rounding errors: 3 × 0.1 is more than 0.3
+MIN_LOAD_MASS = 0.01  # kg, the smallest mass of a load
+_LENGTH_TOLERANCE = 1e-12  # m, for rounding errors: 3 × 0.1 is more than 0.3
 
 
 class Robot(DisplayedDomain, frozen=True):
@@ -17,7 +17,7 @@ class Robot(DisplayedDomain, frozen=True):
 
     weight: Annotated[
         tuple[float, float],
-        Quantity(low=0.1, high=200.0, unit="kg", about="the total mass of the robot", parts=PAIR),
+        Quantity(low=0.1, high=200.0, unit="kg", about="the total mass of the robot", components=MIN_MAX),
     ] = (3.0, 12.0)
     body_length: Annotated[
         tuple[float, float],
@@ -26,23 +26,23 @@ class Robot(DisplayedDomain, frozen=True):
             high=8.0,
             unit="m",
             about="the distance from the front of the first segment to the end of the last",
-            parts=PAIR,
+            components=MIN_MAX,
         ),
     ] = (0.4, 1.2)
     segments: Annotated[
-        tuple[int, int], Quantity(low=1, high=8, about="the number of body segments", whole=True, parts=PAIR)
+        tuple[int, int], Quantity(low=1, high=8, about="the number of body segments", whole=True, components=MIN_MAX)
     ] = (1, 4)
     segment_length: Annotated[
         tuple[float, float],
-        Quantity(low=0.05, high=2.0, unit="m", about="the length of each body segment", parts=PAIR),
+        Quantity(low=0.05, high=2.0, unit="m", about="the length of each body segment", components=MIN_MAX),
     ] = (0.2, 0.5)
     legs: Annotated[
         tuple[int, int],
-        Quantity(low=2, high=16, about="the number of legs, which come in pairs", whole=True, parts=PAIR),
+        Quantity(low=2, high=16, about="the number of legs, which come in pairs", whole=True, components=MIN_MAX),
     ] = (2, 8)
     leg_force: Annotated[
         tuple[float, float],
-        Quantity(low=0.1, high=500.0, unit="N·m", about="the greatest torque at each leg joint", parts=PAIR),
+        Quantity(low=0.1, high=500.0, unit="N·m", about="the greatest torque at each leg joint", components=MIN_MAX),
     ] = (2.0, 20.0)
     carry_weight: Annotated[
         float,
@@ -72,8 +72,8 @@ class Robot(DisplayedDomain, frozen=True):
     def segment_range(self) -> tuple[int, int]:
         """Lowest and highest number of segments with which all limits can be met."""
         shortest, longest = self.segment_length
-        n_for_length = int(-(-(self.body_length[0] - _TOLERANCE) // longest))
-        n_that_fit = int((self.body_length[1] + _TOLERANCE) // shortest)
+        n_for_length = int(-(-(self.body_length[0] - _LENGTH_TOLERANCE) // longest))
+        n_that_fit = int((self.body_length[1] + _LENGTH_TOLERANCE) // shortest)
         return max(self.segments[0], self.leg_pairs[0], n_for_length), min(self.segments[1], n_that_fit)
 
     @model_validator(mode="after")
@@ -81,7 +81,8 @@ class Robot(DisplayedDomain, frozen=True):
         """Reject limits that no robot can obey; the message names the fields in conflict."""
         errors = self._load_errors() + self._conflicts()
         if not errors and self.segment_range[0] > self.segment_range[1]:
-            (short, long), (shortest, longest) = self.body_length, self.segment_length
+            short, long = self.body_length
+            shortest, longest = self.segment_length
             errors.append(
                 f"Robot.segments, Robot.legs, Robot.body_length and Robot.segment_length cannot all be met: a body "
                 f"of {number_text(short)} to {number_text(long)} m from segments of {number_text(shortest)} to "
@@ -94,9 +95,9 @@ class Robot(DisplayedDomain, frozen=True):
 
     def _load_errors(self) -> list[str]:
         return [
-            f"Robot.{load} is {number_text(weight)} kg; it must be 0, for no load, or {LIGHTEST:g} to 100 kg."
+            f"Robot.{load} is {number_text(weight)} kg; it must be 0, for no load, or {MIN_LOAD_MASS:g} to 100 kg."
             for load, weight in (("carry_weight", self.carry_weight), ("drag_weight", self.drag_weight))
-            if 0 < weight < LIGHTEST
+            if 0 < weight < MIN_LOAD_MASS
         ]
 
     def _conflicts(self) -> list[str]:
@@ -112,12 +113,12 @@ class Robot(DisplayedDomain, frozen=True):
                 f"Robot.legs asks for {self.legs[0]} legs or more, but Robot.segments allows {most} segments, "
                 f"each with one pair: {2 * most} legs at most."
             )
-        if fewest * shortest > long + _TOLERANCE:
+        if fewest * shortest > long + _LENGTH_TOLERANCE:
             errors.append(
                 f"Robot.segments and Robot.segment_length ask for {fewest} × {number_text(shortest)} = "
                 f"{fewest * shortest:g} m or more, but Robot.body_length allows {number_text(long)} m."
             )
-        if most * longest < short - _TOLERANCE:
+        if most * longest < short - _LENGTH_TOLERANCE:
             errors.append(
                 f"Robot.segments and Robot.segment_length allow {most} × {number_text(longest)} = "
                 f"{most * longest:g} m at most, but Robot.body_length asks for {number_text(short)} m or more."

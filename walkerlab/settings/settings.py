@@ -44,12 +44,12 @@ class Settings(SettingsModel, frozen=True):
         """
         if unnamed:
             raise TypeError(f"with_ takes settings by name, as in s.with_(duration=4); got {short_repr(unnamed[0])}")
-        places = self.places()
+        locations = self.field_locations()
         errors: list[str] = []
         values: dict[str, Any] = dict(self)
-        for name in sorted(changes, key=places.__contains__):  # whole domains come first
-            if name in places:
-                domain, field = places[name]
+        for name in sorted(changes, key=locations.__contains__):  # whole domains come first
+            if name in locations:
+                domain, field = locations[name]
                 values[domain] = dict(values[domain]) | {field: changes[name]}
                 continue
             try:
@@ -63,7 +63,7 @@ class Settings(SettingsModel, frozen=True):
         """Return each single setting that differs from its default: ``Settings().with_(**s.changes()) == s``."""
         return {
             name: getattr(getattr(self, domain), field)
-            for name, (domain, field) in self.places().items()
+            for name, (domain, field) in self.field_locations().items()
             if getattr(getattr(self, domain), field) != getattr(type(self).model_fields[domain].default, field)
         }
 
@@ -111,14 +111,14 @@ class Settings(SettingsModel, frozen=True):
     @classmethod
     def suggest_name(cls, name: str) -> str:
         """Return a sentence that suggests a valid name for an unknown one, in any domain."""
-        places = cls.places()
-        if name in places:
-            domain, field = places[name]
+        locations = cls.field_locations()
+        if name in locations:
+            domain, field = locations[name]
             return f" It is one of {domain}: {domain}={domain.capitalize()}({field}=…)."
-        return did_you_mean(name, [*cls.model_fields, *places]) or super().suggest_name(name)
+        return did_you_mean(name, [*cls.model_fields, *locations]) or super().suggest_name(name)
 
     @classmethod
-    def places(cls) -> dict[str, tuple[str, str]]:
+    def field_locations(cls) -> dict[str, tuple[str, str]]:
         """Return the domain and field of each single setting, by the name that ``with_`` takes.
 
         The name is that of the field. If another domain has a field of the algorithm's, the other one has its domain in

@@ -6,11 +6,11 @@ from typing import Annotated, Self
 from pydantic import model_validator
 
 from walkerlab.settings.choices import Obstacle, Structure, Texture
-from walkerlab.settings.fields import VECTOR, OneOf, Quantity
+from walkerlab.settings.fields import XYZ, OneOf, Quantity
 from walkerlab.settings.glossary import DisplayedDomain
 from walkerlab.settings.values import number_text
 
-PLANETS = {
+PLANET_GRAVITY = {
     "earth": (0.0, 0.0, -9.81),
     "moon": (0.0, 0.0, -1.62),
     "mars": (0.0, 0.0, -3.71),
@@ -18,11 +18,11 @@ PLANETS = {
 }
 """Gravity at the surface, m/s²; from NASA's planetary fact sheets."""
 
-FIELD = (18.0, 6.0)  # m along and across the walking direction; area on which pieces and obstacles are placed
+PLACEMENT_AREA = (18.0, 6.0)  # m along and across the walking direction; area on which pieces and obstacles are placed
 MAX_PIECES = 6000  # texture pieces, with which a walk takes about three times as long to compute as on bare ground
-WHOLE_PIECE = 1.25  # smallest length of level ground, in widths of a texture piece
-CROWDED = 0.3  # largest share of the ground within the reach of obstacles; above it, no path is left
-REACH = {
+MIN_LEVEL_LENGTH = 1.25  # smallest length of level ground, in widths of a texture piece
+MAX_COVERED_SHARE = 0.3  # largest share of the ground within the reach of obstacles; above it, no path is left
+OBSTACLE_REACH = {
     Obstacle.none: 0.0,
     Obstacle.box: 0.71,
     Obstacle.ball: 0.5,
@@ -31,7 +31,7 @@ REACH = {
     Obstacle.log: 1.3,
 }
 """Distance from the centre of an obstacle to its farthest point, as a share of its size; a log is longer than wide."""
-SPREAD = 0.25  # largest deviation of an obstacle from ``obstacle_size``, as a share
+OBSTACLE_SIZE_SPREAD = 0.25  # largest deviation of an obstacle from ``obstacle_size``, as a share
 
 _LEVEL_GROUND = {Structure.stairs: "step_depth", Structure.gaps: "gap_distance"}
 """Setting with the length of each level piece of ground, for structures that have such pieces."""
@@ -75,7 +75,10 @@ class Terrain(DisplayedDomain, frozen=True):
         Obstacle, OneOf(Obstacle, about="the kind of loose obstacles on the ground, to be pushed or climbed over")
     ] = Obstacle.none
     obstacle_size: Annotated[
-        float, Quantity(low=0.03, high=1.0, unit="m", about=f"the width of an obstacle, plus or minus {SPREAD:.0%}")
+        float,
+        Quantity(
+            low=0.03, high=1.0, unit="m", about=f"the width of an obstacle, plus or minus {OBSTACLE_SIZE_SPREAD:.0%}"
+        ),
     ] = 0.1
     obstacle_density: Annotated[
         float, Quantity(low=0.0, high=2.0, unit="per m²", about="the number of obstacles on each square metre")
@@ -87,10 +90,10 @@ class Terrain(DisplayedDomain, frozen=True):
             high=30.0,
             unit="m/s²",
             about="the acceleration of gravity; z is up",
-            parts=VECTOR,
-            presets=PLANETS,
+            components=XYZ,
+            presets=PLANET_GRAVITY,
         ),
-    ] = PLANETS["earth"]
+    ] = PLANET_GRAVITY["earth"]
     wind: Annotated[
         tuple[float, float, float],
         Quantity(
@@ -98,7 +101,7 @@ class Terrain(DisplayedDomain, frozen=True):
             high=40.0,
             unit="m/s",
             about="the velocity of the air, which pushes everything that stands in it",
-            parts=VECTOR,
+            components=XYZ,
         ),
     ] = (0.0, 0.0, 0.0)
     seed: Annotated[
@@ -114,7 +117,7 @@ class Terrain(DisplayedDomain, frozen=True):
     @property
     def n_pieces(self) -> int:
         """Approximate number of texture pieces; the higher their density, the more they overlap."""
-        length, width = FIELD
+        length, width = PLACEMENT_AREA
         overlap = 1 + self.texture_density
         return round(overlap * self.texture_density * length * width / (math.pi / 4 * self.texture_size**2))
 
@@ -138,11 +141,11 @@ class Terrain(DisplayedDomain, frozen=True):
                 f"too slow to compute. At this density, {fix}."
             )
         level = _LEVEL_GROUND.get(self.structure)
-        if level and self.texture_density and WHOLE_PIECE * self.texture_size > getattr(self, level):
+        if level and self.texture_density and MIN_LEVEL_LENGTH * self.texture_size > getattr(self, level):
             errors.append(
                 f"Terrain.texture_size is {size} m; its pieces do not fit on ground of "
                 f"Terrain.{level} {number_text(getattr(self, level))} m, "
-                f"of which they may take up {1 / WHOLE_PIECE:.0%}."
+                f"of which they may take up {1 / MIN_LEVEL_LENGTH:.0%}."
             )
         return errors
 
@@ -150,16 +153,16 @@ class Terrain(DisplayedDomain, frozen=True):
         errors: list[str] = []
         size = number_text(self.obstacle_size)
         level = _LEVEL_GROUND.get(self.structure)
-        reach = (1 + SPREAD) * REACH[self.obstacle] * self.obstacle_size
+        reach = (1 + OBSTACLE_SIZE_SPREAD) * OBSTACLE_REACH[self.obstacle] * self.obstacle_size
         if level and 2 * reach > getattr(self, level):
             errors.append(
                 f"Terrain.obstacle_size is {size} m; such a {self.obstacle.name} can be "
                 f"{2 * reach:.2g} m long, and Terrain.{level} is {number_text(getattr(self, level))} m: "
                 "it does not fit."
             )
-        covered = self.obstacle_density * math.pi * (REACH[self.obstacle] * self.obstacle_size) ** 2
-        if covered > CROWDED:
-            lower = math.floor(100 * self.obstacle_density * CROWDED / covered) / 100
+        covered = self.obstacle_density * math.pi * (OBSTACLE_REACH[self.obstacle] * self.obstacle_size) ** 2
+        if covered > MAX_COVERED_SHARE:
+            lower = math.floor(100 * self.obstacle_density * MAX_COVERED_SHARE / covered) / 100
             errors.append(
                 f"Terrain.obstacle_density {number_text(self.obstacle_density)} per m² and Terrain.obstacle_size "
                 f"{size} m leave no way through; at this size, a density of {lower:g} per m² would do."

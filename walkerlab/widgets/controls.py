@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import product
 from typing import Any, TypeAlias, cast
 
-from walkerlab.settings.fields import PAIR, Declared, OneOf, Quantity
-from walkerlab.settings.glossary import GROUND_DRAWING, rows_of
+from walkerlab.settings.fields import MIN_MAX, FieldDeclaration, OneOf, Quantity
+from walkerlab.settings.glossary import GROUND_DRAWING, glossary_rows
 from walkerlab.settings.model import Domain
 from walkerlab.settings.settings import Settings
 
@@ -46,7 +46,7 @@ def make_controls(domain: type[Domain], functions: Mapping[str, Sequence[str]] |
         functions: By field, the names of user functions that are additional options, such as ``"ƒ my_selection"``.
     """
     defaults = domain().model_dump()
-    rows = {row.name: row for row in rows_of(domain())}
+    rows = {row.name: row for row in glossary_rows(domain())}
     return [
         {
             "name": name,
@@ -61,7 +61,7 @@ def make_controls(domain: type[Domain], functions: Mapping[str, Sequence[str]] |
     ]
 
 
-def _kind_of_control(declared: Declared, default: Any, functions: Sequence[str]) -> Control:
+def _kind_of_control(declared: FieldDeclaration, default: Any, functions: Sequence[str]) -> Control:
     """Return the kind of control of a setting, and the entries that this kind requires."""
     if isinstance(declared, OneOf):
         options = [
@@ -76,14 +76,14 @@ def _kind_of_control(declared: Declared, default: Any, functions: Sequence[str])
     numbers: Control = {"unit": declared.unit, "low": declared.low, "high": declared.high, "whole": declared.whole}
     if declared.whole and declared.high - declared.low > MAX_SLIDER_RANGE:
         return {"kind": "number"} | numbers
-    vectors = [default if declared.parts else [default], *declared.presets.values()]
+    vectors = [default if declared.components else [default], *declared.presets.values()]
     numbers["stops"] = slider_stops(declared, {number for vector in vectors for number in vector})
-    if not declared.parts:
+    if not declared.components:
         return {"kind": "slider"} | numbers
-    if declared.parts == PAIR:
+    if declared.components == MIN_MAX:
         return {"kind": "range"} | numbers
     presets = [{"name": name, "value": list(value)} for name, value in declared.presets.items()]
-    directions = [DIRECTIONS[part] for part in declared.parts]
+    directions = [DIRECTIONS[component] for component in declared.components]
     return {"kind": "vector", "directions": directions, "presets": presets} | numbers
 
 

@@ -5,7 +5,7 @@ from typing import Any, cast
 
 import traitlets
 
-from walkerlab.settings.glossary import rows_of
+from walkerlab.settings.glossary import glossary_rows
 from walkerlab.settings.model import Domain, SettingsError
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import did_you_mean, function_name
@@ -81,7 +81,7 @@ class Form(Component):
     def _table(self, named_domain: tuple[str, Domain]) -> Html:
         """Return a table of the shown settings of a domain, in which those that differ from the default are marked."""
         name, domain = named_domain
-        rows = [row for row in rows_of(domain) if row.name in self._shown[name]]
+        rows = [row for row in glossary_rows(domain) if row.name in self._shown[name]]
         lines = ([f"● {label(row.name)}" if row.changed else label(row.name), row.value] for row in rows)
         classes = ["strong" if row.changed else "" for row in rows]
         caption = f"{name.capitalize()} (● differs from the default)" if any(classes) else name.capitalize()
@@ -198,13 +198,15 @@ class Form(Component):
 
 def _select_fields(only: Iterable[str]) -> dict[str, list[str]]:
     """Return the fields of each domain that are shown, in the order of their declaration."""
-    places = Settings.places()
+    locations = Settings.field_locations()
     wanted = set(only) or set(DOMAINS)
-    for name in sorted(wanted - {*places, *DOMAINS}):
-        raise ValueError(f"there is no setting {name!r}.{did_you_mean(name, [*DOMAINS, *places])}")
+    for name in sorted(wanted - {*locations, *DOMAINS}):
+        raise ValueError(f"there is no setting {name!r}.{did_you_mean(name, [*DOMAINS, *locations])}")
     return {
         domain: [
-            field for name, (other, field) in places.items() if other == domain and (domain in wanted or name in wanted)
+            field
+            for name, (other, field) in locations.items()
+            if other == domain and (domain in wanted or name in wanted)
         ]
         for domain in DOMAINS
     }

@@ -66,11 +66,11 @@ def available_presets(shown: Collection[str]) -> dict[str, dict[str, Domain]]:
     Args:
         shown: Names of the domains of which all settings are shown.
     """
-    places = Settings.places()
+    locations = Settings.field_locations()
     return {
         name: {
             domain: getattr(Settings().with_(**preset.changes), domain) for domain in WORLD_DOMAINS if domain in shown
         }
         for name, preset in PRESETS.items()
-        if {places[change][0] for change in preset.changes} <= {*shown} and "terrain" in shown
+        if {locations[change][0] for change in preset.changes} <= {*shown} and "terrain" in shown
     }

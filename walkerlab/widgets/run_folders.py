@@ -8,7 +8,7 @@ from pathlib import Path
 from walkerlab.evolution.live import LiveRun
 from walkerlab.evolution.run import Run
 from walkerlab.runfile.paths import RUN_FILE
-from walkerlab.settings.glossary import rows_of
+from walkerlab.settings.glossary import glossary_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import name_and_unit
 from walkerlab.text.numbers import with_unit
@@ -79,7 +79,7 @@ def describe_differences(all_settings: Sequence[Settings]) -> list[str]:
     Args:
         all_settings: Settings of each run; a single one is compared with the defaults.
     """
-    tables = [{(name, row.name): row for name, domain in one for row in rows_of(domain)} for one in all_settings]
+    tables = [{(name, row.name): row for name, domain in one for row in glossary_rows(domain)} for one in all_settings]
     if not tables:
         return []
     if len(tables) == 1:

@@ -20,7 +20,7 @@ import numpy as np
 from walkerlab.ga.genes import Floats
 from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Structure
-from walkerlab.settings.terrain import FIELD, Terrain
+from walkerlab.settings.terrain import PLACEMENT_AREA, Terrain
 
 ARENA_LENGTH = 30.0  # m of stairs, hills or gaps after the landing
 ARENA_WIDTH = 10.0  # m
@@ -61,7 +61,7 @@ def arena_bounds(terrain: Terrain) -> Floats:
     if terrain.structure in (Structure.stairs, Structure.rough, Structure.gaps):
         return np.array([(-math.inf, -ARENA_WIDTH / 2), (LANDING + ARENA_LENGTH + PLATEAU_LENGTH / 2, ARENA_WIDTH / 2)])
     if terrain.n_pieces or terrain.obstacle:  # so that a robot cannot score by walking around them
-        return np.array([(-math.inf, -FIELD[1] / 2), (math.inf, FIELD[1] / 2)])
+        return np.array([(-math.inf, -PLACEMENT_AREA[1] / 2), (math.inf, PLACEMENT_AREA[1] / 2)])
     return np.array([(-math.inf, -math.inf), (math.inf, math.inf)])
 
 
@@ -75,7 +75,7 @@ def level_stretches(terrain: Terrain) -> Floats:
         Start and end of each stretch along the way [m], shape (n, 2).
     """
     start = FIELD_START
-    end = FIELD_START + FIELD[0]
+    end = FIELD_START + PLACEMENT_AREA[0]
     match terrain.structure:
         case Structure.stairs:
             edges = np.arange(LANDING, end + terrain.step_depth, terrain.step_depth)

@@ -10,7 +10,7 @@ from numpy.random import Generator
 from walkerlab.ga.genes import Floats
 from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Obstacle, Structure
-from walkerlab.settings.terrain import FIELD, MAX_PIECES, REACH, SPREAD, Terrain
+from walkerlab.settings.terrain import MAX_PIECES, OBSTACLE_REACH, OBSTACLE_SIZE_SPREAD, PLACEMENT_AREA, Terrain
 from walkerlab.world.heights import FIELD_START, LANDING, ground_height, level_stretches, project_onto_ground
 
 PIECE_HEIGHT = 0.25  # height of a texture piece, a flat dome, as a share of its width
@@ -49,7 +49,7 @@ def compute_layout(terrain: Terrain) -> Layout:
     spots = _scatter_pieces(terrain, random_stream(terrain.seed, "terrain", 1))
     pieces, piece_normals = project_onto_ground(terrain, spots)
     spots, angles, sizes = _scatter_obstacles(terrain, random_stream(terrain.seed, "terrain", 2))
-    reaches = REACH[terrain.obstacle] * sizes
+    reaches = OBSTACLE_REACH[terrain.obstacle] * sizes
     obstacles, normals = project_onto_ground(terrain, spots, reaches)
     radius, depth = dome_sphere(terrain)
     spheres = pieces - depth * piece_normals
@@ -110,7 +110,7 @@ def _scatter_pieces(terrain: Terrain, rng: Generator) -> Floats:
     """
     if not terrain.n_pieces:
         return np.empty((0, 2))
-    length, width = FIELD
+    length, width = PLACEMENT_AREA
     radius = terrain.texture_size / 2
     cell = max(terrain.texture_size / CELLS_PER_PIECE, math.sqrt(length * width / MAX_CELLS))
     n_x, n_y = round(length / cell), round(width / cell)
@@ -155,23 +155,25 @@ def _scatter_obstacles(terrain: Terrain, rng: Generator) -> tuple[Floats, Floats
         return np.empty((0, 2)), np.empty(0), np.empty(0)
     stretches = np.maximum(level_stretches(terrain), LANDING)
     lengths = stretches[:, 1] - stretches[:, 0]
-    count = round(terrain.obstacle_density * lengths.sum() * FIELD[1])
+    count = round(terrain.obstacle_density * lengths.sum() * PLACEMENT_AREA[1])
     if terrain.structure == Structure.stairs and terrain.n_pieces:
         # The spheres of the pieces on the next tread protrude from its riser.
         bulge = dome_sphere(terrain)[0] - min(terrain.texture_size / 2, MAX_MARGIN * terrain.step_depth)
-        largest = 2 * (1 + SPREAD) * REACH[terrain.obstacle] * terrain.obstacle_size
+        largest = 2 * (1 + OBSTACLE_SIZE_SPREAD) * OBSTACLE_REACH[terrain.obstacle] * terrain.obstacle_size
         stretches[:, 1] -= min(bulge, terrain.step_depth - largest)
         lengths = stretches[:, 1] - stretches[:, 0]
-    sizes = np.sort(terrain.obstacle_size * rng.uniform(1 - SPREAD, 1 + SPREAD, count))[::-1]
+    sizes = np.sort(terrain.obstacle_size * rng.uniform(1 - OBSTACLE_SIZE_SPREAD, 1 + OBSTACLE_SIZE_SPREAD, count))[
+        ::-1
+    ]
     spots = np.empty((count, 2))
     radii = np.empty(count)  # of the circle that each obstacle occupies
     is_placed = np.zeros(count, dtype=bool)
     for n, size in enumerate(sizes):
-        reach = REACH[terrain.obstacle] * size
+        reach = OBSTACLE_REACH[terrain.obstacle] * size
         weights = np.where(lengths >= 2 * reach, lengths, 0.0)
         start, end = stretches[rng.choice(len(lengths), TRIES_PER_OBSTACLE, p=weights / weights.sum())].T
         along = rng.uniform(start + reach, end - reach)
-        across = rng.uniform(-1, 1, TRIES_PER_OBSTACLE) * (FIELD[1] / 2 - reach)
+        across = rng.uniform(-1, 1, TRIES_PER_OBSTACLE) * (PLACEMENT_AREA[1] / 2 - reach)
         tries = np.stack([along, across], axis=1)
         if terrain.structure == Structure.rough:
             tilt = np.sqrt(1 - project_onto_ground(terrain, tries, reach)[1][:, 2] ** 2)  # sine of the angle

@@ -13,7 +13,7 @@ from walkerlab.runfile import provenance, store
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.records import COLUMNS, births, champion
 from walkerlab.settings.choices import Structure
-from walkerlab.settings.glossary import glossary, rows_of
+from walkerlab.settings.glossary import glossary, glossary_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.robustness import confirm
 from walkerlab.simulation.rollout import Rollout
@@ -190,7 +190,7 @@ def _summary_section(run: Subject, figures: Mapping[str, Html]) -> Html:
 
 
 def _settings_section(settings: Settings) -> Html:
-    algorithm = {row.name: row for row in rows_of(settings.algorithm)}
+    algorithm = {row.name: row for row in glossary_rows(settings.algorithm)}
     steps = [[name, algorithm[name].value, algorithm[name].choice] for name in STEPS]
     return join(
         tag("p", ALGORITHM.format(algorithm["population_size"].value, algorithm["n_elites"].value)),

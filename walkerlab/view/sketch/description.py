@@ -7,7 +7,7 @@ from typing import NamedTuple
 from walkerlab.genome.phenotype import Phenotype
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.terrain import PLANETS, Terrain
+from walkerlab.settings.terrain import PLANET_GRAVITY, Terrain
 from walkerlab.settings.values import pluralize
 from walkerlab.world.heights import LANDING
 
@@ -66,7 +66,7 @@ def describe_world(settings: Settings, robot: Phenotype | None) -> str:
 
 def unusual_forces(terrain: Terrain) -> Iterator[Force]:
     """Yield gravity if it differs from the earth's, and wind if there is any."""
-    if terrain.gravity != PLANETS["earth"]:
+    if terrain.gravity != PLANET_GRAVITY["earth"]:
         yield Force("gravity", terrain.gravity, _describe_gravity(terrain.gravity))
     if any(terrain.wind):
         description = f"wind, {math.hypot(*terrain.wind):.3g} m/s {_describe_direction(terrain.wind)}"
@@ -76,7 +76,7 @@ def unusual_forces(terrain: Terrain) -> Iterator[Force]:
 def _describe_gravity(gravity: tuple[float, float, float]) -> str:
     if not any(gravity):
         return "no gravity"
-    planet = next((f" of {_PLANET_NAMES[name]}" for name, vector in PLANETS.items() if vector == gravity), "")
+    planet = next((f" of {_PLANET_NAMES[name]}" for name, vector in PLANET_GRAVITY.items() if vector == gravity), "")
     return f"gravity{planet}, {math.hypot(*gravity):.3g} m/s² {_describe_direction(gravity)}"
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from walkerlab.settings.choices import Obstacle, Structure, Texture
-from walkerlab.settings.terrain import FIELD, Terrain
+from walkerlab.settings.terrain import PLACEMENT_AREA, Terrain
 from walkerlab.world.heights import ARENA_LENGTH, ARENA_WIDTH, LANDING, TRENCH_DEPTH, ground_height
 from walkerlab.world.materials import MATERIALS, RGB
 
@@ -164,7 +164,7 @@ def _darken_gaps(root: Any) -> None:
 
 def _add_windsock(root: Any, terrain: Terrain, x: float) -> None:
     """Add a striped windsock beside the way; the stronger the wind, the less it droops."""
-    y = FIELD[1] / 2 + 0.2
+    y = PLACEMENT_AREA[1] / 2 + 0.2
     foot = np.array([x, y, float(ground_height(terrain, np.array([x]), np.array([y]))[0])])
     top = foot + np.array([0, 0, MAST_HEIGHT])
     _add_rod(root.worldbody, foot, top, 0.018, MAST_COLOUR)
