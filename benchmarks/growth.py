@@ -30,7 +30,7 @@ from benchmarks.timing import N_WALKS, print_note, time_call
 from walkerlab.evolution import evolution
 from walkerlab.runfile.archive import Archive
 from walkerlab.simulation.evaluation import Evaluation
-from walkerlab.view.plots.appearance import paper
+from walkerlab.view.plots.appearance import offscreen_axes
 
 REFERENCE_GENERATION = 10  # by then everything that is built once has been built
 FULL_N_WALKS = 120  # value of N_WALKS for which a run has 1000 robots per generation
@@ -157,7 +157,7 @@ def _fetch(path: Path) -> None:
 
 
 def _save(draw, table: pd.DataFrame, path: Path) -> None:
-    wl.plots.save(draw(table, paper(7, 4)), path)
+    wl.plots.save(draw(table, offscreen_axes(7, 4)), path)
 
 
 OTHER_CALLS: dict[str, Callable[[wl.Run], object]] = {
@@ -165,11 +165,11 @@ OTHER_CALLS: dict[str, Callable[[wl.Run], object]] = {
     "repr": repr,
     "lineage": lambda run: run.lineage(run.champion.individual),
     "in a notebook": lambda run: run._repr_html_(),
-    "trait": lambda run: wl.plots.trait(run.records, "weight", paper(7, 4)),
-    "verdicts": lambda run: wl.plots.verdicts(run.records, paper(7, 4)),
-    "diversity": lambda run: wl.plots.diversity(run.records, paper(7, 4)),
-    "genes": lambda run: wl.plots.genes(run.records, paper(9, 5)),
-    "family_tree": lambda run: wl.plots.family_tree(run.records, paper(7, 9)),
+    "trait": lambda run: wl.plots.trait(run.records, "weight", offscreen_axes(7, 4)),
+    "verdicts": lambda run: wl.plots.verdicts(run.records, offscreen_axes(7, 4)),
+    "diversity": lambda run: wl.plots.diversity(run.records, offscreen_axes(7, 4)),
+    "genes": lambda run: wl.plots.genes(run.records, offscreen_axes(9, 5)),
+    "family_tree": lambda run: wl.plots.family_tree(run.records, offscreen_axes(7, 9)),
 }
 """Other calls on a long run that should return quickly; their absolute times are printed."""
 

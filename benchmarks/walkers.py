@@ -14,7 +14,7 @@ import pandas as pd
 
 import walkerlab as wl
 from walkerlab.breeding import generate_robot_population
-from walkerlab.world.heights import LANDING
+from walkerlab.world.heights import LANDING_LENGTH
 
 GROUNDS = {
     "flat": wl.Terrain(),
@@ -51,7 +51,7 @@ def measure_champion(ground, seed, arguments):
         "poorest start": max(0.0, confirmation.nudged[0] / confirmation.fitness),
         "not counted again": ", ".join(verdict for verdict in confirmation.verdicts if verdict != "ok"),
         "along slope [m]": distance / math.cos(math.radians(terrain.incline)) if "incline" in ground else None,
-        "stairs climbed": max(0, math.floor((champion.com[-1, 0] - LANDING) / terrain.step_depth) + 1)
+        "stairs climbed": max(0, math.floor((champion.com[-1, 0] - LANDING_LENGTH) / terrain.step_depth) + 1)
         if "stairs" in ground
         else None,
     }

@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Sequence
 from io import TextIOWrapper
 
-from walkerlab.commands.terminal import INTERRUPTED, INVALID_REQUEST, print_error, print_safely
+from walkerlab.commands.terminal import EXIT_INTERRUPTED, INVALID_REQUEST, print_error, print_safely
 from walkerlab.errors import WalkerlabError
 from walkerlab.system.interrupts import interrupts_held
 
@@ -37,7 +37,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             return doctor.run()
         return _run_command(words)
     except KeyboardInterrupt:
-        return print_error("\nStopped.", INTERRUPTED)
+        return print_error("\nStopped.", EXIT_INTERRUPTED)
     except BrokenPipeError:  # the reader has ended, as in: walkerlab show walk | head
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
@@ -89,9 +89,9 @@ def _run_command(words: Sequence[str]) -> int:
             return arguments.run(arguments)
         except KeyboardInterrupt:
             signal.signal(signal.SIGINT, signal.SIG_IGN)  # from now on, further ones are ignored
-            return print_error(f"\n{runs.describe_stop(arguments)}", INTERRUPTED)
+            return print_error(f"\n{runs.describe_stop(arguments)}", EXIT_INTERRUPTED)
         except WalkerlabError as error:
-            if not hasattr(error, "kept"):
+            if not hasattr(error, "saved_path"):
                 raise
             return print_error(f"\n{error}\n{runs.describe_stop(arguments)}", 1)
 

@@ -98,7 +98,7 @@ def describe_operators(algorithm: Algorithm) -> str:
 def explain_lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
     """Explain why ``gradient`` hardly prefers the best of a generation, and how to fix it; "" if it does prefer it.
 
-    The measure is ``selection.pressure``: the pressure is lost below ``MIN_PRESSURE`` if the best fitness exceeds the
+    The measure is ``selection_pressure``: the pressure is lost below ``MIN_PRESSURE`` if the best fitness exceeds the
     median by ``MIN_LEAD`` or more. With a smaller lead the population has converged, and there is nothing to fix.
 
     Args:
@@ -112,15 +112,14 @@ def explain_lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
     if resolve_operators(algorithm).select[0] is not selection.gradient or len(counted) < MIN_COUNTED:
         return ""
     worst, median, best = np.quantile(counted, [0, 0.5, 1])
-    pressure = selection.pressure(selection.gradient_probabilities(counted))
+    pressure = selection.selection_pressure(selection.gradient_probabilities(counted))
     if pressure >= selection.MIN_PRESSURE or best - median < MIN_LEAD * max(abs(best), abs(median)):
         return ""
     return (
         f"the lowest fitness, {format_significant(worst)}, is so far below the others that gradient selection hardly "
-        "prefers "
-        f"the best robot: its fitness is {format_significant(best)} and the median {format_significant(median)}, yet "
-        "it is selected "
-        f"only {pressure - 1:.2%} more often than the median robot. Select by order instead, with "
+        f"prefers the best robot: its fitness is {format_significant(best)} and the median "
+        f"{format_significant(median)}, yet "
+        f"it is selected only {pressure - 1:.2%} more often than the median robot. Select by order instead, with "
         'settings.with_(selection="rank"), or limit the fitness from below.'
     )
 

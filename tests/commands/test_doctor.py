@@ -53,9 +53,9 @@ def test_the_computer_that_runs_these_tests_has_no_fault(tmp_path, monkeypatch, 
 
 
 def test_only_a_fault_gives_exit_code_1_and_it_is_printed_with_its_fix(monkeypatch, capsys):
-    monkeypatch.setattr(doctor, "examine", lambda: iter([Finding("note", "no GL", "get GL")]))
+    monkeypatch.setattr(doctor, "run_checks", lambda: iter([Finding("note", "no GL", "get GL")]))
     assert main(["doctor"]) == 0
-    monkeypatch.setattr(doctor, "examine", lambda: iter([Finding("fault", "no mujoco", "get mujoco")]))
+    monkeypatch.setattr(doctor, "run_checks", lambda: iter([Finding("fault", "no mujoco", "get mujoco")]))
     assert main(["doctor"]) == 1
     assert "fix: get mujoco" in capsys.readouterr().out
 
@@ -113,7 +113,7 @@ def test_a_check_that_raises_is_a_fault_and_the_others_run(monkeypatch):
         raise AssertionError
 
     monkeypatch.setattr(doctor, "CHECKS", {broken: (), skipped: (broken,), sound: ()})
-    fault, good = doctor.examine()
+    fault, good = doctor.run_checks()
     assert fault.level == "fault"
     assert "ZeroDivisionError: by chance" in fault.message
     assert good.message == "sound"
@@ -225,12 +225,12 @@ def test_a_python_without_permission_to_install_needs_a_new_environment(monkeypa
     monkeypatch.setattr(fixes.os, "access", lambda *_: False)
     monkeypatch.setattr(fixes.sysconfig, "get_path", lambda _: str(tmp_path))
     (tmp_path / "EXTERNALLY-MANAGED").touch()
-    *_, create, install = fixes.install("numpy>=2").splitlines()
-    assert create.endswith(f"-m venv {fixes.ENVIRONMENT}")
+    *_, create, install = fixes.install_commands("numpy>=2").splitlines()
+    assert create.endswith(f"-m venv {fixes.ENVIRONMENT_FOLDER}")
     assert install.endswith(f"-m pip install {fixes.find_source()}")
     (tmp_path / "EXTERNALLY-MANAGED").unlink()
     monkeypatch.setattr(fixes.os, "access", lambda *_: True)
-    assert fixes.install("numpy>=2").endswith('-m pip install "numpy>=2"')
+    assert fixes.install_commands("numpy>=2").endswith('-m pip install "numpy>=2"')
 
 
 def test_debian_needs_a_package_for_venv(monkeypatch):

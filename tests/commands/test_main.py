@@ -35,7 +35,7 @@ def empty_outputs(monkeypatch: pytest.MonkeyPatch) -> None:
     """Write the table and otherwise empty output files, because drawing is slow."""
 
     def write(run: wl.Run, folder: Path) -> None:
-        for name in outputs.FILES.keys() - {"run.walk"}:
+        for name in outputs.OUTPUT_FILES.keys() - {"run.walk"}:
             (folder / name).touch()
         run.records.to_csv(folder / "records.csv", index=False)
 
@@ -150,7 +150,7 @@ def test_all_errors_are_reported_together_and_nothing_is_written(here, capsys):
 
 
 def test_a_run_writes_its_files_and_no_others(done):
-    assert names_in(done) == set(outputs.FILES)
+    assert names_in(done) == set(outputs.OUTPUT_FILES)
     run = wl.load(done / "run.walk")
     assert run.n_generations == 2
     pd.testing.assert_frame_equal(pd.read_csv(done / "records.csv", keep_default_na=False), run.records)
@@ -173,7 +173,7 @@ def test_quiet_prints_nothing_and_otherwise_a_summary_and_the_next_commands_are_
     champion = wl.load("loud/run.walk").champion
     assert f"robot {champion.individual}, born in generation {champion.generation}" in output
     assert f"{champion.fitness:.3f} m" in output
-    for word in [*outputs.FILES, "walkerlab show loud", "walkerlab resume loud --generations", "walkerlab lab"]:
+    for word in [*outputs.OUTPUT_FILES, "walkerlab show loud", "walkerlab resume loud --generations", "walkerlab lab"]:
         assert word in output
 
 
@@ -205,7 +205,7 @@ def test_a_run_in_which_no_walk_counts_writes_all_files(here, capsys):
     output = capsys.readouterr().out
     assert "No walk counted" in output
     assert "airborne" in output
-    assert names_in(here / "walk") == set(outputs.FILES)
+    assert names_in(here / "walk") == set(outputs.OUTPUT_FILES)
     assert main(["show", "walk"]) == 0
 
 
@@ -235,7 +235,7 @@ def test_ctrl_c_saves_complete_generations_and_the_run_can_be_resumed(tmp_path, 
     assert process.returncode == 130
     assert "Traceback" not in err
     assert f"walkerlab resume {folder}" in out
-    assert names_in(folder) == set(outputs.FILES)
+    assert names_in(folder) == set(outputs.OUTPUT_FILES)
     kept = n_generations(folder)
     assert kept > 2
     assert f"Stopped after {kept} of 10000 generations, which are saved" in out
@@ -312,7 +312,7 @@ def test_resuming_a_complete_run_writes_missing_files(here, empty_outputs):
     assert main(["evolve", *TINY]) == 0
     Path("walk/fitness.svg").unlink()
     assert main(["resume", "walk", "--quiet"]) == 0
-    assert names_in(here / "walk") == set(outputs.FILES)
+    assert names_in(here / "walk") == set(outputs.OUTPUT_FILES)
 
 
 def test_an_outdated_report_is_written_again(here: Path, empty_outputs: None) -> None:
@@ -441,13 +441,13 @@ def test_lab_never_overwrites_a_changed_notebook(here, monkeypatch, capsys):
     )
     assert main(["lab", "--no-browser", "--port", "8899"]) == 0
     n = len(lab.find_notebooks())
-    assert f"New in {lab.FOLDER}: {n} notebook{'' if n == 1 else 's'}. " in capsys.readouterr().out
-    first = here / lab.FOLDER / lab.FIRST_NOTEBOOK
+    assert f"New in {lab.NOTEBOOKS_FOLDER}: {n} notebook{'' if n == 1 else 's'}. " in capsys.readouterr().out
+    first = here / lab.NOTEBOOKS_FOLDER / lab.FIRST_NOTEBOOK
     original = next(path for path in lab.find_notebooks() if path.name == lab.FIRST_NOTEBOOK)
     assert first.read_bytes() == original.read_bytes()
     first.write_text("mine")
     assert main(["lab"]) == 0
-    assert f"All notebooks are in {lab.FOLDER} already. " in capsys.readouterr().out
+    assert f"All notebooks are in {lab.NOTEBOOKS_FOLDER} already. " in capsys.readouterr().out
     assert first.read_text() == "mine"
     assert all("--ServerApp.ip=127.0.0.1" in call for call in calls)
     assert calls[0][-2:] == ["--no-browser", "--port=8899"]

@@ -259,7 +259,7 @@ class TestNeverLost:
             wl.evolve(settings, path, threads, progress=False)
         note, kept = caught.value.__notes__[-1], path or tmp_path / "kept.walk"
         assert note.startswith(f"The run is saved in {kept.name}, with 2 generations.")
-        assert caught.value.kept == kept
+        assert caught.value.saved_path == kept
         before = wl.load(kept)
         code = note.splitlines()[-1].replace(")", ", executor=threads, progress=False)").strip()
         names = {"wl": wl, "shake": shake, "threads": threads}

@@ -11,7 +11,7 @@ import pytest
 import walkerlab as wl
 from walkerlab.evolution import live as live_module
 from walkerlab.evolution.live import LiveRun, State
-from walkerlab.runfile.records import births
+from walkerlab.runfile.records import birth_rows
 from walkerlab.view.report.code import as_python
 
 SMALL = wl.Settings().with_(population_size=6, generations=4, duration=1)
@@ -66,7 +66,7 @@ def expected():
 def test_a_live_run_gives_the_table_of_a_foreground_run(make_live, expected, tmp_path):
     live, listener = make_live(path=tmp_path / "run.walk")
     assert live.state == State.paused
-    live.go_on()
+    live.resume()
     listener.until(lambda: live.is_over)
     assert live.state == State.finished
     pd.testing.assert_frame_equal(live.run.records, expected)
@@ -77,13 +77,13 @@ def test_a_live_run_gives_the_table_of_a_foreground_run(make_live, expected, tmp
 def test_steps_and_pauses_do_not_change_the_table(make_live, expected):
     live, listener = make_live()
     for n in (1, 2):
-        live.go_on(1)
+        live.resume(1)
         listener.until(lambda: live.state == State.paused)
         assert live.n_generations == n
-    live.go_on()
+    live.resume()
     live.pause()
     assert live.state == State.paused
-    live.go_on()
+    live.resume()
     listener.until(lambda: live.is_over)
     pd.testing.assert_frame_equal(live.run.records, expected)
 
@@ -91,7 +91,7 @@ def test_steps_and_pauses_do_not_change_the_table(make_live, expected):
 def test_pause_lets_current_walks_finish_and_begins_no_other(make_live, monkeypatch):
     monkeypatch.setattr(live_module, "n_workers", lambda _: 1)
     live, listener = make_live(SMALL.with_(population_size=200, n_elites=0))
-    live.go_on()
+    live.resume()
     listener.until(lambda: live.n_done > 0)
     live.pause()
     listener.until(lambda: not live._pausable._submitted)
@@ -102,21 +102,21 @@ def test_pause_lets_current_walks_finish_and_begins_no_other(make_live, monkeypa
 
 def test_stop_keeps_the_generations_that_are_done(make_live, expected):
     live, listener = make_live()
-    live.go_on(2)
+    live.resume(2)
     listener.until(lambda: live.state == State.paused)
     live.stop()
-    live.go_on()
+    live.resume()
     assert live.state == State.stopped
     live._thread.join(PATIENCE)
     pd.testing.assert_frame_equal(live.run.records, expected[expected.generation < 2])
 
 
-@pytest.mark.parametrize("press", [LiveRun.stop, LiveRun.go_on])
-def test_stop_and_go_on_during_a_pause_take_effect(make_live, monkeypatch, press):
+@pytest.mark.parametrize("press", [LiveRun.stop, LiveRun.resume])
+def test_stop_and_resume_during_a_pause_take_effect(make_live, monkeypatch, press):
     live, _ = make_live()
     pause, begun, pressed = live._pausable.pause, threading.Event(), threading.Event()
     monkeypatch.setattr(live._pausable, "pause", lambda: (begun.set(), pressed.wait(0.2), pause()))
-    live.go_on(1)
+    live.resume(1)
     assert begun.wait(PATIENCE)
     press(live)
     pressed.set()
@@ -126,7 +126,7 @@ def test_stop_and_go_on_during_a_pause_take_effect(make_live, monkeypatch, press
 
 def test_stop_during_a_pause_ends_the_thread(make_live):
     live, listener = make_live()
-    live.go_on(1)
+    live.resume(1)
     listener.until(lambda: live.state == State.paused)
     live.stop()
     live._thread.join(PATIENCE)
@@ -135,7 +135,7 @@ def test_stop_during_a_pause_ends_the_thread(make_live):
 
 def test_stop_during_a_generation_ends_the_thread_at_once(make_live):
     live, listener = make_live(SMALL.with_(population_size=1000))
-    live.go_on()
+    live.resume()
     listener.until(lambda: live.n_done > 0)
     live.stop()
     live._thread.join(1)
@@ -152,7 +152,7 @@ def test_a_fitness_that_raises_fails_the_run_and_keeps_earlier_generations(make_
     lives = []
     live, listener = make_live(SMALL.with_(fitness=fails_in_second_generation))
     lives.append(live)
-    live.go_on()
+    live.resume()
     listener.until(lambda: live.is_over)
     assert live.state == State.failed
     assert isinstance(live.error, wl.OperatorError)
@@ -175,7 +175,7 @@ def test_closing_the_last_run_shuts_the_default_executor_down(monkeypatch):
     for _ in range(2):
         listener = Listener()
         lives.append(LiveRun(SMALL, on_change=listener.record))
-        lives[-1].go_on(1)
+        lives[-1].resume(1)
         listener.until(lambda: lives[-1].state == State.paused)
     lives[0].close()
     assert workers.submit(int).result() == 0
@@ -279,7 +279,7 @@ class TestInsertedGenome:
         with ThreadPoolExecutor(2) as pool:
             evolution = wl.Evolution(SMALL, executor=pool)
             accepted = [evolution.insert(self.GENE) for generation in evolution if generation.number < 3]
-        born = births(evolution.run.records)
+        born = birth_rows(evolution.run.records)
         assert accepted == born[born.operators == "by hand"].born.tolist() == [1, 2, 3]
 
     def test_its_genes_are_clipped_to_the_limits(self):
@@ -296,7 +296,7 @@ class TestInsertedGenome:
 
     def test_a_run_that_is_over_rejects_it(self, make_live):
         live, listener = make_live()
-        live.go_on(1)
+        live.resume(1)
         listener.until(lambda: live.state == State.paused)
         live.stop()
         with pytest.raises(ValueError, match="over"):

@@ -37,7 +37,7 @@ def written(here, threads, monkeypatch):
     monkeypatch.setattr(outputs.plots, "save", lambda _axes, *paths: [path.write_text("new") for path in paths])
     monkeypatch.setattr(outputs.report, "write_report", lambda *_, **__: None)
     run = wl.evolve(SMALL, here / "walk" / RUN_FILE, threads, progress=False)
-    for name in outputs.FILES.keys() - {RUN_FILE}:
+    for name in outputs.OUTPUT_FILES.keys() - {RUN_FILE}:
         (here / "walk" / name).write_text("old")
         os.utime(here / "walk" / name, (0, 0))
     return run
@@ -58,11 +58,11 @@ def test_if_a_part_fails_the_old_files_stay_and_the_error_names_it(written, here
     with pytest.raises(
         OutputError, match=r"walk\. All files stay as they were\.\n  champion\.xml: ValueError: XML Error"
     ):
-        outputs.write(written, here / "walk")
+        outputs.write_outputs(written, here / "walk")
     assert texts(here / "walk") == before
     os.utime(here / "walk" / "champion.xml")
     with pytest.raises(OutputError, match="All other files are written"):
-        outputs.write(wl.load("walk"), Path("walk"))
+        outputs.write_outputs(wl.load("walk"), Path("walk"))
     assert texts(here / "walk")["champion.xml"] == "old", "it is up to date"
     assert texts(here / "walk")["champion.png"] == "new"
 
@@ -71,7 +71,7 @@ def test_in_a_new_folder_all_parts_that_succeed_are_written(written, here, monke
     monkeypatch.setattr(mujoco.MjModel, "from_xml_string", unreadable)
     monkeypatch.setattr(mujoco.MjModel, "from_xml_path", unreadable)
     with pytest.raises(OutputError, match=r"champion\.xml"):
-        outputs.write(written, here / "new")
+        outputs.write_outputs(written, here / "new")
     assert {"champion.txt", "champion.png", "fitness.svg", "fitness.png"} == texts(here / "new").keys()
 
 
@@ -89,10 +89,10 @@ def test_the_command_names_the_part_that_failed_and_the_command_that_repeats_it(
 def test_a_folder_that_cannot_be_written_to_raises_an_explained_error(written, here):
     (here / "file").touch()
     with pytest.raises(PathError, match="which is a file"):
-        outputs.write(written, here / "file")
+        outputs.write_outputs(written, here / "file")
     (here / "walk" / HIDDEN_FOLDER).write_text("in the way")
     with pytest.raises(OutputError, match="no files can be written into walk: "):
-        outputs.write(written, here / "walk")
+        outputs.write_outputs(written, here / "walk")
 
 
 # ---------------------------------------------------------------------------------------------------------- paths

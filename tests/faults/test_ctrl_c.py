@@ -104,7 +104,7 @@ def check_resume(folder, whole):
     pd.testing.assert_frame_equal(done, whole[whole.generation <= done.generation.max()])
     assert main(["resume", str(folder), "--quiet"]) == 0
     pd.testing.assert_frame_equal(wl.load(folder).records, whole)
-    assert {there.name for there in folder.iterdir()} == {*outputs.FILES}
+    assert {there.name for there in folder.iterdir()} == {*outputs.OUTPUT_FILES}
 
 
 @pytest.mark.parametrize("n", range(number(2, 60)))

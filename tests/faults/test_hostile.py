@@ -144,7 +144,7 @@ GREEDY = """
 import resource, sys, walkerlab as wl
 from walkerlab.runfile import paths, store
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-path = paths.locate(sys.argv[1])
+path = paths.locate_run_file(sys.argv[1])
 for use in (wl.load, store.read_facts, lambda path: wl.rescue(path, f"{path}.rescued")):
     try:
         use(path)
@@ -263,7 +263,7 @@ def test_what_points_elsewhere_is_not_written_through(forge, tmp_path):
     path = forge()
     precious = tmp_path / "precious"
     precious.write_text("three years of work")
-    for name in outputs.FILES.keys() - {"run.walk", "champion.png"}:
+    for name in outputs.OUTPUT_FILES.keys() - {"run.walk", "champion.png"}:
         (path.parent / name).symlink_to(precious)
     assert main(["resume", str(path), "--quiet"]) == 0
     assert precious.read_text() == "three years of work"

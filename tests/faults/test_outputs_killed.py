@@ -25,7 +25,7 @@ WRITERS = {
     "command": "from walkerlab.__main__ import main; main(['resume', folder, '--quiet'])",
     "export": (
         "from pathlib import Path; from walkerlab.evolution import outputs; import walkerlab as wl\n"
-        "outputs.write(wl.load(folder), Path(folder))"
+        "outputs.write_outputs(wl.load(folder), Path(folder))"
     ),
     "report": "import walkerlab as wl; wl.load(folder).save_report(folder)",
 }
@@ -45,14 +45,14 @@ def states(tmp_path_factory):
     with ThreadPoolExecutor(2) as pool:
         run = wl.evolve(SMALL, folder / RUN_FILE, pool, progress=False)
         run.save_report(folder)
-        outputs.write(run, folder)
+        outputs.write_outputs(run, folder)
         wl.resume(folder, 3, pool, progress=False)
     return folder
 
 
 def names_of(writer):
     if writer != "report":
-        return outputs.FILES.keys() - {RUN_FILE}
+        return outputs.OUTPUT_FILES.keys() - {RUN_FILE}
     pictures = {f"pictures/{picture.name}.{kind}" for picture in PICTURES for kind in FORMATS}
     return {"report.html", "replay.html", "records.csv", "tables/generations.csv", "tables/champion.csv", *pictures}
 

@@ -266,7 +266,7 @@ def test_a_live_run_reports_a_fault_and_keeps_complete_generations(monkeypatch):
     faulty = create_function("fitness", hangs, lambda walk: any(live.n_generations for live in lives))
     with ThreadPoolExecutor(1) as pool:
         lives.append(LiveRun(REAL.with_(fitness=faulty), executor=pool, on_change=hear))
-        lives[0].go_on()
+        lives[0].resume()
         assert over.wait(60)
     assert lives[0].state == State.failed
     assert "'mine' had not returned after 0.5 s" in str(lives[0].error)

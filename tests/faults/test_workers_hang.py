@@ -91,12 +91,12 @@ def test_a_live_run_continues_after_a_pause_longer_than_the_time_limit(waits, mo
     over, settings = threading.Event(), SETTINGS.with_(population_size=200, generations=1, duration=1)
     with ThreadPoolExecutor(1) as threads:
         live = LiveRun(settings, executor=threads, on_change=lambda live: live.is_over and over.set())
-        live.go_on()
+        live.resume()
         until(lambda: live.n_done)
         live.pause()
         enough = len(waits) + 1200
         until(lambda: len(waits) > enough)
-        live.go_on()
+        live.resume()
         assert over.wait(60)
         assert live.state == State.finished
 
@@ -211,7 +211,7 @@ def evolving(tmp_path, monkeypatch):
     threads = ThreadPoolExecutor(1)
 
     def evolve(action):
-        monkeypatch.setattr("walkerlab.evolution.outputs.write", lambda *_: None)
+        monkeypatch.setattr("walkerlab.evolution.outputs.write_outputs", lambda *_: None)
         monkeypatch.setattr("walkerlab.evolution.evolution.evaluate", lambda *args, **kwargs: (
             action() if (tmp_path / "run.walk").exists() and wl.load(tmp_path).n_generations == 2 else None,
             evaluation.evaluate(*args, **{**kwargs, "executor": threads}),

@@ -34,9 +34,9 @@ def test_equal_fitness_gives_equal_probabilities():
 def test_an_outlier_at_the_lower_end_removes_the_pressure_of_gradient_but_not_of_rank():
     outlier = np.array([1.0, 2.0, 3.0, -1e6])
     assert np.allclose(gradient_probabilities(outlier), [0.328, 0.328, 0.328, 0.016], atol=1e-3)
-    assert selection.pressure(gradient_probabilities(outlier)) < selection.MIN_PRESSURE
-    assert selection.pressure(rank_probabilities(outlier)) > 1.5
-    assert selection.pressure(gradient_probabilities(np.arange(20.0))) > 1.5
+    assert selection.selection_pressure(gradient_probabilities(outlier)) < selection.MIN_PRESSURE
+    assert selection.selection_pressure(rank_probabilities(outlier)) > 1.5
+    assert selection.selection_pressure(gradient_probabilities(np.arange(20.0))) > 1.5
 
 
 @given(fitness_lists, st.randoms(use_true_random=False))

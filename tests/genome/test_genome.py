@@ -199,7 +199,7 @@ def run_of_one(genome):
     """Return a run of one robot."""
     row = {"generation": 0, "individual": 1, "born": 0, "parents": "", "operators": "random"}
     table = pd.DataFrame([{**row, **vars(evaluation_of(genome)), "genome": str(genome)}])
-    return Run(Settings(), records.tidy(table))
+    return Run(Settings(), records.tidy_table(table))
 
 
 def test_a_single_genome_is_rejected_where_several_are_expected():

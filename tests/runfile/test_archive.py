@@ -24,7 +24,7 @@ from walkerlab.genome.genome import Genome
 from walkerlab.runfile import archive as archive_module
 from walkerlab.runfile import store
 from walkerlab.runfile.archive import Archive
-from walkerlab.runfile.records import Walked, join, tidy
+from walkerlab.runfile.records import EvaluationRow, concatenate_tables, tidy_table
 from walkerlab.simulation.evaluation import Evaluation
 
 SETTINGS = wl.Settings().with_(duration=1, population_size=12, generations=5, n_elites=2, seed=3)
@@ -39,7 +39,7 @@ def generation(number, n=4, genome="wl1 {individual}"):
     table.loc[0, "born"] = max(0, number - 1)
     table = table.assign(fitness=individuals / 3, distance=np.nan, velocity=-np.inf, weight=1.0, body_length=0.5)
     table = table.assign(n_segments=2, n_legs=4, parents="", operators="random", reason="it's")
-    return tidy(table.assign(genome=[genome.format(individual=individual) for individual in individuals]))
+    return tidy_table(table.assign(genome=[genome.format(individual=individual) for individual in individuals]))
 
 
 def filled(path=None, n=3, n_rows=4, **options):
@@ -68,8 +68,8 @@ def test_the_table_has_all_generations_that_were_added(path):
     archive = filled(path)
     for n in (3, 1, 0, 2):
         table = archive.table(n)
-        same(table, join([generation(number) for number in range(n)]))
-        assert table.attrs == join([]).attrs
+        same(table, concatenate_tables([generation(number) for number in range(n)]))
+        assert table.attrs == concatenate_tables([]).attrs
 
 
 def test_generations_are_read_once(path, monkeypatch):
@@ -81,7 +81,7 @@ def test_generations_are_read_once(path, monkeypatch):
     for n in (2, 2, 1, 3, 3):
         archive.table(n)
     archive.add(generation(3))
-    same(archive.table(4), join([generation(number) for number in range(4)]))
+    same(archive.table(4), concatenate_tables([generation(number) for number in range(4)]))
     assert read == [(0, 2), (2, 3), (3, 4)]
 
 
@@ -91,8 +91,8 @@ def test_changing_a_returned_table_does_not_change_the_archive(path):
     mine["fitness"] = 99.0
     mine.loc[0, "genome"] = "mine"
     mine.attrs["units"] = {}
-    same(archive.table(3), join([generation(number) for number in range(3)]))
-    assert archive.table(3).attrs == join([]).attrs
+    same(archive.table(3), concatenate_tables([generation(number) for number in range(3)]))
+    assert archive.table(3).attrs == concatenate_tables([]).attrs
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a temporary file has a name there while it is open")
@@ -116,18 +116,20 @@ def test_threads_can_read_a_temporary_file_while_another_adds():
         for number in range(1, n):
             archive.add(generation(number))
         assert all(reader.result() for reader in readers)
-    same(archive.table(n), join([generation(number) for number in range(n)]))
+    same(archive.table(n), concatenate_tables([generation(number) for number in range(n)]))
 
 
 # ------------------------------------------------------------------------------------------ the index
 
 
 def walked(table):
-    return {row[-1]: Walked(*row) for row in table[list(Walked._fields)].itertuples(index=False, name=None)}
+    return {
+        row[-1]: EvaluationRow(*row) for row in table[list(EvaluationRow._fields)].itertuples(index=False, name=None)
+    }
 
 
 def test_find_returns_stored_evaluations_only(path):
-    archive, born = filled(path, 9), join([generation(number) for number in range(9)])
+    archive, born = filled(path, 9), concatenate_tables([generation(number) for number in range(9)])
     some = born.genome[::3].tolist()
     found = archive.find([*some, "wl1 unknown"])
     assert found.keys() == set(some)
@@ -190,9 +192,9 @@ def without_reuse(monkeypatch):
     """Function that makes all children walk from then on, also those that have walked before."""
 
     def walk(self, genomes):
-        return [Walked.of(one, str(one.genome)) for one in self._evaluate(genomes)]
+        return [EvaluationRow.of(one, str(one.genome)) for one in self._evaluate(genomes)]
 
-    return lambda: monkeypatch.setattr(evolution_module.Evolution, "_walk", walk)
+    return lambda: monkeypatch.setattr(evolution_module.Evolution, "_evaluate_new", walk)
 
 
 def often_copies(genomes, genes, *, rng, share=0.5):

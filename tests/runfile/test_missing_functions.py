@@ -12,7 +12,7 @@ import walkerlab as wl
 from walkerlab.evolution import outputs
 from walkerlab.simulation.fitness import poorest_walk
 from walkerlab.simulation.validity import REJECTED
-from walkerlab.view.plots.appearance import paper
+from walkerlab.view.plots.appearance import offscreen_axes
 
 TINY = wl.Settings().with_(population_size=6, generations=1, duration=1, n_starts=3)
 
@@ -58,9 +58,9 @@ def test_a_rejected_robot_stays_rejected_but_not_with_other_settings(tmp_path):
 def test_viewing_a_loaded_run_requires_no_function(runs, tmp_path):
     run, loaded = runs
     assert loaded.replay().walks[0].rollout.distance == run.replay().walks[0].rollout.distance
-    wl.plots.stride(loaded.champion.genome, loaded.settings, paper(4, 2))
-    wl.plots.gait(loaded.champion.genome, loaded.settings, paper(4, 2))
-    outputs.write(loaded, tmp_path)
+    wl.plots.stride(loaded.champion.genome, loaded.settings, offscreen_axes(4, 2))
+    wl.plots.gait(loaded.champion.genome, loaded.settings, offscreen_axes(4, 2))
+    outputs.write_outputs(loaded, tmp_path)
     assert (tmp_path / "report.html").is_file()
 
 

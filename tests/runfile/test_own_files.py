@@ -72,7 +72,7 @@ def test_an_unknown_verdict_is_rejected_with_the_fix(path):
     table = wl.evolve(SETTINGS, path, progress=False).records
     for verdict in ("on fire", "ok\x1b[2J"):
         with pytest.raises(ValueError, match="pip install --upgrade walkerlab") as caught:
-            records.check(table.assign(verdict=verdict))
+            records.check_table(table.assign(verdict=verdict))
         assert repr(verdict) in str(caught.value)
 
 
@@ -142,7 +142,7 @@ def test_the_file_is_created_before_any_walk_and_a_second_run_is_rejected(path, 
     with pytest.raises(wl.OperatorError) as caught:
         wl.evolve(SETTINGS, path, progress=False)
     assert len(n_walks) == 1
-    assert caught.value.kept == path
+    assert caught.value.saved_path == path
     assert f"No generation was done; the settings are saved in {path}." in caught.value.__notes__[0]
     assert f"wl.resume({str(path)!r})" in caught.value.__notes__[0]
 

@@ -33,7 +33,7 @@ def layout(path):
 
 
 def test_there_is_a_test_file_of_every_layout():
-    assert [layout(file) for file in FILES] == [*range(schema.OLDEST_LAYOUT, schema.LAYOUT + 1)]
+    assert [layout(file) for file in FILES] == [*range(schema.OLDEST_LAYOUT, schema.LAYOUT_VERSION + 1)]
 
 
 def test_each_layout_is_read_without_changing_the_file(kept):
@@ -54,7 +54,7 @@ def test_each_layout_is_resumed_and_upgraded(kept, monkeypatch):
         run = wl.resume(kept, 5, progress=False, mutation=nudge)
     assert run.n_generations == 5
     assert wl.load(kept).records.to_csv(index=False).startswith(before)
-    assert layout(kept) == schema.LAYOUT
+    assert layout(kept) == schema.LAYOUT_VERSION
     assert provenance.current_facts().items() <= store.read_facts(kept)[1].items()
 
 

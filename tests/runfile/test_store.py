@@ -20,11 +20,11 @@ from walkerlab.breeding import generate_robot_population
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile import opening, paths, provenance, schema, store
 from walkerlab.runfile.opening import RunFileError
-from walkerlab.runfile.records import COLUMNS, tidy
+from walkerlab.runfile.records import RECORD_COLUMNS, tidy_table
 from walkerlab.settings.settings import Settings
 
 WHOLE = st.integers(-(2**63), 2**63 - 1)
-EMPTY = tidy(pd.DataFrame(columns=list(COLUMNS)))
+EMPTY = tidy_table(pd.DataFrame(columns=list(RECORD_COLUMNS)))
 CELLS = {int: WHOLE, float: st.floats(), str: st.text(st.characters(codec="utf-8", exclude_characters="\0"))}
 
 
@@ -42,8 +42,8 @@ def generation(number, n=5):
         float: np.resize([-np.inf, np.nan, 0.1 + 0.2, 5e-324, -0.0, np.inf, 1.7976931348623157e308], n),
         str: np.resize(["", "ok", "it's; DROP TABLE records --", "‾‾ €𝄞", "a\nb\tc"], n),
     }
-    table = pd.DataFrame({name: extreme[kind] for name, (kind, *_) in COLUMNS.items()})
-    return tidy(table.assign(generation=number, individual=np.arange(n) + 100 * number))
+    table = pd.DataFrame({name: extreme[kind] for name, (kind, *_) in RECORD_COLUMNS.items()})
+    return tidy_table(table.assign(generation=number, individual=np.arange(n) + 100 * number))
 
 
 def add(path, table):
@@ -71,21 +71,23 @@ def broken(path, *statements):
 
 
 def test_a_run_is_read_as_it_was_written(path):
-    assert same(table_of(path), tidy(pd.DataFrame(columns=list(COLUMNS))))
+    assert same(table_of(path), tidy_table(pd.DataFrame(columns=list(RECORD_COLUMNS))))
     tables = [generation(number) for number in range(3)]
     for table in tables:
         add(path, table)
-    assert same(table_of(path), tidy(pd.concat(tables, ignore_index=True)))
+    assert same(table_of(path), tidy_table(pd.concat(tables, ignore_index=True)))
     assert Settings(**store.read(path)[0]) == Settings()
     assert store.read_facts(path)[1] == provenance.current_facts()
 
 
 @hypothesis_settings(max_examples=25)
-@given(rows=st.lists(st.fixed_dictionaries({name: CELLS[kind] for name, (kind, *_) in COLUMNS.items()}), min_size=1))
+@given(
+    rows=st.lists(st.fixed_dictionaries({name: CELLS[kind] for name, (kind, *_) in RECORD_COLUMNS.items()}), min_size=1)
+)
 def test_any_table_is_read_bit_for_bit(tmp_path_factory, rows):
     path = tmp_path_factory.mktemp("any") / "run.wl"
     store.create(path, {})
-    table = tidy(pd.DataFrame(rows).assign(generation=0, individual=range(len(rows))))
+    table = tidy_table(pd.DataFrame(rows).assign(generation=0, individual=range(len(rows))))
     add(path, table)
     assert same(table_of(path), table)
 
@@ -101,7 +103,7 @@ def test_single_generations_and_individuals_can_be_read(path):
     for table in tables:
         add(path, table)
     me = store.read_facts(path)[0]["id"]
-    assert same(store.read_generations(path, me, 1, 3), tidy(pd.concat(tables[1:3], ignore_index=True)))
+    assert same(store.read_generations(path, me, 1, 3), tidy_table(pd.concat(tables[1:3], ignore_index=True)))
     assert same(store.read_generations(path, me, 3, 99), tables[3])
     assert same(store.read_generations(path, me, 4, 4), EMPTY)
     born = [(2, 203), (0, 0), (1, 203), (9, 900)]  # the last two do not exist
@@ -227,19 +229,19 @@ def test_without_hard_links_a_failed_copy_leaves_nothing(tmp_path, monkeypatch):
 
 def test_a_folder_stands_for_its_run_file(tmp_path):
     with pytest.raises(RunFileError, match="has no run file in it"):
-        paths.locate(tmp_path)
-    assert paths.locate(tmp_path / "mine.walk") == tmp_path / "mine.walk"
+        paths.locate_run_file(tmp_path)
+    assert paths.locate_run_file(tmp_path / "mine.walk") == tmp_path / "mine.walk"
     (tmp_path / "mine.walk").touch()
-    assert paths.locate(tmp_path) == tmp_path / "mine.walk", "the only run file of the folder"
+    assert paths.locate_run_file(tmp_path) == tmp_path / "mine.walk", "the only run file of the folder"
     (tmp_path / "yours.walk").touch()
     with pytest.raises(RunFileError, match=r"2 run files in it: mine\.walk, yours\.walk"):
-        paths.locate(tmp_path)
+        paths.locate_run_file(tmp_path)
     (tmp_path / paths.RUN_FILE).touch()
-    assert paths.locate(tmp_path) == tmp_path / paths.RUN_FILE
+    assert paths.locate_run_file(tmp_path) == tmp_path / paths.RUN_FILE
 
 
 def test_a_file_is_created_complete_or_not_at_all(tmp_path, monkeypatch):
-    monkeypatch.setitem(schema._TABLES, schema.LAYOUT, (schema._RUN, "CREATE TABLE nonsense"))
+    monkeypatch.setitem(schema._TABLES_BY_LAYOUT, schema.LAYOUT_VERSION, (schema._CREATE_RUN, "CREATE TABLE nonsense"))
     with pytest.raises(RunFileError):
         store.create(tmp_path / "run.wl", {})
     assert not list(tmp_path.iterdir())
@@ -414,7 +416,7 @@ def test_a_missing_file_is_rejected_and_not_created(tmp_path):
 
 
 def test_a_run_of_a_newer_walkerlab_is_rejected_with_the_fix(path):
-    broken(path, f"PRAGMA user_version = {schema.LAYOUT + 1}")
+    broken(path, f"PRAGMA user_version = {schema.LAYOUT_VERSION + 1}")
     before = path.read_bytes()
     assert all("newer" in message and "pip install --upgrade walkerlab" in message for message in rejections(path))
     assert path.read_bytes() == before

@@ -177,19 +177,19 @@ def live(client):
 
 
 def test_a_live_run_pauses_and_goes_on(live, client):
-    live.go_on()
+    live.resume()
     until(lambda: live.n_done > 0)
     live.pause()
     until(lambda: is_idle(client))
     assert live.n_generations == 0
     before = live.n_done
-    live.go_on()
+    live.resume()
     until(lambda: live.n_done > before)
     assert live.state == State.running
 
 
 def test_a_live_run_stops_at_once(live):
-    live.go_on()
+    live.resume()
     until(lambda: live.n_done > 0)
     live.stop()
     live._thread.join(1)
@@ -248,7 +248,7 @@ def test_workers_that_come_later_are_given_work():
         live = LiveRun(SMALL, executor=executor)
         client.cluster.scale(1)
         client.wait_for_workers(1)
-        live.go_on()
+        live.resume()
         until(lambda: live.is_over)
         assert live.state == State.finished
         assert live._pausable._n_workers == n_workers(executor) == 1
@@ -258,7 +258,7 @@ def test_a_client_that_is_closed_is_told_in_words(client):
     own = type(client)(client.cluster)
     executor = own.get_executor()
     live = LiveRun(SMALL.with_(generations=100), executor=executor)
-    live.go_on()
+    live.resume()
     until(lambda: live.n_done > 0)
     own.close()
     until(lambda: live.is_over)

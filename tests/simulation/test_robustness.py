@@ -14,7 +14,7 @@ from walkerlab.simulation.robustness import FIRST_NUDGE, Confirmation, confirm
 from walkerlab.simulation.rollout import simulate_walk
 from walkerlab.simulation.starts import NUDGE_BEND, NUDGE_SHIFT, NUDGE_TURN, draw_nudge
 from walkerlab.world.assembly import ROBOT_BODY
-from walkerlab.world.geometry import skins
+from walkerlab.world.geometry import surface_points
 from walkerlab.world.scene import compile_scene
 
 SHORT = wl.Settings().with_(duration=2)
@@ -122,7 +122,9 @@ def test_a_nudge_moves_neither_obstacles_nor_the_front_of_the_robot():
         scene.place(moved, draw_nudge(scene, number))
         np.testing.assert_array_equal(moved.qpos[min(balls) :], plain.qpos[min(balls) :])
         mujoco.mj_forward(model, moved)
-        robot_vertices = np.concatenate([skin for skin, _ in skins(scene, moved.qpos)[: scene.is_robot_geom.sum()]])
+        robot_vertices = np.concatenate(
+            [skin for skin, _ in surface_points(scene, moved.qpos)[: scene.is_robot_geom.sum()]]
+        )
         assert robot_vertices[:, 0].max() == pytest.approx(0.0, abs=0.002)
         assert 0 < robot_vertices[:, 2].min() < 0.02
 

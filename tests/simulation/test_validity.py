@@ -17,7 +17,7 @@ from walkerlab.simulation.fitness import distance, score
 from walkerlab.simulation.rollout import simulate_walk
 from walkerlab.simulation.validity import GUARD_FUNCTIONS, REJECTED, VERDICTS, Trace, judge
 from walkerlab.world.compilation import assemble
-from walkerlab.world.geometry import skins
+from walkerlab.world.geometry import surface_points
 from walkerlab.world.scene import Scene, compile_scene
 
 WALKER = (  # the champion of wl.evolve(wl.Settings().with_(generations=15, seed=1))
@@ -332,7 +332,7 @@ def test_stretching_a_leg_forward_gives_no_distance():
     rollout = simulate_walk(
         driven(scene, lambda time, target, rest: rest - arms * np.minimum(time, 3.4))
     )  # raises the front legs
-    first, last = (max(skin[:, 0].max() for skin, _ in skins(scene, pose)) for pose in rollout.poses[[0, -1]])
+    first, last = (max(skin[:, 0].max() for skin, _ in surface_points(scene, pose)) for pose in rollout.poses[[0, -1]])
     assert rollout.verdict == "ok", rollout.reason
     assert last - first > 0.3
     assert abs(distance(rollout)) < 0.1

@@ -83,13 +83,13 @@ def test_workers_killed_during_a_generation_do_not_change_the_records(workers, l
 def test_a_live_run_survives_a_killed_worker(workers, lost, expected):
     started = threading.Event()
     live = LiveRun(SETTINGS, on_change=lambda live: live.n_done and started.set())
-    live.go_on()
+    live.resume()
     assert started.wait(60)
     kill_one(workers)
     live._thread.join(60)
     assert live.state == State.finished
     assert lost
-    assert "killed (SIGKILL)" in live.note
+    assert "killed (SIGKILL)" in live.loss_note
     pd.testing.assert_frame_equal(live.run.records, expected, check_exact=True)
 
 

@@ -14,7 +14,7 @@ from tests.faults import number
 from walkerlab.evolution import outputs
 from walkerlab.runfile.paths import RUN_FILE
 from walkerlab.system import file_sets
-from walkerlab.system.file_sets import HIDDEN_FOLDER, JOURNAL, OUTPUT_NAMES, OutputError, replacing_files, restore
+from walkerlab.system.file_sets import HIDDEN_FOLDER, JOURNAL_NAME, OUTPUT_NAMES, OutputError, replacing_files, restore
 from walkerlab.view.report.pictures import FOLDER, FORMATS, PICTURES
 
 OLD = {"report.html": "old", "records.csv": "old", "pictures/body.svg": "old", "champion.txt": "old"}
@@ -39,7 +39,7 @@ def contents(folder):
 def replace(folder, texts=NEW, failing=(), **options):
     with replacing_files(folder, **options) as new:
         for name, text in texts.items():
-            with new.part(name):
+            with new.write_part(name):
                 (new.folder / name).write_text(text)
                 if name in failing:
                     raise ValueError(f"no {name}")
@@ -52,7 +52,7 @@ def folder(tmp_path):
 
 
 def test_all_output_files_may_be_replaced_and_no_run_file():
-    names = {*outputs.FILES} - {RUN_FILE}
+    names = {*outputs.OUTPUT_FILES} - {RUN_FILE}
     names |= {f"{FOLDER}/{picture.name}.{kind}" for picture in PICTURES for kind in FORMATS}
     assert all(map(OUTPUT_NAMES.fullmatch, names))
     for other in (RUN_FILE, "notes.md", "../report.html", "pictures/../report.html", "/report.html", "report.html\n"):
@@ -62,7 +62,7 @@ def test_all_output_files_may_be_replaced_and_no_run_file():
 def test_the_old_set_stays_until_the_new_one_is_complete(folder):
     with replacing_files(folder) as new:
         for name, text in NEW.items():
-            with new.part(name):
+            with new.write_part(name):
                 (new.folder / name).write_text(text)
             assert {name: text for name, text in contents(folder).items() if HIDDEN_FOLDER not in name} == OLD | OTHERS
     assert contents(folder) == AFTER
@@ -198,7 +198,7 @@ def contents(folder, hidden=True):
 def replace(folder):
     with file_sets.replacing_files(folder) as made:
         for name, text in new.items():
-            with made.part(name):
+            with made.write_part(name):
                 files.write_text(made.folder / name, text)
 
 def killed(at, call):
@@ -279,7 +279,7 @@ def test_an_untrusted_folder_changes_only_its_own_output_files(folder, tmp_path_
         },
     )
     absent = ["notes.md", RUN_FILE, "../report.html", str(elsewhere / "report.html"), "pictures/body.svg", 5, None, []]
-    (folder / HIDDEN_FOLDER / JOURNAL).write_text(json.dumps(absent))
+    (folder / HIDDEN_FOLDER / JOURNAL_NAME).write_text(json.dumps(absent))
     (folder / "pictures" / "body.svg").unlink()
     (folder / "pictures").rmdir()
     (folder / "pictures").symlink_to(elsewhere)
@@ -292,14 +292,14 @@ def test_an_untrusted_folder_changes_only_its_own_output_files(folder, tmp_path_
 
 
 @posix
-@pytest.mark.parametrize("inside", ["", "old", "new", "lock", JOURNAL])
+@pytest.mark.parametrize("inside", ["", "old", "new", "lock", JOURNAL_NAME])
 def test_links_in_a_hidden_folder_are_not_followed(folder, tmp_path_factory, inside):
     elsewhere = tmp_path_factory.mktemp("elsewhere")
-    fill(elsewhere, {"report.html": "precious", "lock": "precious", JOURNAL: "[]"})
+    fill(elsewhere, {"report.html": "precious", "lock": "precious", JOURNAL_NAME: "[]"})
     before = contents(elsewhere)
     if inside:
         (folder / HIDDEN_FOLDER).mkdir()
-        is_file = inside in ("lock", JOURNAL)
+        is_file = inside in ("lock", JOURNAL_NAME)
         (folder / HIDDEN_FOLDER / inside).symlink_to(elsewhere / inside if is_file else elsewhere)
     else:
         (folder / HIDDEN_FOLDER).symlink_to(elsewhere)
@@ -314,7 +314,7 @@ def test_links_in_a_hidden_folder_are_not_followed(folder, tmp_path_factory, ins
 @pytest.mark.parametrize("text", ["", "{", "null", '{"a": 1}', "[" * 50_000, "x" * 200_000])
 def test_an_invalid_journal_is_ignored(folder, text):
     (folder / HIDDEN_FOLDER).mkdir()
-    (folder / HIDDEN_FOLDER / JOURNAL).write_text(text)
+    (folder / HIDDEN_FOLDER / JOURNAL_NAME).write_text(text)
     restore(folder)
     assert contents(folder) == OLD | OTHERS
     assert not (folder / HIDDEN_FOLDER).exists()

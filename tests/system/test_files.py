@@ -10,11 +10,11 @@ import pytest
 from walkerlab.system.files import (
     PathError,
     absolute_path,
+    display_path,
     file_path,
     folder_path,
-    quoted,
-    replacing,
-    shown,
+    quote_path,
+    replace_atomically,
     write_text,
 )
 
@@ -94,23 +94,23 @@ def test_without_a_current_folder_relative_paths_raise(here, monkeypatch):
     with pytest.raises(PathError, match="current folder was deleted"):
         absolute_path("walk")
     assert absolute_path(here / "walk") == here / "walk"
-    assert shown(here / "walk") == str(here / "walk")
+    assert display_path(here / "walk") == str(here / "walk")
 
 
 @pytest.mark.parametrize("name", ["walk", "a b/c", "~/x", "-x", ":memory:", "file:y", "it's", '"$HOME"', "a\\b", "!!"])
 def test_a_shown_path_is_read_as_the_same_path_by_walkerlab_and_by_a_shell(here, name):
     path = here / name
-    assert absolute_path(shown(path)) == path
+    assert absolute_path(display_path(path)) == path
     if os.name != "nt":
-        [word] = shlex.split(quoted(path))
+        [word] = shlex.split(quote_path(path))
         assert absolute_path(word) == path
         assert not word.startswith("-")
 
 
 def test_a_shown_path_is_relative_only_in_the_current_folder(here):
-    assert shown(here / "a" / "b") == os.path.join("a", "b")
-    assert shown(here.parent) == str(here.parent)
-    assert shown("as it is") == "as it is"
+    assert display_path(here / "a" / "b") == os.path.join("a", "b")
+    assert display_path(here.parent) == str(here.parent)
+    assert display_path("as it is") == "as it is"
 
 
 # ------------------------------------------------------------------------------------------------- replacing a file
@@ -119,7 +119,7 @@ def test_a_shown_path_is_relative_only_in_the_current_folder(here):
 def test_a_file_is_replaced_when_the_block_ends(tmp_path):
     path = tmp_path / "file.txt"
     path.write_text("old")
-    with replacing(path) as temporary:
+    with replace_atomically(path) as temporary:
         temporary.write_text("new")
         assert path.read_text() == "old"
         assert temporary.parent == tmp_path
@@ -133,7 +133,7 @@ def test_after_an_error_the_old_file_is_unchanged(tmp_path, error):
     path.write_text("old")
 
     def fail(one):
-        with replacing(one) as temporary:
+        with replace_atomically(one) as temporary:
             temporary.write_text("half")
             raise error
 

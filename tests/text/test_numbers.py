@@ -35,7 +35,7 @@ from walkerlab.view.replay import replay
 from walkerlab.view.report import page
 from walkerlab.view.report.pictures import Subject
 from walkerlab.widgets.card import robot_card
-from walkerlab.widgets.listing import COLUMNS, describe_generation
+from walkerlab.widgets.listing import SORT_COLUMNS, describe_generation
 from walkerlab.widgets.run_folders import best_result
 
 SIZES = st.floats(-9, 9).map(lambda power: 10**power)
@@ -156,7 +156,7 @@ def of_report(run):
 
 def of_roster(run):
     row = describe_generation(run.records[run.records.generation == 0])["rows"][0]
-    cell = dict(zip(COLUMNS, row["cells"], strict=True))["fitness"]
+    cell = dict(zip(SORT_COLUMNS, row["cells"], strict=True))["fitness"]
     return [cell, row["label"], *found(r"Its near is (\S+)\.", row["description"])]
 
 

@@ -10,7 +10,7 @@ from hypothesis import settings as hypothesis_settings
 import walkerlab as wl
 from tests.strategies import all_settings, genomes
 from tests.text.test_html import HOSTILE, Seen, assert_harmless
-from walkerlab.runfile.records import Individual, join
+from walkerlab.runfile.records import Individual, concatenate_tables
 from walkerlab.settings.fields import Quantity
 from walkerlab.settings.glossary import glossary_rows
 from walkerlab.simulation.fitness import distance, velocity
@@ -148,7 +148,7 @@ def test_a_run_is_shown_with_result_plots_and_next_steps(run):
 
 
 def test_a_run_without_generations_is_shown_as_a_sentence():
-    parsed = render_html(wl.Run(wl.Settings(), join([])))
+    parsed = render_html(wl.Run(wl.Settings(), concatenate_tables([])))
     assert "No generation is done yet" in parsed.text
     assert not parsed.all("svg")
 

@@ -394,7 +394,7 @@ def run_with_champions(champions, settings=SHORT):
         for i, champion in enumerate(champions)
         for number, fitness in ((champion, 1.0 + champion), (10_000 + i, 0.5))
     ]  # fmt: skip
-    return Run(settings, records.tidy(pd.DataFrame(rows)))
+    return Run(settings, records.tidy_table(pd.DataFrame(rows)))
 
 
 @pytest.fixture
@@ -488,7 +488,7 @@ def test_invalid_arguments_of_a_time_lapse_are_rejected(jobs, arguments, message
 
 def test_a_time_lapse_of_an_empty_run_is_rejected():
     with pytest.raises(ValueError, match="no robot has walked"):
-        timelapse(Run(SHORT, records.join([])), "lapse.mp4")
+        timelapse(Run(SHORT, records.concatenate_tables([])), "lapse.mp4")
 
 
 def test_numpy_numbers_are_accepted(jobs):

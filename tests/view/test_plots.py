@@ -23,15 +23,15 @@ from walkerlab.breeding import generate_robot_population, resolve_operators
 from walkerlab.ga.loop import first_population, next_population
 from walkerlab.genome.repair import build_genes, repair
 from walkerlab.runfile.records import (
-    COLUMNS,
-    Walked,
-    births,
+    RECORD_COLUMNS,
+    EvaluationRow,
+    birth_rows,
+    concatenate_tables,
     fitter_line,
-    join,
     name_fitness,
     parent_numbers,
-    tabulate,
-    tidy,
+    tabulate_generation,
+    tidy_table,
 )
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.simulation.fitness import poorest_walk
@@ -41,7 +41,7 @@ from walkerlab.view import summary
 from walkerlab.view.plots import genomes as plots_of_genomes
 from walkerlab.view.plots.ancestry import MAX_COMPLETE_LINE, N_DRAWN_OF_LONG_LINE
 from walkerlab.view.plots.bodies import add_body, resting_scene
-from walkerlab.world.geometry import skins
+from walkerlab.world.geometry import surface_points
 from walkerlab.world.heights import ground_height
 
 
@@ -49,11 +49,11 @@ def random_table(n=8, seed=0):
     rng = np.random.default_rng(seed)
     rows = pd.DataFrame(
         [(g, i, g, "", "random", rng.normal(g), "ok" if i else "airborne") for g in range(5) for i in range(n)],
-        columns=list(COLUMNS)[:7],
+        columns=list(RECORD_COLUMNS)[:7],
     )
     rows.loc[rows.verdict != "ok", "fitness"] = -np.inf
     table = rows.assign(distance=0.0, velocity=0.0, n_segments=1, n_legs=2, weight=1.0, body_length=1.0, genome="")
-    return tidy(table)
+    return tidy_table(table)
 
 
 def evolved_table(generations=6, size=10, *, void=0.2, **changes):
@@ -74,20 +74,20 @@ def evolved_table(generations=6, size=10, *, void=0.2, **changes):
         counts = rng.random() >= void
         measured = (len(robot.segments), robot.n_legs, robot.weight, robot.body_length)
         fitness, verdict = (rng.normal(), "ok") if counts else (-np.inf, rng.choice(list(VERDICTS)[1:]))
-        return Walked(fitness, str(verdict), "", rng.normal(), rng.normal(), *measured, str(wl.Genome(values)))
+        return EvaluationRow(fitness, str(verdict), "", rng.normal(), rng.normal(), *measured, str(wl.Genome(values)))
 
     def evaluate(genomes):
         return [evaluate_genome(values) for values in genomes]
 
     population = first_population(generate_robot_population(settings.robot, size, seed=0), evaluate)
-    tables = [tabulate(population, "")]
+    tables = [tabulate_generation(population, "")]
     for _ in range(generations - 1):
         population = next_population(
             population, resolve_operators(settings.algorithm), genes, evaluate,
             repair=lambda genomes: repair(genomes, settings.robot), n_elites=settings.algorithm.n_elites, seed=0,
         )  # fmt: skip
-        tables.append(tabulate(population, ""))
-    table = join(tables)
+        tables.append(tabulate_generation(population, ""))
+    table = concatenate_tables(tables)
     name_fitness(table, "distance", "m")
     return table
 
@@ -306,7 +306,7 @@ def test_saving_restores_the_layout_engine(tmp_path):
 @pytest.mark.parametrize(
     "table",
     [
-        join([]),
+        concatenate_tables([]),
         evolved_table(generations=1, size=4),
         evolved_table(void=1.0),
         evolved_table(size=4, mutation="randomized", mutation_rate=0.0),
@@ -411,15 +411,15 @@ def table_with_fitness(name, unit):
     return table
 
 
-DISTANCE = table_with_fitness("distance", "m")
+DISTANCE_LABEL = table_with_fitness("distance", "m")
 EFFICIENCY = table_with_fitness("efficiency", "m/J")
 QUANTITIES = {
-    "distance [m]": lambda ax: wl.plots.fitness_curve(DISTANCE, ax, label="a"),
+    "distance [m]": lambda ax: wl.plots.fitness_curve(DISTANCE_LABEL, ax, label="a"),
     "efficiency [m/J]": lambda ax: wl.plots.fitness_curve(EFFICIENCY, ax, label="b"),
-    "weight [kg]": lambda ax: wl.plots.trait(DISTANCE, "weight", ax),
-    "number of legs": lambda ax: wl.plots.trait(DISTANCE, "n_legs", ax),
-    "genetic diversity": lambda ax: wl.plots.diversity(DISTANCE, ax),
-    "robots": lambda ax: wl.plots.verdicts(DISTANCE, ax),
+    "weight [kg]": lambda ax: wl.plots.trait(DISTANCE_LABEL, "weight", ax),
+    "number of legs": lambda ax: wl.plots.trait(DISTANCE_LABEL, "n_legs", ax),
+    "genetic diversity": lambda ax: wl.plots.diversity(DISTANCE_LABEL, ax),
+    "robots": lambda ax: wl.plots.verdicts(DISTANCE_LABEL, ax),
     "distance of the centre of mass [m]": lambda ax: wl.plots.distance_over_time(wl.simulate(GENOME, SETTINGS), ax),
 }
 
@@ -439,7 +439,7 @@ def test_a_value_axis_shows_one_quantity(second):
 
 
 def test_a_second_value_axis_can_show_another_quantity(ax):
-    wl.plots.fitness_curve(DISTANCE, ax)
+    wl.plots.fitness_curve(DISTANCE_LABEL, ax)
     right = wl.plots.fitness_curve(EFFICIENCY, ax.twinx())
     assert (ax.get_ylabel(), right.get_ylabel()) == ("distance [m]", "efficiency [m/J]")
     ax.clear()
@@ -447,20 +447,20 @@ def test_a_second_value_axis_can_show_another_quantity(ax):
 
 
 def test_a_fitness_and_a_trait_of_the_same_quantity_share_an_axis(ax):
-    wl.plots.fitness_curve(DISTANCE, ax)
-    wl.plots.trait(DISTANCE, "distance", ax)
-    assert wl.plots.trait(DISTANCE, "fitness", ax).get_ylabel() == "distance [m]"
+    wl.plots.fitness_curve(DISTANCE_LABEL, ax)
+    wl.plots.trait(DISTANCE_LABEL, "distance", ax)
+    assert wl.plots.trait(DISTANCE_LABEL, "fitness", ax).get_ylabel() == "distance [m]"
 
 
 def test_a_table_from_a_csv_file_has_the_default_units(ax, tmp_path):
-    DISTANCE.to_csv(tmp_path / "records.csv", index=False)
+    DISTANCE_LABEL.to_csv(tmp_path / "records.csv", index=False)
     table = pd.read_csv(tmp_path / "records.csv")
     assert wl.plots.trait(table, "weight", Figure().add_subplot()).get_ylabel() == "weight [kg]"
     assert wl.plots.fitness_curve(table, Figure().add_subplot()).get_ylabel() == "fitness"
-    wl.plots.fitness_curve(DISTANCE, ax)
+    wl.plots.fitness_curve(DISTANCE_LABEL, ax)
     with pytest.raises(ValueError, match=r"from read_csv.*table\.attrs = run\.records\.attrs"):
         wl.plots.fitness_curve(table, ax)
-    table.attrs = DISTANCE.attrs
+    table.attrs = DISTANCE_LABEL.attrs
     wl.plots.fitness_curve(table, ax)
 
 
@@ -679,7 +679,7 @@ def test_the_line_of_descent_ends_at_a_robot_that_is_its_own_parent(records):
     looped = records.copy()
     last = int(looped.individual.max())
     looped.loc[looped.individual == last, "parents"] = f"{last} {last + 1}"
-    assert fitter_line(births(looped), last) == [last]
+    assert fitter_line(birth_rows(looped), last) == [last]
 
 
 @pytest.mark.parametrize("crossover", ["paired", "none"])
@@ -805,7 +805,7 @@ def test_the_scale_bar_of_a_body_has_the_length_of_its_label(seed, ax):
 
 def test_add_body_places_and_scales_a_body_and_returns_its_extent(ax):
     scene = resting_scene(GENOME)
-    parts = skins(scene, scene.start)
+    parts = surface_points(scene, scene.start)
     left, right, bottom, top = add_body(ax, parts)
     assert add_body(ax, parts, at=(3.0, -2.0), scale=0.5) == pytest.approx(
         (3 + left / 2, 3 + right / 2, -2 + bottom / 2, -2 + top / 2)
@@ -901,8 +901,8 @@ class TestStride:
         model, data = scene.model, mujoco.MjData(scene.model)
         data.qpos[:] = rollout.poses[-1]
         mujoco.mj_kinematics(model, data)
-        *parts, rope = skins(scene, rollout.poses[-1])
-        parts += skins(scene, rollout.poses[-1], loose=True)
+        *parts, rope = surface_points(scene, rollout.poses[-1])
+        parts += surface_points(scene, rollout.poses[-1], loose=True)
         assert len(rope[0]) == 2
         moving = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom]]
         directions = np.random.default_rng(0).normal(size=(20, 3))

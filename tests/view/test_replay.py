@@ -22,7 +22,7 @@ from walkerlab.settings.choices import Camera
 from walkerlab.view.replay.animation import build_animation, lateral_extent, shadow_transforms
 from walkerlab.view.replay.page import Frame
 from walkerlab.view.replay.tracks import frame_times, pack_channels, track_bodies
-from walkerlab.world.geometry import n_valid_poses, placements, rope_ends, rotate, skins
+from walkerlab.world.geometry import body_placements, n_valid_poses, rope_ends, rotate, surface_points
 from walkerlab.world.heights import ARENA_WIDTH
 from walkerlab.world.scene import compile_scene
 
@@ -94,7 +94,7 @@ def test_the_rope_reaches_from_end_to_end():
     scene = compile_scene(GENOME, settings)
     rollout = wl.simulate(GENOME, settings)
     tracks = track_bodies(scene, rollout)
-    for rod, ends in zip(tracks.rope, rope_ends(scene, placements(scene, rollout.poses)), strict=True):
+    for rod, ends in zip(tracks.rope, rope_ends(scene, body_placements(scene, rollout.poses)), strict=True):
         half = rod[7] / 2 * rotate(rod[np.newaxis, 3:7], np.array([0, 0, 1.0]))[0]
         assert np.allclose([rod[:3] - half, rod[:3] + half], ends, atol=1e-9)
 
@@ -169,7 +169,7 @@ class TestWalkers:
         race = wl.replay({"a": GENOME, "b": GENOME, "c": GENOME}, SHORT)
         assert len({walk.colour for walk in race.walks}) == 3
         skins_y = [
-            np.concatenate([skin[:, 1] + walk.lane for skin, _ in skins(walk.scene, walk.scene.start)])
+            np.concatenate([skin[:, 1] + walk.lane for skin, _ in surface_points(walk.scene, walk.scene.start)])
             for walk in race.walks
         ]
         for left, right in pairwise(skins_y):
@@ -260,18 +260,18 @@ class TestThePage:
         class Slow:
             @property
             def page(self):
-                frame.offer(lambda: self, "new", "the new robot")
+                frame.set_replay(lambda: self, "new", "the new robot")
                 return "old"
 
         frame = Frame()
-        frame.offer(Slow, "old", "the old robot")
+        frame.set_replay(Slow, "old", "the old robot")
         frame._handle_custom_msg({"request": "page"}, [])
         assert (frame.page, frame.alt) == (b"", "the new robot")
 
     def test_an_offer_removes_the_page_of_the_previous_replay(self):
         frame = Frame()
         frame.page = b"previous"
-        frame.offer(lambda: pytest.fail("made without a request"), "new", "the new robot")
+        frame.set_replay(lambda: pytest.fail("made without a request"), "new", "the new robot")
         assert frame.page == b""
 
 

@@ -14,7 +14,7 @@ import walkerlab as wl
 from tests.text.test_html import HOSTILE, assert_harmless
 from tests.view.test_display import hostile_function
 from walkerlab.ga.selection import tournament
-from walkerlab.runfile.records import COLUMNS, join
+from walkerlab.runfile.records import RECORD_COLUMNS, concatenate_tables
 from walkerlab.simulation.fitness import distance
 from walkerlab.simulation.robustness import Confirmation
 from walkerlab.view import report
@@ -237,11 +237,11 @@ def test_a_run_in_which_no_walk_counts_is_reported(tmp_path):
 
 def test_an_empty_run_has_no_report(tmp_path):
     with pytest.raises(ValueError, match="no robot has walked yet"):
-        wl.Run(wl.Settings(), join([])).save_report(tmp_path / "none")
+        wl.Run(wl.Settings(), concatenate_tables([])).save_report(tmp_path / "none")
     assert not (tmp_path / "none").exists()
 
 
 def test_columns_are_the_documented_ones(path):
     header = Path(path.parent / "records.csv").read_text(encoding="utf-8").splitlines()[0]
-    assert header.split(",") == list(COLUMNS)
+    assert header.split(",") == list(RECORD_COLUMNS)
     assert np.isfinite(pd.read_csv(path.parent / "tables" / "champion.csv").to_numpy()).all()

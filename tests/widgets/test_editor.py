@@ -13,7 +13,7 @@ from tests.text.test_html import HOSTILE
 from walkerlab.commands.worlds import GENOME
 from walkerlab.genome.text import GenomeError
 from walkerlab.view import sketch
-from walkerlab.widgets.editor import MAX_NOTES, SIZE, Editor
+from walkerlab.widgets.editor import MAX_NOTES, PICTURE_SIZE, Editor
 from walkerlab.widgets.repairs import describe_repairs, find_fault, format_genome
 
 G = wl.Genome.parse(GENOME)
@@ -109,10 +109,10 @@ def test_the_initial_genome_is_random_or_given():
 def test_a_changed_text_is_parsed_and_drawn():
     editor = Editor(G)
     assert (editor.fault, editor.fault_range, editor.notes) == ("", [], [])
-    assert editor.picture == sketch.draw_robot(G, wl.Robot(), size=SIZE)
+    assert editor.picture == sketch.draw_robot(G, wl.Robot(), size=PICTURE_SIZE)
     editor.text = GENOME.replace("0.42", "0.3")
     assert editor.genome == wl.Genome.parse(GENOME.replace("0.42", "0.3")).within(wl.Robot())
-    assert editor.picture == sketch.draw_robot(editor.genome, wl.Robot(), size=SIZE)
+    assert editor.picture == sketch.draw_robot(editor.genome, wl.Robot(), size=PICTURE_SIZE)
 
 
 @pytest.mark.parametrize(

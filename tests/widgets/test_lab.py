@@ -79,7 +79,7 @@ def test_a_run_is_evolved_to_its_end_and_saved(lab, pool):
 
 
 def test_lost_workers_are_reported(lab, monkeypatch):
-    monkeypatch.setattr(LiveRun, "note", "One was killed.")
+    monkeypatch.setattr(LiveRun, "loss_note", "One was killed.")
     step(lab)
     assert lab.runs.drawer.words == "One was killed."
 

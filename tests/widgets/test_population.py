@@ -8,9 +8,9 @@ import pytest
 import traitlets
 
 import walkerlab as wl
-from walkerlab.runfile.records import name_fitness, tidy
+from walkerlab.runfile.records import name_fitness, tidy_table
 from walkerlab.widgets import population
-from walkerlab.widgets.listing import COLUMNS, MAX_DRAWN, MAX_LISTED, describe_generation, sort_robots
+from walkerlab.widgets.listing import MAX_DRAWN, MAX_LISTED, SORT_COLUMNS, describe_generation, sort_robots
 from walkerlab.widgets.population import Population
 
 RNG = np.random.default_rng(5)
@@ -21,7 +21,7 @@ def generation(n=8, number=1, elites=2, void=3, first=100, fitness=None):
     """Return a table of one generation, with elites first and walks that do not count last."""
     place = np.arange(n)
     counts = place < n - void
-    table = tidy(
+    table = tidy_table(
         pd.DataFrame(
             {
                 "generation": number,
@@ -50,7 +50,7 @@ def listed(widget):
     return [row["individual"] for row in widget.generation["rows"]]
 
 
-@pytest.mark.parametrize("column", COLUMNS)
+@pytest.mark.parametrize("column", SORT_COLUMNS)
 def test_every_order_has_all_robots_sorted_by_its_column(column):
     table = generation(30)
     ordered = sort_robots(table, column)
@@ -59,7 +59,7 @@ def test_every_order_has_all_robots_sorted_by_its_column(column):
         assert (ordered.verdict == "ok").is_monotonic_increasing
     else:
         values = ordered[column].dropna()
-        assert values.is_monotonic_increasing if COLUMNS[column].is_ascending else values.is_monotonic_decreasing
+        assert values.is_monotonic_increasing if SORT_COLUMNS[column].is_ascending else values.is_monotonic_decreasing
         assert ordered[column].isna().is_monotonic_increasing
 
 
@@ -85,13 +85,13 @@ def test_without_elites_and_invalid_walks_the_title_is_short():
 @pytest.mark.parametrize(("best", "shown"), [(12.345, "12.3"), (1.2345, "1.23"), (0.0123456, "0.0123"), (0.0, "0")])
 def test_the_best_fitness_has_three_significant_digits(best, shown):
     row = describe_generation(generation(1, elites=0, void=0, fitness=best))["rows"][0]
-    assert dict(zip(COLUMNS, row["cells"], strict=True))["fitness"] == shown
+    assert dict(zip(SORT_COLUMNS, row["cells"], strict=True))["fitness"] == shown
 
 
 def test_a_value_that_rounds_to_zero_has_no_sign():
     table = generation(2, elites=0, void=0)
     table["velocity"] = [-0.0001, 1.0]
-    assert dict(zip(COLUMNS, describe_generation(table)["rows"][0]["cells"], strict=True))["velocity"] == "0.00"
+    assert dict(zip(SORT_COLUMNS, describe_generation(table)["rows"][0]["cells"], strict=True))["velocity"] == "0.00"
 
 
 def test_a_generation_in_which_no_walk_counts_is_listed():
@@ -201,7 +201,7 @@ def test_of_a_whole_table_the_last_generation_is_shown():
 
 def test_an_empty_table_clears_the_widget():
     widget = Population(generation())
-    widget.show(tidy(pd.DataFrame()))
+    widget.show(tidy_table(pd.DataFrame()))
     assert widget.generation == {}
 
 

@@ -9,7 +9,7 @@ import pytest
 import walkerlab as wl
 from walkerlab.commands.worlds import GENOME
 from walkerlab.settings.choices import Obstacle, Structure
-from walkerlab.world.geometry import material_image, placements, rope_ends, rotate, surfaces
+from walkerlab.world.geometry import body_placements, material_image, rope_ends, rotate, visible_surfaces
 from walkerlab.world.heights import ground_height
 
 GEOM = mujoco.mjtGeom
@@ -25,7 +25,7 @@ def volume(surface):
 def test_every_moving_surface_is_closed_and_encloses_its_volume(obstacle):
     settings = wl.Settings().with_(obstacle=obstacle, carry_weight=2, drag_weight=2)
     model = wl.compile_scene(GENOME, settings).model
-    drawn = list(surfaces(model, bodies=True))
+    drawn = list(visible_surfaces(model, bodies=True))
     kinds = [(i, GEOM(model.geom_type[i])) for i in range(model.ngeom) if model.geom_bodyid[i]]
     for surface, (i, kind) in zip(drawn, kinds, strict=True):
         a, b, c = model.geom_size[i]
@@ -43,7 +43,9 @@ def test_every_moving_surface_is_closed_and_encloses_its_volume(obstacle):
 def test_drawn_hills_have_the_computed_height():
     settings = wl.Settings().with_(structure=Structure.rough, hill_height=0.5)
     (hills,) = [
-        one for one in surfaces(wl.compile_scene(GENOME, settings).model, bodies=False) if len(one.points) > 1000
+        one
+        for one in visible_surfaces(wl.compile_scene(GENOME, settings).model, bodies=False)
+        if len(one.points) > 1000
     ]
     x, y, z = hills.points.T
     assert np.allclose(z, ground_height(settings.terrain, x, y), atol=1e-3)
@@ -52,7 +54,7 @@ def test_drawn_hills_have_the_computed_height():
 def test_placements_and_rope_ends_agree_with_mujoco():
     settings = wl.Settings().with_(drag_weight=2, obstacle="ball", duration=2)
     scene, poses = wl.compile_scene(GENOME, settings), wl.simulate(GENOME, settings).poses[::20]
-    placed, data = placements(scene, poses), mujoco.MjData(scene.model)
+    placed, data = body_placements(scene, poses), mujoco.MjData(scene.model)
     for pose, place, ends in zip(poses, placed, rope_ends(scene, placed), strict=True):
         data.qpos[:] = pose
         mujoco.mj_forward(scene.model, data)

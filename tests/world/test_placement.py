@@ -19,7 +19,7 @@ from walkerlab.simulation.validity import MAX_START_OVERLAP
 from walkerlab.world import heights, placement
 from walkerlab.world.assembly import _add_pieces
 from walkerlab.world.entities import generate_terrain
-from walkerlab.world.heights import FIELD_START, LANDING, ground_height, hill_heights, level_stretches, slope
+from walkerlab.world.heights import FIELD_START, LANDING_LENGTH, ground_height, hill_heights, level_stretches, slope
 from walkerlab.world.placement import compute_layout
 from walkerlab.world.scene import compile_scene
 
@@ -83,7 +83,7 @@ def crowded_terrains(draw):
 ], ids=str)  # fmt: skip
 def test_rays_from_above_hit_the_ground_at_the_computed_height(terrain):
     rng = np.random.default_rng(1)
-    x, y = rng.uniform(-3, LANDING + heights.ARENA_LENGTH - 0.1, 1000), rng.uniform(-4.9, 4.9, 1000)
+    x, y = rng.uniform(-3, LANDING_LENGTH + heights.ARENA_LENGTH - 0.1, 1000), rng.uniform(-4.9, 4.9, 1000)
     found = cast_rays(*compiled(world_spec(terrain)), np.stack([x, y, np.full_like(x, 200.0)], axis=1), DOWN)
     np.testing.assert_allclose(
         200 - np.array([distance for _, distance in found]), ground_height(terrain, x, y), atol=1e-4
@@ -144,7 +144,7 @@ def test_pieces_are_fixed_and_lie_completely_on_one_stretch(structure):
 @pytest.mark.parametrize("kind", [kind for kind in Obstacle if kind])
 def test_the_obstacle_density_is_as_requested(structure, kind):
     terrain = wl.Terrain(structure=structure, obstacle=kind, obstacle_density=0.7)
-    area = (np.maximum(level_stretches(terrain), LANDING) @ [-1, 1]).sum() * PLACEMENT_AREA[1]
+    area = (np.maximum(level_stretches(terrain), LANDING_LENGTH) @ [-1, 1]).sum() * PLACEMENT_AREA[1]
     spec = world_spec(terrain)
     assert len(spec.bodies) - 1 == pytest.approx(0.7 * area, abs=0.5)
 
@@ -162,7 +162,7 @@ def test_no_obstacle_overlaps_anything_or_is_on_the_landing(terrain):
     assert min(data.contact.dist, default=0) > -1e-3
     pitch = slope(terrain)
     ahead = data.geom_xpos[model.geom_bodyid > 0] @ [math.cos(pitch), 0, math.sin(pitch)]
-    assert min(ahead, default=9) > LANDING
+    assert min(ahead, default=9) > LANDING_LENGTH
 
 
 def test_obstacles_sleep_until_touched_and_fall_asleep_again():

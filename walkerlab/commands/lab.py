@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from walkerlab.commands.terminal import INVALID_REQUEST, print_error
-from walkerlab.system.files import replacing
+from walkerlab.system.files import replace_atomically
 
-FOLDER = "walkerlab-notebooks"
+NOTEBOOKS_FOLDER = "walkerlab-notebooks"
 FIRST_NOTEBOOK = "00_meet_a_walker.ipynb"
 
 LOCAL_ONLY_OPTIONS = [
@@ -41,8 +41,8 @@ def copy_notebooks(folder: Path) -> list[Path]:
     copies = [(original, folder / original.name) for original in find_notebooks()]
     new = [(original, copy) for original, copy in copies if not copy.exists()]
     for original, copy in new:
-        with replacing(copy) as part:
-            shutil.copyfile(original, part)
+        with replace_atomically(copy) as temporary:
+            shutil.copyfile(original, temporary)
     return [copy for _, copy in new]
 
 
@@ -68,17 +68,17 @@ def open_lab(folder: Path, options: Sequence[str] = ()) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Copy the notebooks and open JupyterLab on them; return the exit code."""
-    folder = Path(FOLDER)
+    folder = Path(NOTEBOOKS_FOLDER)
     try:
         copied = copy_notebooks(folder)
     except OSError as error:
         return print_error(
-            f"The notebooks cannot be copied into {FOLDER}: {error.strerror or error}. Change to a folder that you can "
-            "write to.",
+            f"The notebooks cannot be copied into {NOTEBOOKS_FOLDER}: {error.strerror or error}. Change to a folder "
+            "that you can write to.",
             INVALID_REQUEST,
         )
     notebooks = f"{len(copied)} notebook{'' if len(copied) == 1 else 's'}"
-    new = f"New in {FOLDER}: {notebooks}." if copied else f"All notebooks are in {FOLDER} already."
+    new = f"New in {NOTEBOOKS_FOLDER}: {notebooks}." if copied else f"All notebooks are in {NOTEBOOKS_FOLDER} already."
     print(f"{new} Existing files were not changed.", flush=True)
     options = [f"--{name.replace('_', '-')}" for name in ("no_browser", "allow_root") if getattr(arguments, name)]
     options += [f"--port={arguments.port}"] if arguments.port else []

@@ -18,7 +18,7 @@ from socket import socket
 
 from PIL import Image
 
-from walkerlab.system.files import file_path, replacing
+from walkerlab.system.files import file_path, replace_atomically
 
 PANEL_CODE = """import walkerlab as wl
 lab = wl.Lab(wl.Settings().with_(generations=20, seed=3))
@@ -50,8 +50,8 @@ def draw_panel(path: Path) -> None:
         assert robot_box
         screenshot = page.screenshot(clip={"x": 0, "y": 0, "width": PAGE_SIZE[0], "height": robot_box["y"]})
         browser.close()
-    with replacing(path) as part:
-        Image.open(BytesIO(screenshot)).convert("RGB").quantize(N_COLOURS).save(part, "PNG", optimize=True)
+    with replace_atomically(path) as temporary:
+        Image.open(BytesIO(screenshot)).convert("RGB").quantize(N_COLOURS).save(temporary, "PNG", optimize=True)
 
 
 @contextmanager

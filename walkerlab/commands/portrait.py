@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from walkerlab.evolution.loading import load
 from walkerlab.evolution.run import Run
 from walkerlab.simulation.rollout import simulate
-from walkerlab.system.files import file_path, replacing
+from walkerlab.system.files import file_path, replace_atomically
 from walkerlab.text.numbers import with_unit
 from walkerlab.view import plots
 from walkerlab.world.scene import compile_scene
 
 IMAGE_SIZE = (1500, 620)  # pixels, width and height
-MOMENTS = np.linspace(0.1, 0.5, 4)  # shares of the duration of the walk
+SHOWN_TIMES = np.linspace(0.1, 0.5, 4)  # shares of the duration of the walk
 
 
 def render_moments(run: Run) -> NDArray[np.uint8]:
@@ -41,7 +41,7 @@ def render_moments(run: Run) -> NDArray[np.uint8]:
     data = mujoco.MjData(model)
     camera = mujoco.MjvCamera()
     option = mujoco.MjvOption()
-    moments = (MOMENTS * (len(rollout.time) - 1)).astype(int)
+    moments = (SHOWN_TIMES * (len(rollout.time) - 1)).astype(int)
     camera.lookat[:] = rollout.com[moments].mean(axis=0) + np.array([-0.2, 0, 0.05])
     camera.distance = 0.53 * np.ptp(rollout.com[moments, 0]) + 0.2 + 0.7 * scene.phenotype.body_length
     camera.azimuth = 78
@@ -71,8 +71,8 @@ def draw_champion(run: Run, path: str) -> None:
         f"{with_unit(distance, 'm')} in {run.settings.simulation.duration:g} s: four moments of the walk", fontsize=9
     )
     plots.fitness_curve(run.records, curve_axes)
-    with replacing(file_path(path)) as part:
-        figure.savefig(part, dpi=120, format="png")
+    with replace_atomically(file_path(path)) as temporary:
+        figure.savefig(temporary, dpi=120, format="png")
 
 
 if __name__ == "__main__":

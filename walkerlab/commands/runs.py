@@ -6,9 +6,9 @@ import argparse
 import sys
 from typing import TYPE_CHECKING
 
-from walkerlab.commands.terminal import INTERRUPTED, print_safely
+from walkerlab.commands.terminal import EXIT_INTERRUPTED, print_safely
 from walkerlab.system.file_sets import OutputError
-from walkerlab.system.files import folder_path, quoted, shown
+from walkerlab.system.files import display_path, folder_path, quote_path
 from walkerlab.system.interrupts import interrupts_held
 from walkerlab.text.html import printable
 
@@ -30,7 +30,7 @@ def evolve(arguments: argparse.Namespace) -> int:
     path = folder_path(arguments.out, "--out") / RUN_FILE
     if path.exists():
         raise RunFileError(
-            f"{shown(arguments.out)} already holds a run, and a run is never overwritten.\n"
+            f"{display_path(arguments.out)} already holds a run, and a run is never overwritten.\n"
             f"Resume it:        walkerlab {_resume_words(load(path))}\n"
             f"Start a new one:  walkerlab evolve --out ANOTHER-FOLDER"
         )
@@ -84,7 +84,7 @@ def _run_path(run: Run) -> str:
     from walkerlab.runfile.paths import RUN_FILE
 
     assert run.path
-    return quoted(run.path.parent if run.path.name == RUN_FILE else run.path)
+    return quote_path(run.path.parent if run.path.name == RUN_FILE else run.path)
 
 
 def _finish(run: Run, *, quiet: bool) -> int:
@@ -106,8 +106,8 @@ def _finish(run: Run, *, quiet: bool) -> int:
         print("\nDrawing the report …", flush=True)
     _write_outputs(run)
     if not quiet:
-        print(f"\nFiles in the folder {shown(folder)}:")
-        print("\n".join(f"  {name:13} {about}" for name, about in outputs.FILES.items()))
+        print(f"\nFiles in the folder {display_path(folder)}:")
+        print("\n".join(f"  {name:13} {about}" for name, about in outputs.OUTPUT_FILES.items()))
         print("\nNext commands:")
         next_steps = {
             f"show {_run_path(run)}": "summary of the run, and the ancestors of the champion",
@@ -116,7 +116,7 @@ def _finish(run: Run, *, quiet: bool) -> int:
         }
         width = max(map(len, next_steps))
         print("\n".join(f"  walkerlab {words:{width}}   {about}" for words, about in next_steps.items()))
-    return INTERRUPTED if is_stopped else 0
+    return EXIT_INTERRUPTED if is_stopped else 0
 
 
 def _write_outputs(run: Run) -> None:
@@ -124,7 +124,7 @@ def _write_outputs(run: Run) -> None:
 
     assert run.path
     try:
-        outputs.write(run, run.path.parent)
+        outputs.write_outputs(run, run.path.parent)
     except OutputError as error:
         raise OutputError(
             f"The run is complete, but its output files could not be written. {error}\n"
@@ -138,9 +138,9 @@ def show(arguments: argparse.Namespace) -> int:
     from walkerlab.runfile import paths, store
     from walkerlab.view import summary
 
-    run, path = load(arguments.path), paths.locate(arguments.path)
+    run, path = load(arguments.path), paths.locate_run_file(arguments.path)
     settings, records = run.settings.model_dump(), run.records
-    print_safely(f"{shown(path)}: {run.n_generations} of {run.settings.algorithm.generations} generations")
+    print_safely(f"{display_path(path)}: {run.n_generations} of {run.settings.algorithm.generations} generations")
     run_facts, versions = store.read_facts(path)
     for title, facts in (("it has", run_facts), ("made with", versions)):
         if not facts:
@@ -168,13 +168,13 @@ def rescue(arguments: argparse.Namespace) -> int:
     from walkerlab.runfile.opening import RunFileError
     from walkerlab.runfile.paths import RUN_FILE
 
-    out = shown(folder_path(arguments.out, "--out"))
+    out = display_path(folder_path(arguments.out, "--out"))
     if (arguments.out / RUN_FILE).exists():
         raise RunFileError(f"{out} already holds a run. Choose another folder for the saved one: --out ANOTHER-FOLDER")
     run = loading.rescue(arguments.path, arguments.out / RUN_FILE)
     done, wanted = run.n_generations, run.settings.algorithm.generations
     saved = f"{done} of {wanted} intact generations are" if done else "No generation is intact; the settings are"
-    print(f"{saved} saved in {out}; {shown(arguments.path)} was not changed.")
+    print(f"{saved} saved in {out}; {display_path(arguments.path)} was not changed.")
     print(f"Resume the run: walkerlab {_resume_words(run)}")
     return 0
 

@@ -8,7 +8,7 @@ from typing import TextIO
 from walkerlab.text.html import printable
 
 # Exit codes.
-INTERRUPTED = 130  # convention of shells after Ctrl-C
+EXIT_INTERRUPTED = 130  # convention of shells after Ctrl-C
 INVALID_REQUEST = 2
 
 

@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from walkerlab.settings.settings import Settings
-from walkerlab.system.files import file_path, replacing
+from walkerlab.system.files import file_path, replace_atomically
 from walkerlab.world.assembly import ROBOT_BODY
 from walkerlab.world.heights import ground_height, slope
 from walkerlab.world.scene import Scene, compile_scene
 
-GENOME = (
+WALKER_GENOME = (
     "wl1 segments=3"
     + 3 * " | seg length=0.26 mass=2 legs length=0.42 force=14"
     + " | gait frequency=1.2"
@@ -93,7 +93,7 @@ def render_tile(settings: Settings) -> NDArray[np.uint8]:
     Returns:
         The image, shape (height, width, 3).
     """
-    scene = compile_scene(GENOME, settings, scenery=True)
+    scene = compile_scene(WALKER_GENOME, settings, scenery=True)
     model = scene.model
     data = simulate_in_world(scene)
     camera = mujoco.MjvCamera()
@@ -131,8 +131,8 @@ def draw_worlds(path: str) -> None:
     canvas.draw()
     colours = np.asarray(canvas.buffer_rgba())[:, :, :3] / 255
     image = np.rint(np.rint(colours * N_SHADES) / N_SHADES * 255).astype(np.uint8)
-    with replacing(file_path(path)) as part:
-        Image.fromarray(image).save(part, "PNG", optimize=True)
+    with replace_atomically(file_path(path)) as temporary:
+        Image.fromarray(image).save(temporary, "PNG", optimize=True)
 
 
 if __name__ == "__main__":

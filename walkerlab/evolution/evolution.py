@@ -21,7 +21,7 @@ from walkerlab.breeding import (
 from walkerlab.evolution.insertion import InsertedGenomes
 from walkerlab.evolution.interruption import save_after
 from walkerlab.evolution.rerating import Recorded, confirm_ratings, function_facts
-from walkerlab.evolution.run import Run
+from walkerlab.evolution.run import Run, RunProperties
 from walkerlab.evolution.stored_functions import check_storable
 from walkerlab.ga.genes import Floats
 from walkerlab.ga.loop import first_population, next_population
@@ -29,11 +29,10 @@ from walkerlab.ga.population import Population
 from walkerlab.ga.user_functions import OperatorError
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.repair import build_genes, repair
-from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.runfile import paths, provenance, records
 from walkerlab.runfile.archive import Archive
 from walkerlab.runfile.opening import DamagedError
-from walkerlab.runfile.records import Individual, Walked
+from walkerlab.runfile.records import EvaluationRow, Individual
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import code_text, did_you_mean
@@ -59,15 +58,15 @@ class Generation:
     @property
     def records(self) -> pd.DataFrame:
         """Copy of the rows of this generation in the tidy table."""
-        return records.copy_of(self._table)
+        return records.copy_table(self._table)
 
     @property
     def champion(self) -> Individual:
         """Fittest robot of this generation."""
-        return records.champion(self._table)
+        return records.find_champion(self._table)
 
 
-class Evolution(ReadOnlyProperties):
+class Evolution(RunProperties):
     """An evolution that yields one generation at a time; it can be stopped and continued.
 
     Iterate over it:
@@ -121,14 +120,14 @@ class Evolution(ReadOnlyProperties):
         self._on_walks = on_walks
         self._archive = Archive.create(settings.model_dump(), self._path)  # after all checks
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
-        self._population: Population[Walked] | None = None
+        self._population: Population[EvaluationRow] | None = None
         self._functions = function_facts(settings)
         self._rated_since = 0
         self._has_warned = False
         self._inserted = InsertedGenomes(settings.algorithm)
 
     @classmethod
-    def continued(
+    def continue_run(
         cls, run: Run, path: Path, settings: Settings, facts: Mapping[str, str], rerate: bool, **options: Any
     ) -> Self:
         """Return an evolution that continues a stored run after its last generation.
@@ -151,7 +150,7 @@ class Evolution(ReadOnlyProperties):
         if not table.empty:
             try:
                 evolution._population = records.last_population(table)
-                evolution._inserted.begin(evolution.n_generations)
+                evolution._inserted.set_next_generation(evolution.n_generations)
             except ValueError as error:
                 raise DamagedError(path, str(error)) from error
             if evolution.n_generations < settings.algorithm.generations:
@@ -172,16 +171,6 @@ class Evolution(ReadOnlyProperties):
         self._population, is_new = confirm_ratings(self._population, self.settings, recorded, walk_again, rerate=rerate)
         if is_new:
             self._rated_since = self.n_generations
-
-    @property
-    def settings(self) -> Settings:
-        """Settings of the run."""
-        return self._settings
-
-    @property
-    def path(self) -> Path | None:
-        """Run file, or None."""
-        return self._path
 
     @property
     def run(self) -> Run:
@@ -216,12 +205,12 @@ class Evolution(ReadOnlyProperties):
         while self.n_generations < algorithm.generations:
             try:
                 population = self._breed()
-                table = records.tabulate(population, describe_operators(algorithm))
+                table = records.tabulate_generation(population, describe_operators(algorithm))
                 records.name_fitness(table, *fitness.name_and_unit(algorithm.fitness))
                 with interrupts_held():  # so that the file and this object always agree
                     self._archive.add(table, self._functions)
                     self._population = population
-                    self._inserted.begin(population.generation + 1)
+                    self._inserted.set_next_generation(population.generation + 1)
             except Stopped:
                 raise
             except Exception as error:
@@ -231,7 +220,7 @@ class Evolution(ReadOnlyProperties):
             self._warn_once(population)
             yield Generation(population.generation, table)
 
-    def _warn_once(self, population: Population[Walked]) -> None:
+    def _warn_once(self, population: Population[EvaluationRow]) -> None:
         """Warn if selection cannot distinguish the robots of a generation, once in a run."""
         if self._has_warned:
             return
@@ -244,26 +233,26 @@ class Evolution(ReadOnlyProperties):
             self._has_warned = True
             warnings.warn(f"In generation {population.generation}, {problem}", stacklevel=2)
 
-    def _breed(self) -> Population[Walked]:
+    def _breed(self) -> Population[EvaluationRow]:
         """Return the next generation, evaluated."""
         robot = self.settings.robot
         algorithm = self.settings.algorithm
         if self._population is None:
             genomes = generate_robot_population(robot, algorithm.population_size, seed=algorithm.seed)
-            return first_population(genomes, self._walk)
-        with self._inserted.taken_for(self.n_generations) as inserted:
+            return first_population(genomes, self._evaluate_new)
+        with self._inserted.taking_for(self.n_generations) as inserted:
             return next_population(
                 self._population,
                 resolve_operators(algorithm),
                 build_genes(robot),
-                self._walk,
+                self._evaluate_new,
                 repair=partial(repair, robot=robot),
                 n_elites=algorithm.n_elites,
                 seed=algorithm.seed,
                 inserted=np.array([genome.values for genome in inserted]) if inserted else None,
             )
 
-    def _walk(self, genomes: Floats) -> list[Walked]:
+    def _evaluate_new(self, genomes: Floats) -> list[EvaluationRow]:
         """Evaluate (n, n_genes) genomes; those that the run has evaluated before, or that are equal, do not walk."""
         texts = [str(Genome(values)) for values in genomes]
         known = self._archive.find(texts)
@@ -276,7 +265,7 @@ class Evolution(ReadOnlyProperties):
                 individual = rows[error.robot_index] + (self._population.n_born if self._population else 0)
                 error.context = f"for individual {individual} of generation {self.n_generations}"
                 raise
-            known |= {text: Walked.of(one, text) for text, one in zip(new, evaluations, strict=True)}
+            known |= {text: EvaluationRow.of(one, text) for text, one in zip(new, evaluations, strict=True)}
         if len(new) < len(texts):
             self._on_walks(len(texts) - len(new))
         return [known[text] for text in texts]

@@ -19,7 +19,7 @@ class InsertedGenomes:
         self._waiting: list[Genome] = []
         self._lock = Lock()
 
-    def begin(self, generation: int) -> None:
+    def set_next_generation(self, generation: int) -> None:
         """Accept genomes, which the given generation or a later one will receive."""
         with self._lock:
             self._next_bred = generation
@@ -50,7 +50,7 @@ class InsertedGenomes:
             return self._next_bred
 
     @contextmanager
-    def taken_for(self, generation: int) -> Generator[list[Genome]]:
+    def taking_for(self, generation: int) -> Generator[list[Genome]]:
         """Yield the genomes for a generation; an error in the block puts them back."""
         with self._lock:
             taken = self._waiting[: self._n_children]

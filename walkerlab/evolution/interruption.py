@@ -7,14 +7,14 @@ from walkerlab.runfile.archive import Archive
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
-from walkerlab.system.files import shown
+from walkerlab.system.files import display_path
 
 
 def save_after(error: Exception, archive: Archive, settings: Settings, n_generations: int) -> None:
     """Make sure that a run is in a named file, and add a note to the error that says how to resume it.
 
     Args:
-        error: Error that ends the run; its attribute ``kept`` becomes the path of the file.
+        error: Error that ends the run; its attribute ``saved_path`` becomes the path of the file.
         archive: Generations of the run.
         settings: Settings of the run.
         n_generations: Number of generations that are done.
@@ -24,10 +24,10 @@ def save_after(error: Exception, archive: Archive, settings: Settings, n_generat
     except RunFileError as problem:
         error.add_note(str(problem))
         return
-    saved = f"The run is saved in {shown(path)}, with {pluralize(n_generations, 'generation')}."
+    saved = f"The run is saved in {display_path(path)}, with {pluralize(n_generations, 'generation')}."
     if not n_generations:
-        saved = f"No generation was done; the settings are saved in {shown(path)}."
-    error.kept = path  # type: ignore[attr-defined]
+        saved = f"No generation was done; the settings are saved in {display_path(path)}."
+    error.saved_path = path  # type: ignore[attr-defined]
     error.add_note(f"{saved} When the error is fixed, resume with:\n    run = {_resume_call(path, settings)}")
 
 
@@ -46,4 +46,4 @@ def interrupted_message(path: Path | None, settings: Settings) -> str:
 def _resume_call(path: Path, settings: Settings) -> str:
     """Return the Python call that resumes a run."""
     functions = "".join(f", {slot}={code}" for slot, code in user_functions(settings).items())
-    return f"wl.resume({shown(path)!r}{functions})"
+    return f"wl.resume({display_path(path)!r}{functions})"

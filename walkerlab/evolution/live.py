@@ -28,9 +28,9 @@ class State(StrEnum):
     failed = "failed"
 
 
-OVER = {State.stopped, State.finished, State.failed}
+END_STATES = {State.stopped, State.finished, State.failed}
 
-_RUNS = WeakSet["LiveRun"]()
+_live_runs = WeakSet["LiveRun"]()
 """All live runs: they share the default executor, which is shut down when none of them needs it."""
 
 
@@ -54,7 +54,7 @@ class LiveRun(ReadOnlyProperties):
         *,
         on_change: Callable[["LiveRun"], None] = lambda _: None,
     ) -> None:
-        """Check the settings; the run is paused until ``go_on`` starts it.
+        """Check the settings; the run is paused until ``resume`` starts it.
 
         Args:
             settings: Complete settings of the run.
@@ -86,7 +86,7 @@ class LiveRun(ReadOnlyProperties):
         self._thread = threading.Thread(target=self._evolve, name="walkerlab run", daemon=True)
         self._default_executor: Executor | None = None
         self._n_losses = 0
-        _RUNS.add(self)
+        _live_runs.add(self)
 
     @property
     def settings(self) -> Settings:
@@ -106,9 +106,9 @@ class LiveRun(ReadOnlyProperties):
     @property
     def is_over(self) -> bool:
         """Whether the run has ended."""
-        return self.state in OVER
+        return self.state in END_STATES
 
-    def go_on(self, generations: int | None = None) -> None:
+    def resume(self, generations: int | None = None) -> None:
         """Start or continue the run.
 
         Args:
@@ -130,11 +130,11 @@ class LiveRun(ReadOnlyProperties):
 
     def pause(self) -> None:
         """Let the current walks finish, and begin no other."""
-        self._halt(State.paused, self._pausable.pause, self._may_continue.clear)
+        self._change_state(State.paused, self._pausable.pause, self._may_continue.clear)
 
     def stop(self) -> None:
         """End the run; the generations that are done are saved, and the current one is lost."""
-        self._halt(State.stopped, self._pausable.stop, self._may_continue.set)
+        self._change_state(State.stopped, self._pausable.stop, self._may_continue.set)
 
     def close(self, timeout: float = 2.0) -> None:
         """Stop the run, wait for its thread, and shut the default executor down if no other run needs it.
@@ -145,7 +145,7 @@ class LiveRun(ReadOnlyProperties):
         self.stop()
         if self._thread.ident:
             self._thread.join(timeout)
-        if self._default_executor and all(run.is_over for run in _RUNS):
+        if self._default_executor and all(run.is_over for run in _live_runs):
             self._default_executor.shutdown(wait=False)
 
     def insert(self, genome: Genome | str) -> int:
@@ -172,7 +172,7 @@ class LiveRun(ReadOnlyProperties):
         return self._seconds + current
 
     @property
-    def pace(self) -> float | None:
+    def seconds_per_walk(self) -> float | None:
         """Seconds per walk since the first results, with all cores together; None before there are any others."""
         first_seconds, n_first = self._first_results
         n_further = self.n_done - n_first
@@ -180,11 +180,11 @@ class LiveRun(ReadOnlyProperties):
 
     @property
     def seconds_left(self) -> float | None:
-        """Estimated remaining time in seconds; None while ``pace`` is None."""
-        return None if self.pace is None else self.pace * (self.n_walks - self.n_done)
+        """Estimated remaining time in seconds; None while ``seconds_per_walk`` is None."""
+        return None if self.seconds_per_walk is None else self.seconds_per_walk * (self.n_walks - self.n_done)
 
     @property
-    def note(self) -> str:
+    def loss_note(self) -> str:
         """Message about the last worker that this run lost; "" if it lost none."""
         losses = getattr(self._default_executor, "losses", [])[self._n_losses :]
         return str(WorkerLostWarning(losses[-1])) if losses else ""
@@ -203,7 +203,7 @@ class LiveRun(ReadOnlyProperties):
             self._first_results = self.seconds, n
         self._on_change(self)
 
-    def _halt(self, state: State, *steps: Callable[[], None]) -> None:
+    def _change_state(self, state: State, *steps: Callable[[], None]) -> None:
         """Change to a state other than running, call the steps to it, and report it; do nothing if the run is over."""
         with self._lock:
             if self.is_over or self.state == state:
@@ -224,9 +224,9 @@ class LiveRun(ReadOnlyProperties):
                 self._may_continue.wait()
                 if self.is_over:
                     return
-            self._halt(State.finished)
+            self._change_state(State.finished)
         except Stopped:
             pass
         except BaseException as error:  # a user function may raise anything
             self.error = error
-            self._halt(State.failed)
+            self._change_state(State.failed)

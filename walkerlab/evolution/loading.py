@@ -8,7 +8,7 @@ from walkerlab.runfile import paths, provenance, records, store
 from walkerlab.runfile.missing_functions import remember_walks
 from walkerlab.runfile.opening import DamagedError, RunFileError
 from walkerlab.system import file_sets
-from walkerlab.system.files import shown
+from walkerlab.system.files import display_path
 
 
 def load(path: str | Path) -> Run:
@@ -22,12 +22,12 @@ def load(path: str | Path) -> Run:
     Raises:
         RunFileError: If the file does not exist, is not a run, or is damaged.
     """
-    path = paths.locate(path)
+    path = paths.locate_run_file(path)
     file_sets.restore(path.parent)
     plain, table = store.read(path)
     _, facts = store.read_facts(path)
     try:
-        records.check(table)
+        records.check_table(table)
         settings = restore_settings(plain)
         since = provenance.rated_since(facts, int(table.generation.nunique()))
     except (TypeError, KeyError, ValueError, RecursionError) as error:
@@ -52,10 +52,10 @@ def rescue(path: str | Path, to: str | Path) -> Run:
     Raises:
         RunFileError: If nothing can be saved, or the new file exists already or cannot be created.
     """
-    path, to = paths.locate(path), paths.new_path(to, "to")
+    path, to = paths.locate_run_file(path), paths.new_path(to, "to")
     store.rescue(path, to)
     try:
         return load(to)
     except DamagedError as error:  # the damage is older than the seals of the generations
         to.unlink()
-        raise RunFileError(f"nothing can be saved of {shown(path)}: {error.what}.") from error
+        raise RunFileError(f"nothing can be saved of {display_path(path)}: {error.what}.") from error

@@ -8,10 +8,10 @@ from walkerlab.simulation.export import export_mjcf
 from walkerlab.system.file_sets import replacing_files
 from walkerlab.system.files import folder_path, write_text
 from walkerlab.view import plots, report
-from walkerlab.view.plots.appearance import paper
+from walkerlab.view.plots.appearance import offscreen_axes
 from walkerlab.view.report.page import REPORT_FILE
 
-FILES = {
+OUTPUT_FILES = {
     "report.html": "start here: the report of the run, with pictures and text; a self-contained page",
     "replay.html": "the champion walking, in 3D, in any browser",
     RUN_FILE: "the complete run; walkerlab can show and resume it",
@@ -27,7 +27,7 @@ FILES = {
 
 def are_there(path: Path) -> bool:
     """Return whether all output files are beside a run file, and are up to date."""
-    names = FILES.keys() - {RUN_FILE}
+    names = OUTPUT_FILES.keys() - {RUN_FILE}
     return all((path.parent / name).exists() for name in names) and _is_current(path.parent / REPORT_FILE, path)
 
 
@@ -35,7 +35,7 @@ def _is_current(file: Path, run_file: Path) -> bool:
     return file.stat().st_mtime_ns >= run_file.stat().st_mtime_ns
 
 
-def write(run: Run, folder: Path) -> None:
+def write_outputs(run: Run, folder: Path) -> None:
     """Replace all output files of a run, without the run file.
 
     The old files stay until all new ones are written. If a part cannot be made, the others are still made, and the
@@ -54,14 +54,16 @@ def write(run: Run, folder: Path) -> None:
     best = run.champion.genome
     run_file = path if path and path.is_file() and folder.is_dir() and path.parent.samefile(folder) else None
     with replacing_files(folder, lambda file: run_file is not None and _is_current(file, run_file)) as new:
-        with new.part("fitness.svg", "fitness.png"):
+        with new.write_part("fitness.svg", "fitness.png"):
             plots.save(
-                plots.fitness_curve(run.records, paper(8, 4)), new.folder / "fitness.svg", new.folder / "fitness.png"
+                plots.fitness_curve(run.records, offscreen_axes(8, 4)),
+                new.folder / "fitness.svg",
+                new.folder / "fitness.png",
             )
-        with new.part("champion.png"):
-            plots.save(plots.stride(best, run.settings, paper(9, 3)), new.folder / "champion.png")
-        with new.part("champion.txt"):
+        with new.write_part("champion.png"):
+            plots.save(plots.stride(best, run.settings, offscreen_axes(9, 3)), new.folder / "champion.png")
+        with new.write_part("champion.txt"):
             write_text(new.folder / "champion.txt", f"{best}\n")
-        with new.part("champion.xml"):
+        with new.write_part("champion.xml"):
             export_mjcf(best, run.settings, new.folder, name="champion")
         report.write_report(new, run.settings, run.records, path, files=False)

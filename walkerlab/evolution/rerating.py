@@ -15,21 +15,21 @@ from walkerlab.ga.genes import Floats
 from walkerlab.ga.population import Population
 from walkerlab.ga.user_functions import OperatorError
 from walkerlab.runfile.opening import RunFileError
-from walkerlab.runfile.provenance import UNKNOWN, source_digest
-from walkerlab.runfile.records import Walked
+from walkerlab.runfile.provenance import UNKNOWN_SOURCE, source_digest
+from walkerlab.runfile.records import EvaluationRow
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name, number_text
 from walkerlab.simulation.evaluation import Evaluation
-from walkerlab.system.files import shown
+from walkerlab.system.files import display_path
 
-FITNESS = "fitness function"
+FITNESS_FACT = "fitness function"
 
 
 def function_facts(settings: Settings) -> dict[str, str]:
     """Return the name and source digest of each user function, to be recorded with each generation."""
     return {
         f"{slot} function": ", ".join(
-            f"{function_name(function)} (source {source_digest(function) or UNKNOWN})"
+            f"{function_name(function)} (source {source_digest(function) or UNKNOWN_SOURCE})"
             for function in slot_entries(getattr(settings.algorithm, slot))
             if callable(function)
         )
@@ -47,7 +47,7 @@ def changed_operators(then: Mapping[str, str], now: Mapping[str, str]) -> str:
     return " and ".join(
         name.removesuffix(" function")
         for name, fact in now.items()
-        if name != FITNESS and name in then and then[name] != fact
+        if name != FITNESS_FACT and name in then and then[name] != fact
     )
 
 
@@ -69,13 +69,13 @@ class Recorded:
 
 
 def confirm_ratings(
-    population: Population[Walked],
+    population: Population[EvaluationRow],
     settings: Settings,
     recorded: Recorded,
     evaluate: Callable[[Floats], Sequence[Evaluation]],
     *,
     rerate: bool,
-) -> tuple[Population[Walked], bool]:
+) -> tuple[Population[EvaluationRow], bool]:
     """Let the last generation walk again if its fitness is a user function, and compare the ratings.
 
     Args:
@@ -92,11 +92,11 @@ def confirm_ratings(
         RunFileError: If the ratings differ, or cannot be compared, and ``rerate`` is false.
         OperatorError: If the function fails on one of these walks.
     """
-    now = function_facts(settings).get(FITNESS)
-    is_same_source = recorded.facts.get(FITNESS) == now and UNKNOWN not in (now or "")
+    now = function_facts(settings).get(FITNESS_FACT)
+    is_same_source = recorded.facts.get(FITNESS_FACT) == now and UNKNOWN_SOURCE not in (now or "")
     if not rerate and (now is None or (recorded.is_elsewhere and is_same_source)):
         return population, False
-    rated = _rate(population, evaluate)
+    rated = _rerate(population, evaluate)
     counted = np.isfinite(population.fitness)
     is_comparable = bool(counted.any()) or is_same_source or not recorded.has_fitness
     if is_comparable and np.array_equal(rated.fitness, population.fitness):
@@ -106,7 +106,9 @@ def confirm_ratings(
     raise RunFileError(_difference_message(population, rated, settings, recorded))
 
 
-def _rate(population: Population[Walked], evaluate: Callable[[Floats], Sequence[Evaluation]]) -> Population[Walked]:
+def _rerate(
+    population: Population[EvaluationRow], evaluate: Callable[[Floats], Sequence[Evaluation]]
+) -> Population[EvaluationRow]:
     """Return a population with new ratings; equal genomes walk once."""
     texts = [walked.genome for walked in population.evaluations]
     rows = {text: row for row, text in enumerate(texts)}
@@ -116,16 +118,16 @@ def _rate(population: Population[Walked], evaluate: Callable[[Floats], Sequence[
         individual = population.individuals[list(rows.values())[error.robot_index]]
         error.context = f"for individual {individual} of generation {population.generation}, rated again to resume"
         raise
-    rated = {text: Walked.of(one, text) for text, one in zip(rows, evaluations, strict=True)}
+    rated = {text: EvaluationRow.of(one, text) for text, one in zip(rows, evaluations, strict=True)}
     return replace(population, evaluations=[rated[text] for text in texts])
 
 
 def _difference_message(
-    population: Population[Walked], rated: Population[Walked], settings: Settings, recorded: Recorded
+    population: Population[EvaluationRow], rated: Population[EvaluationRow], settings: Settings, recorded: Recorded
 ) -> str:
     """Describe how the ratings differ, by the fittest robot with different ones, and how to continue."""
     number = population.generation
-    path = shown(recorded.path)
+    path = display_path(recorded.path)
     differing = np.flatnonzero(rated.fitness != population.fitness)
     if differing.size:
         row = differing[np.argmax(population.fitness[differing])]

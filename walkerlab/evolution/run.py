@@ -10,20 +10,37 @@ import pandas as pd
 
 from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.runfile import records
-from walkerlab.runfile.records import Individual, copy_of
+from walkerlab.runfile.records import Individual, copy_table
 from walkerlab.settings.choices import Camera, Fitness
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import short_repr
 from walkerlab.simulation import fitness
 from walkerlab.simulation.robustness import N_NUDGES, Confirmation, confirm
-from walkerlab.system.files import shown
+from walkerlab.system.files import display_path
 from walkerlab.text.numbers import with_unit
 
 if TYPE_CHECKING:
     from walkerlab.view.replay import Replay
 
 
-class Run(ReadOnlyProperties):
+class RunProperties(ReadOnlyProperties):
+    """Base of classes with the settings and the file of a run."""
+
+    _settings: Settings
+    _path: Path | None
+
+    @property
+    def settings(self) -> Settings:
+        """Settings of the run."""
+        return self._settings
+
+    @property
+    def path(self) -> Path | None:
+        """Run file, or None."""
+        return self._path
+
+
+class Run(RunProperties):
     """The generations that an evolution has produced so far; read-only."""
 
     INSTEAD: ClassVar = {
@@ -51,17 +68,7 @@ class Run(ReadOnlyProperties):
         self._settings = settings
         self._path = path
         self._rated_since = rated_since
-        self._source = copy_of(records) if isinstance(records, pd.DataFrame) else records
-
-    @property
-    def settings(self) -> Settings:
-        """Settings of the run."""
-        return self._settings
-
-    @property
-    def path(self) -> Path | None:
-        """Run file, or None."""
-        return self._path
+        self._source = copy_table(records) if isinstance(records, pd.DataFrame) else records
 
     @property
     def rated_since(self) -> int:
@@ -71,7 +78,7 @@ class Run(ReadOnlyProperties):
     @property
     def records(self) -> pd.DataFrame:
         """Copy of the tidy table; ``.attrs`` holds the units and the name of the fitness."""
-        return copy_of(self._table)
+        return copy_table(self._table)
 
     @cached_property
     def _table(self) -> pd.DataFrame:
@@ -88,7 +95,7 @@ class Run(ReadOnlyProperties):
 
     def __repr__(self) -> str:
         """Summarise the run in a line."""
-        file = f", in {shown(self.path)}" if self.path else ""
+        file = f", in {display_path(self.path)}" if self.path else ""
         if self._table.empty:
             return f"Run(no generation is done yet{file})"
         name, unit = fitness.name_and_unit(self.settings.algorithm.fitness)
@@ -133,7 +140,7 @@ class Run(ReadOnlyProperties):
         }
         if missing := [number for number, table in tables.items() if table.empty]:
             raise ValueError(f"there is no generation {missing[0]!r}; this run has 0 to {self.n_generations - 1}")
-        best = {f"generation {number}": records.champion(table) for number, table in tables.items()}
+        best = {f"generation {number}": records.find_champion(table) for number, table in tables.items()}
         return replay(best, self.settings, camera=camera)
 
     def save_report(self, folder: str | Path) -> Path:
@@ -157,7 +164,7 @@ class Run(ReadOnlyProperties):
     @property
     def champion(self) -> Individual:
         """Fittest robot of all generations that the current fitness function has rated."""
-        return records.champion(self._table)
+        return records.find_champion(self._table)
 
     def confirm(
         self, n_nudges: int = N_NUDGES, fitness: Fitness | str | Callable[..., Any] | None = None
@@ -182,7 +189,7 @@ class Run(ReadOnlyProperties):
         Raises:
             ValueError: If the run has no such individual.
         """
-        return records.lineage(self._table, individual)
+        return records.select_lineage(self._table, individual)
 
     @property
     def n_generations(self) -> int:

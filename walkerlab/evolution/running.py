@@ -18,7 +18,7 @@ from walkerlab.runfile import paths, provenance, store
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
-from walkerlab.system.files import shown
+from walkerlab.system.files import display_path
 from walkerlab.text.numbers import format_significant
 
 
@@ -54,8 +54,8 @@ def evolve(
         TypeError: If an argument is of the wrong type, or its name is unknown.
         WorkersLostError: If the workers do not answer, or have no memory left.
 
-    Every error has a note that names the file with the run so far, ``error.kept``. A run without a file of which a
-    generation is done is saved in ``kept.walk``.
+    Every error has a note that names the file with the run so far, and its path as ``error.saved_path``. A run without
+    a file of which a generation is done is saved in ``kept.walk``.
     """
     reject_unknown_arguments("evolve", unknown)
     settings = Settings() if settings is None else require_settings(settings)
@@ -94,29 +94,29 @@ def resume(
         SettingsError: If ``generations`` is out of range.
     """
     run = restore_user_functions(load(path), functions)
-    path = paths.locate(path)
+    path = paths.locate_run_file(path)
     done = run.n_generations
     _, facts = store.read_facts(path)
     if changed := provenance.describe_differences(facts, provenance.current_facts()):
         warnings.warn(
-            f"{shown(path)} was made with {changed}. The generations that are done stay the same; later ones can "
-            "differ in the last digits from what they would have been there, and so can everything that depends on "
-            "them. The file records for each generation what it was made with.",
+            f"{display_path(path)} was made with {changed}. The generations that are done stay the same; later ones "
+            "can differ in the last digits from what they would have been there, and so can everything that depends "
+            "on them. The file records for each generation what it was made with.",
             stacklevel=2,
         )
     settings = run.settings if generations is None else run.settings.with_(generations=generations)
     if settings.algorithm.generations < done:
         raise SettingsError(
-            f"{shown(path)} has {done} generations already; generations is the total and must be {done} or more."
+            f"{display_path(path)} has {done} generations already; generations is the total and must be {done} or more."
         )
     if changed := changed_operators(facts, function_facts(settings)):
         warnings.warn(
-            f"{shown(path)} was made with another source of its {changed}. The run continues with the functions given; "
-            "its file records for each generation which source it was made with.",
+            f"{display_path(path)} was made with another source of its {changed}. The run continues with the "
+            "functions given; its file records for each generation which source it was made with.",
             stacklevel=2,
         )
     with _progress_bar(settings, progress, done=done) as bar:
-        evolution = Evolution.continued(run, path, settings, facts, rerate, executor=executor, on_walks=bar.update)
+        evolution = Evolution.continue_run(run, path, settings, facts, rerate, executor=executor, on_walks=bar.update)
         del run  # frees the memory of its table, which is in the file
         return _run_to_end(evolution, bar)
 

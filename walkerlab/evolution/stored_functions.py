@@ -17,12 +17,12 @@ from walkerlab.settings.model import MAX_JSON, STORED_MODULES, SettingsError
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name
 from walkerlab.simulation import fitness
-from walkerlab.system.files import shown
+from walkerlab.system.files import display_path
 
 _BUILT_IN = {"fitness": fitness} | {kind.__name__.lower(): module for kind, module in OPERATOR_MODULES.items()}
 """The module with walkerlab's own functions for each slot that can hold a function."""
 
-_CHOICES = {kind.__name__: kind for kind in Choice.__subclasses__() if kind.__module__ == choices.__name__}
+_CHOICE_TYPES = {kind.__name__: kind for kind in Choice.__subclasses__() if kind.__module__ == choices.__name__}
 
 _RESERVED_NAMES = {*dir(builtins), "exit", "quit", "get_ipython"}
 """Names that no function of a run may have: in code generated from a run file they would call Python itself."""
@@ -84,20 +84,20 @@ def restore_user_functions(run: Run, functions: dict[str, Any]) -> Run:
             reason = f"the run was made with {slot}={used}, and a run keeps its settings when it is resumed"
         else:
             reason = f"the slots for functions are {', '.join(recorded)}"
-        raise RunFileError(f"{shown(run.path)} cannot be resumed with {slot!r}: {reason}.")
+        raise RunFileError(f"{display_path(run.path)} cannot be resumed with {slot!r}: {reason}.")
     settings = run.settings.with_(**functions)
     wrong = [
         f"{slot}={code}"
         for slot, code in required.items()
-        if not _match(slot_entries(getattr(settings.algorithm, slot)), recorded[slot], slot)
+        if not _operators_match(slot_entries(getattr(settings.algorithm, slot)), recorded[slot], slot)
         or any(map(_is_missing, slot_entries(getattr(settings.algorithm, slot))))
     ]
     if wrong:
         arguments = ", ".join(wrong)
         raise RunFileError(
-            f"{shown(run.path)} was made with user functions ({', '.join(required)}), and a run file holds no code. To "
-            "resume the run, pass the functions under the same names; their code may be corrected. In Python: "
-            f"wl.resume({shown(run.path)!r}, {arguments}). To view the run, they are not required."
+            f"{display_path(run.path)} was made with user functions ({', '.join(required)}), and a run file holds no "
+            "code. To resume the run, pass the functions under the same names; their code may be corrected. In "
+            f"Python: wl.resume({display_path(run.path)!r}, {arguments}). To view the run, they are not required."
         )
     return Run(settings, run.records, run.path, run.rated_since)
 
@@ -118,7 +118,7 @@ def _is_user_function(operator: Any, slot: str) -> bool:
     return not isinstance(operator, Choice) and function is not built_in
 
 
-def _match(given: tuple[Any, ...], recorded: tuple[Any, ...], slot: str) -> bool:
+def _operators_match(given: tuple[Any, ...], recorded: tuple[Any, ...], slot: str) -> bool:
     """Return whether operators are those that a run file names; any function matches a lambda, which has no name."""
 
     def identity(operator: Any) -> tuple[bool, bool, str, str]:
@@ -158,11 +158,13 @@ def _restore_operators(stored: Any, slot: str) -> Any:
                     "be Python names other than those of Python's own functions"
                 )
             built_in = _BUILT_IN[slot]
-            is_built_in = module == STORED_MODULES.get(built_in.__name__, built_in.__name__) and name in _names(slot)
+            is_built_in = module == STORED_MODULES.get(
+                built_in.__name__, built_in.__name__
+            ) and name in _own_function_names(slot)
             stand_in = MissingFitness if slot == "fitness" else MissingFunction
             function = getattr(built_in, name) if is_built_in else stand_in(name, slot)
-            arguments = [binding.from_json_data(one, _CHOICES) for one in list[Any](rest.get("args", []))]
-            keywords = {name: binding.from_json_data(one, _CHOICES) for name, one in keywords.items()}
+            arguments = [binding.from_json_data(one, _CHOICE_TYPES) for one in list[Any](rest.get("args", []))]
+            keywords = {name: binding.from_json_data(one, _CHOICE_TYPES) for name, one in keywords.items()}
             return partial(function, *arguments, **keywords) if arguments or keywords else function
         case _:
             return stored
@@ -173,7 +175,7 @@ def _is_python_name(text: str) -> bool:
     return text.isidentifier() and unicodedata.normalize("NFKC", text) == text
 
 
-def _names(slot: str) -> set[str]:
+def _own_function_names(slot: str) -> set[str]:
     """Return the names of walkerlab's own functions for a slot."""
     kinds: dict[str, type[Choice]] = {kind.__name__.lower(): kind for kind in (Fitness, *OPERATOR_MODULES)}
     return set(kinds[slot].__members__)

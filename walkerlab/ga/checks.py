@@ -7,7 +7,17 @@ from typing import Any
 import numpy as np
 
 from walkerlab.ga.genes import Floats, Genes
-from walkerlab.ga.slots import CROSSOVER, MUTATION, SELECTION, Cross, Mutate, Select, run_cross, run_mutate, run_select
+from walkerlab.ga.slots import (
+    CROSSOVER_SLOT,
+    MUTATION_SLOT,
+    SELECTION_SLOT,
+    Cross,
+    Mutate,
+    Select,
+    run_cross,
+    run_mutate,
+    run_select,
+)
 from walkerlab.ga.user_functions import CHECK_TIME_LIMIT, OperatorError, Slot, name_of
 from walkerlab.randomness import random_stream
 
@@ -29,7 +39,7 @@ def check_select(select: Select) -> None:
     """
     for fitness in (MIXED_FITNESS, EQUAL_FITNESS):
         for n_parents in (TRIAL_SIZE - 2, 10 * TRIAL_SIZE):  # more parents than individuals, as if few of them count
-            _check_operator(SELECTION, select, run_select, fitness, n_parents)
+            _check_operator(SELECTION_SLOT, select, run_select, fitness, n_parents)
 
 
 def check_cross(cross: Cross, genes: Genes) -> None:
@@ -44,7 +54,7 @@ def check_cross(cross: Cross, genes: Genes) -> None:
     """
     for fitness in (MIXED_FITNESS, EQUAL_FITNESS):
         for n_children in (TRIAL_SIZE, TRIAL_SIZE - 1):
-            _check_operator(CROSSOVER, cross, run_cross, _trial_genomes(genes), fitness, n_children, genes=genes)
+            _check_operator(CROSSOVER_SLOT, cross, run_cross, _trial_genomes(genes), fitness, n_children, genes=genes)
 
 
 def check_mutate(mutate: Mutate, genes: Genes) -> None:
@@ -57,7 +67,7 @@ def check_mutate(mutate: Mutate, genes: Genes) -> None:
     Raises:
         OperatorError: If it does not; the message names it, what is expected, what it did, and how to fix it.
     """
-    _check_operator(MUTATION, mutate, run_mutate, _trial_genomes(genes), genes)
+    _check_operator(MUTATION_SLOT, mutate, run_mutate, _trial_genomes(genes), genes)
 
 
 def _trial_genomes(genes: Genes) -> Floats:
@@ -98,7 +108,7 @@ def _check_operator(
                 f"{slot.repeatability_advice} Do not store anything between calls.",
             )
     except OperatorError as error:
-        fitness = "" if slot is MUTATION else " with negative and equal fitness"
+        fitness = "" if slot is MUTATION_SLOT else " with negative and equal fitness"
         error.context = f"when tried on a trial population of {TRIAL_SIZE} individuals{fitness}"
         raise
 

@@ -49,11 +49,11 @@ def paired(
     Returns:
         Children with (n_children, 2) parents; the first is the one that gave the front.
     """
-    couples = _couples(len(parents), n_children)
+    couples = _pair_parents(len(parents), n_children)
     if genes is None or not genes.n_parts:
         n_genes = parents.shape[1]
         front = np.arange(n_genes, dtype=np.intp) < n_genes / 2
-        return _children_of_couples(_exchange(parents[couples], front), couples, n_children)
+        return _children_of_couples(_exchange_genes(parents[couples], front), couples, n_children)
     genomes = np.stack([_exchange_grown_halves(couple, genes) for couple in parents[couples]])
     return _children_of_couples(genomes, couples, n_children)
 
@@ -126,11 +126,11 @@ def one_point(parents: Floats, fitness: Floats, n_children: int, *, rng: Generat
     Returns:
         Children with (n_children, 2) parents; the first is the one that gave the front.
     """
-    couples = _couples(len(parents), n_children)
+    couples = _pair_parents(len(parents), n_children)
     n_genes = parents.shape[1]
     cuts = rng.integers(1, max(n_genes, 2), size=(len(couples), 1))
     front = np.arange(n_genes, dtype=np.intp) < cuts
-    return _children_of_couples(_exchange(parents[couples], front), couples, n_children)
+    return _children_of_couples(_exchange_genes(parents[couples], front), couples, n_children)
 
 
 def uniform(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator) -> Children:
@@ -145,9 +145,9 @@ def uniform(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator
     Returns:
         Children with (n_children, 2) parents.
     """
-    couples = _couples(len(parents), n_children)
+    couples = _pair_parents(len(parents), n_children)
     from_mother = rng.random((len(couples), parents.shape[1])) < 1 / 2
-    return _children_of_couples(_exchange(parents[couples], from_mother), couples, n_children)
+    return _children_of_couples(_exchange_genes(parents[couples], from_mother), couples, n_children)
 
 
 def none(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator) -> Children:
@@ -166,7 +166,7 @@ def none(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator) -
     return Children(parents[copied], copied[:, None])
 
 
-def _couples(n_parents: int, n_children: int) -> Indices:
+def _pair_parents(n_parents: int, n_children: int) -> Indices:
     """Return mother and father of every two children, shape (n_couples, 2): 0 and 1, 2 and 3, and so on, cycling."""
     n_couples = -(-n_children // 2)
     return np.arange(2 * n_couples).reshape(n_couples, 2) % n_parents
@@ -178,7 +178,7 @@ def _children_of_couples(genomes: Floats, couples: Indices, n_children: int) -> 
     return Children(genomes.reshape(-1, genomes.shape[-1])[:n_children], parents.reshape(-1, 2)[:n_children])
 
 
-def _exchange(couples: Floats, from_mother: NDArray[np.bool_]) -> Floats:
+def _exchange_genes(couples: Floats, from_mother: NDArray[np.bool_]) -> Floats:
     """Return two children of each couple: one with the mother's genes where ``from_mother``, one with the others."""
     mothers = couples[:, 0]
     fathers = couples[:, 1]

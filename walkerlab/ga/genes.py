@@ -11,7 +11,7 @@ from walkerlab.readonly import ReadOnlyArrays
 
 Floats: TypeAlias = NDArray[np.float64]
 Indices: TypeAlias = NDArray[np.intp]
-Kind = Literal["real", "count", "cyclic"]
+GeneKind = Literal["real", "count", "cyclic"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class Genes(ReadOnlyArrays):
 
     names: tuple[str, ...]
     units: tuple[str, ...]
-    kinds: tuple[Kind, ...]
+    kinds: tuple[GeneKind, ...]
     meanings: tuple[str, ...]
     low: Floats
     high: Floats
@@ -51,7 +51,7 @@ class Genes(ReadOnlyArrays):
         """Check that the columns have the same length and the parts the same size; make the arrays read-only."""
         columns = (self.names, self.units, self.kinds, self.meanings, self.low, self.high)
         assert len({len(column) for column in columns}) == 1, "the columns of a gene table differ in length"
-        assert set(self.kinds) <= set(get_args(Kind))
+        assert set(self.kinds) <= set(get_args(GeneKind))
         assert np.all(self.low <= self.high)
         if self.n_parts:
             assert (len(self) - self.n_whole) % self.n_parts == 0
@@ -71,7 +71,7 @@ class Genes(ReadOnlyArrays):
         """Whether each gene is cyclic, such as an angle, shape (n_genes,)."""
         return self._of_kind("cyclic")
 
-    def _of_kind(self, wanted: Kind) -> NDArray[np.bool_]:
+    def _of_kind(self, wanted: GeneKind) -> NDArray[np.bool_]:
         mask = np.array([kind == wanted for kind in self.kinds])
         mask.setflags(write=False)
         return mask

@@ -6,10 +6,10 @@ import numpy as np
 
 from walkerlab.ga.genes import Floats, Genes
 from walkerlab.ga.operators import Operators, cross_in_turn, mutate_in_turn, select_in_turn
-from walkerlab.ga.population import NOT_COUNTED, Evaluation, Population, fitness_for_comparison
+from walkerlab.ga.population import NOT_COUNTED, EvaluationT, Population, fitness_for_comparison
 
 
-def first_population(genomes: Floats, evaluate: Callable[[Floats], Sequence[Evaluation]]) -> Population[Evaluation]:
+def first_population(genomes: Floats, evaluate: Callable[[Floats], Sequence[EvaluationT]]) -> Population[EvaluationT]:
     """Evaluate generation 0.
 
     Args:
@@ -35,16 +35,16 @@ def first_population(genomes: Floats, evaluate: Callable[[Floats], Sequence[Eval
 
 
 def next_population(
-    population: Population[Evaluation],
+    population: Population[EvaluationT],
     operators: Operators,
     genes: Genes,
-    evaluate: Callable[[Floats], Sequence[Evaluation]],
+    evaluate: Callable[[Floats], Sequence[EvaluationT]],
     *,
     repair: Callable[[Floats], Floats],
     n_elites: int,
     seed: int,
     inserted: Floats | None = None,
-) -> Population[Evaluation]:
+) -> Population[EvaluationT]:
     """Breed and evaluate the next generation, of the same size.
 
     Args:
@@ -111,7 +111,7 @@ def next_population(
     )
 
 
-def _evaluate_all(evaluate: Callable[[Floats], Sequence[Evaluation]], genomes: Floats) -> Sequence[Evaluation]:
+def _evaluate_all(evaluate: Callable[[Floats], Sequence[EvaluationT]], genomes: Floats) -> Sequence[EvaluationT]:
     """Evaluate a copy of the genomes, which ``evaluate`` may modify.
 
     Raises:

@@ -40,7 +40,7 @@ def randomized(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: floa
     Raises:
         ValueError: If ``rate`` is outside 0 to 1.
     """
-    return _change(genomes, genes, _relative_step(genomes, genes, scale, rng), rate=rate, rng=rng)
+    return _apply_steps(genomes, genes, _relative_step(genomes, genes, scale, rng), rate=rate, rng=rng)
 
 
 def favored(
@@ -70,7 +70,7 @@ def favored(
     """
     rates = np.full(len(genes), rate)
     rates[genes.find(favored)] = min(1.0, FAVORED_RATE_FACTOR * rate)
-    return _change(genomes, genes, _relative_step(genomes, genes, scale, rng), rate=rates, rng=rng)
+    return _apply_steps(genomes, genes, _relative_step(genomes, genes, scale, rng), rate=rates, rng=rng)
 
 
 def micro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0.2, rng: Generator) -> Floats:
@@ -90,7 +90,9 @@ def micro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0
         ValueError: If ``rate`` is outside 0 to 1.
     """
     rates = np.where(genes.is_count, 0.0, rate)
-    return _change(genomes, genes, _relative_step(genomes, genes, MICRO_STEP_FACTOR * scale, rng), rate=rates, rng=rng)
+    return _apply_steps(
+        genomes, genes, _relative_step(genomes, genes, MICRO_STEP_FACTOR * scale, rng), rate=rates, rng=rng
+    )
 
 
 def macro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0.2, rng: Generator) -> Floats:
@@ -116,7 +118,7 @@ def macro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0
     """
     extra = genes.is_count.astype(float)  # half a step at each end makes all whole numbers equally probable
     drawn = genes.low - extra / 2 + (genes.high - genes.low + extra) * rng.random(genomes.shape)
-    changed = _change(genomes, genes, drawn - genomes, rate=rate, rng=rng)
+    changed = _apply_steps(genomes, genes, drawn - genomes, rate=rate, rng=rng)
     for i in np.flatnonzero(rng.random(len(genomes)) < PART_RATE_FACTOR * rate):
         changed[i] = _duplicate_or_drop_part(changed[i], genes, rng)
     return changed
@@ -139,7 +141,7 @@ def gaussian(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float 
         ValueError: If ``rate`` is outside 0 to 1.
     """
     step = scale * (genes.high - genes.low) * rng.standard_normal(genomes.shape)
-    return _change(genomes, genes, step, rate=rate, rng=rng)
+    return _apply_steps(genomes, genes, step, rate=rate, rng=rng)
 
 
 def _relative_step(genomes: Floats, genes: Genes, scale: float, rng: Generator) -> Floats:
@@ -147,7 +149,7 @@ def _relative_step(genomes: Floats, genes: Genes, scale: float, rng: Generator) 
     return scale * reference * rng.standard_normal(genomes.shape)
 
 
-def _change(genomes: Floats, genes: Genes, step: Floats, *, rate: float | Floats, rng: Generator) -> Floats:
+def _apply_steps(genomes: Floats, genes: Genes, step: Floats, *, rate: float | Floats, rng: Generator) -> Floats:
     """Add each gene's step with the probability ``rate``, and bring the result into its range."""
     if not np.all((np.asarray(rate) >= 0) & (np.asarray(rate) <= 1)):
         raise ValueError(f"rate is {np.max(rate)}; it must be 0 to 1. It is the probability of each gene to change.")

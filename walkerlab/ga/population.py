@@ -23,7 +23,7 @@ class Evaluated(Protocol):
         ...
 
 
-Evaluation = TypeVar("Evaluation", bound=Evaluated)
+EvaluationT = TypeVar("EvaluationT", bound=Evaluated)
 
 
 def fitness_for_comparison(fitness: Floats) -> Floats:
@@ -32,7 +32,7 @@ def fitness_for_comparison(fitness: Floats) -> Floats:
 
 
 @dataclass(frozen=True, eq=False)
-class Population(ReadOnlyArrays, Generic[Evaluation]):
+class Population(ReadOnlyArrays, Generic[EvaluationT]):
     """One generation, with a row for each individual.
 
     Attributes:
@@ -51,7 +51,7 @@ class Population(ReadOnlyArrays, Generic[Evaluation]):
     individuals: Indices
     born: Indices
     parents: tuple[tuple[int, ...], ...]
-    evaluations: Sequence[Evaluation]
+    evaluations: Sequence[EvaluationT]
     n_born: int
 
     def __post_init__(self) -> None:

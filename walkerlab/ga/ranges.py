@@ -18,7 +18,7 @@ def wrap(values: Floats, low: Floats, high: Floats) -> Floats:
     Returns:
         Wrapped values, shape (n, n_genes).
     """
-    wrapped = low + np.mod(values - low, _width(low, high))
+    wrapped = low + np.mod(values - low, _range_width(low, high))
     inside = np.where(wrapped < high, wrapped, low)  # rounding may give high, which is equivalent to low
     return np.where((values >= low) & (values < high), values, inside)
 
@@ -36,11 +36,11 @@ def reflect(values: Floats, low: Floats, high: Floats) -> Floats:
     Returns:
         Reflected values, shape (n, n_genes).
     """
-    period = 2 * _width(low, high)
+    period = 2 * _range_width(low, high)
     offset = np.mod(values - low, period)
     inside = np.clip(low + np.minimum(offset, period - offset), low, high)
     return np.where((values >= low) & (values <= high), values, inside)
 
 
-def _width(low: Floats, high: Floats) -> Floats:
+def _range_width(low: Floats, high: Floats) -> Floats:
     return np.where(high > low, high - low, 1.0)  # 1 for an empty range: any divisor other than 0

@@ -63,7 +63,7 @@ def gradient_probabilities(fitness: Floats) -> Floats:
     return weights / weights.sum()
 
 
-def pressure(probabilities: Floats) -> float:
+def selection_pressure(probabilities: Floats) -> float:
     """Return the selection pressure: the highest of (n,) probabilities over their median; 1 if all are equal."""
     return float(np.max(probabilities) / np.median(probabilities))
 

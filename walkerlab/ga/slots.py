@@ -24,9 +24,9 @@ Mutate: TypeAlias = Callable[..., Floats]
 """``mutate(genomes, genes, *, rng)`` -> genomes, shape (n, n_genes)."""
 
 
-SELECTION = Slot("selection", "select(fitness, n_parents, *, rng)", "fitness = fitness.copy()")
-CROSSOVER = Slot("crossover", "cross(parents, fitness, n_children, *, rng)", "parents = parents.copy()")
-MUTATION = Slot("mutation", "mutate(genomes, genes, *, rng)", "genomes = genomes.copy()")
+SELECTION_SLOT = Slot("selection", "select(fitness, n_parents, *, rng)", "fitness = fitness.copy()")
+CROSSOVER_SLOT = Slot("crossover", "cross(parents, fitness, n_children, *, rng)", "parents = parents.copy()")
+MUTATION_SLOT = Slot("mutation", "mutate(genomes, genes, *, rng)", "genomes = genomes.copy()")
 
 
 def run_select(
@@ -47,12 +47,12 @@ def run_select(
     Raises:
         OperatorError: If the operator returns anything else, or breaks another rule of operators.
     """
-    label = SELECTION.label(select)
+    label = SELECTION_SLOT.label(select)
 
     def call() -> object:
         return select(_read_only_copy(fitness), n_parents, rng=deepcopy(rng))
 
-    result = call_in_slot(SELECTION, select, call, time_limit)
+    result = call_in_slot(SELECTION_SLOT, select, call, time_limit)
     selected = _as_array(result)
     if selected.shape != (n_parents,):
         raise OperatorError(
@@ -91,12 +91,12 @@ def run_cross(
         OperatorError: If the operator returns anything else, or breaks another rule of operators.
     """
     keywords = {"genes": genes} if accepts_genes(cross) else {}
-    label = CROSSOVER.label(cross)
+    label = CROSSOVER_SLOT.label(cross)
 
     def call() -> object:
         return cross(_read_only_copy(parents), _read_only_copy(fitness), n_children, rng=deepcopy(rng), **keywords)
 
-    children, parents_of_each = _check_pair(call_in_slot(CROSSOVER, cross, call, time_limit), label)
+    children, parents_of_each = _check_pair(call_in_slot(CROSSOVER_SLOT, cross, call, time_limit), label)
     genomes = _check_genomes(children, label, (n_children, parents.shape[1]), "(n_children, n_genes)")
     indices = _as_array(parents_of_each)
     if indices.ndim != 2 or len(indices) != n_children or not indices.size:
@@ -130,8 +130,8 @@ def run_mutate(
     def call() -> object:
         return mutate(_read_only_copy(genomes), genes, rng=deepcopy(rng))
 
-    result = call_in_slot(MUTATION, mutate, call, time_limit)
-    return _check_genomes(result, MUTATION.label(mutate), genomes.shape, "(n, n_genes)")
+    result = call_in_slot(MUTATION_SLOT, mutate, call, time_limit)
+    return _check_genomes(result, MUTATION_SLOT.label(mutate), genomes.shape, "(n, n_genes)")
 
 
 def accepts_genes(cross: Cross) -> bool:

@@ -85,7 +85,7 @@ class Slot:
 
 def name_of(operator: Callable[..., object]) -> str:
     """Return the name of a function, also if ``functools.partial`` has bound its parameters."""
-    function = _unbound(operator)
+    function = _unwrap_partial(operator)
     return getattr(function, "__name__", type(function).__name__)
 
 
@@ -189,18 +189,18 @@ def _shared_random_states() -> dict[str, object]:
 
 def _is_ours(function: Callable[..., object]) -> bool:
     """Return whether a function is defined in walkerlab."""
-    namespace: dict[str, object] = getattr(_unbound(function), "__globals__", {})
+    namespace: dict[str, object] = getattr(_unwrap_partial(function), "__globals__", {})
     return str(namespace.get("__name__")).partition(".")[0] == __name__.partition(".")[0]
 
 
 def _line_of(error: BaseException, function: Callable[..., object]) -> str:
     """Return the line of a function in which an error was raised, for a message, counted as in its file or cell."""
-    code = getattr(inspect.unwrap(_unbound(function)), "__code__", None)
+    code = getattr(inspect.unwrap(_unwrap_partial(function)), "__code__", None)
     lines = [line for frame, line in traceback.walk_tb(error.__traceback__) if frame.f_code is code]
     return f" (line {lines[-1]})" if lines else ""
 
 
-def _unbound(function: Callable[..., object]) -> Callable[..., object]:
+def _unwrap_partial(function: Callable[..., object]) -> Callable[..., object]:
     """Return the function inside ``functools.partial`` objects."""
     while isinstance(function, partial):
         function = function.func

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
-from walkerlab.ga.genes import Floats, Genes, Kind
+from walkerlab.ga.genes import Floats, GeneKind, Genes
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.robot import Robot
 
@@ -27,7 +27,7 @@ SUM_TOLERANCE = 1e-10  # relative to the maximum of the sum
 GRID_TOLERANCE = 1e-6  # steps of the grid
 
 
-def _feature_ranges(robot: Robot) -> dict[Feature, tuple[float, float, str, Kind]]:
+def _feature_ranges(robot: Robot) -> dict[Feature, tuple[float, float, str, GeneKind]]:
     """Return low, high, unit and kind of every feature."""
     shortest, longest = robot.segment_length
     angle = "rad"

@@ -15,13 +15,13 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from walkerlab.runfile import store
-from walkerlab.runfile.records import Walked, copy_of, join
+from walkerlab.runfile.records import EvaluationRow, concatenate_tables, copy_table
 
 
 class Archive:
     """Generations of a run that is being evolved."""
 
-    def __init__(self, file: store.File, run_id: str) -> None:
+    def __init__(self, file: store.RunFile, run_id: str) -> None:
         """Use a run file, without an index of its generations.
 
         Args:
@@ -31,7 +31,7 @@ class Archive:
         self._file = file
         self._run_id = run_id
         self._index: list[NDArray[np.int64]] = []  # (3, n) each: hash (ascending), generation of birth, individual
-        self._table = join([])
+        self._table = concatenate_tables([])
         self._lock = Lock()
 
     @classmethod
@@ -103,11 +103,11 @@ class Archive:
             n_read = 0 if self._table.empty else int(self._table.generation.iloc[-1]) + 1
             if n_read < n_generations:
                 new = store.read_generations(self._file, self._run_id, n_read, n_generations)
-                self._table = join([self._table, new])
+                self._table = concatenate_tables([self._table, new])
             end = int(self._table.generation.searchsorted(n_generations))
-            return copy_of(self._table.iloc[:end])
+            return copy_table(self._table.iloc[:end])
 
-    def find(self, genomes: Collection[str]) -> dict[str, Walked]:
+    def find(self, genomes: Collection[str]) -> dict[str, EvaluationRow]:
         """Return the stored evaluations of genomes, by their texts; those without one are left out.
 
         Args:
@@ -119,20 +119,20 @@ class Archive:
             found = block.take(block[0].searchsorted(hashes), axis=1, mode="clip")
             births += found[1:, found[0] == hashes].T.tolist()
         with self._lock:
-            rows = store.read_births(self._file, self._run_id, Walked._fields, births) if births else []
+            rows = store.read_births(self._file, self._run_id, EvaluationRow._fields, births) if births else []
         # Another genome may have the same hash; its row is then returned under its own text.
-        return {walked.genome: walked for walked in map(Walked._make, rows)}
+        return {walked.genome: walked for walked in map(EvaluationRow._make, rows)}
 
     def _add_to_index(self, table: pd.DataFrame) -> None:
         """Index the individuals born in these generations; blocks of similar size are merged, so that few remain."""
         born = table.loc[table.born == table.generation, ["genome", "generation", "individual"]]
         if born.empty:
             return
-        self._index.append(_sorted(np.array([list(map(hash, born.genome)), born.generation, born.individual])))
+        self._index.append(_sort_by_hash(np.array([list(map(hash, born.genome)), born.generation, born.individual])))
         while len(self._index) > 1 and self._index[-1].size >= self._index[-2].size:
-            self._index[-2:] = [_sorted(np.concatenate(self._index[-2:], axis=1))]
+            self._index[-2:] = [_sort_by_hash(np.concatenate(self._index[-2:], axis=1))]
 
 
-def _sorted(block: NDArray[np.int64]) -> NDArray[np.int64]:
+def _sort_by_hash(block: NDArray[np.int64]) -> NDArray[np.int64]:
     """Sort the columns of a (3, n) block by hash."""
     return block[:, block[0].argsort(kind="stable")]

@@ -67,7 +67,7 @@ class MissingFitness(MissingFunction):
             settings: Settings of the walks.
         """
         rows = self.table[self.table.genome == str(genome)] if self.table is not None else ()
-        if not len(rows) or self.conditions != _conditions(settings):
+        if not len(rows) or self.conditions != _walk_conditions(settings):
             return min(rollouts, key=lambda rollout: rollout.distance if rollout.counts else -np.inf)
         row: Any = rows.iloc[0]  # type: ignore[union-attr]
         verdict_of_walk = "ok" if row.verdict == REJECTED else row.verdict
@@ -86,10 +86,10 @@ def remember_walks(settings: Settings, table: pd.DataFrame) -> None:
     function = fitness.func if isinstance(fitness, partial) else fitness
     if isinstance(function, MissingFitness):
         function.table = table
-        function.conditions = _conditions(settings)
+        function.conditions = _walk_conditions(settings)
 
 
-def _conditions(settings: Settings) -> object:
+def _walk_conditions(settings: Settings) -> object:
     """Return all settings that a walk depends on."""
     return settings.terrain, settings.robot, settings.simulation.model_copy(update={"camera": Camera.side})
 

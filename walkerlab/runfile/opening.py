@@ -12,8 +12,8 @@ from uuid import uuid4
 
 from walkerlab.errors import WalkerlabError
 from walkerlab.runfile import schema
-from walkerlab.runfile.schema import LAYOUT, LayoutError
-from walkerlab.system.files import quoted, shown
+from walkerlab.runfile.schema import LAYOUT_VERSION, LayoutError
+from walkerlab.system.files import display_path, quote_path
 
 PAGE_SIZE = 8192  # bytes; rows of nearly a kilobyte waste less of it than of SQLite's default, 4096
 LOCK_TIMEOUT = 60  # s to wait while another program reads or writes the file
@@ -22,7 +22,7 @@ MAX_STEPS = 5_000_000  # of SQLite's virtual machine for a transaction, in addit
 STEPS_PER_CHECK = 1000  # steps between two checks of MAX_STEPS
 MAX_FREE_PAGES = 9  # of an earlier layout; no run leaves as many
 
-File: TypeAlias = Path | sqlite3.Connection
+RunFile: TypeAlias = Path | sqlite3.Connection
 """Path of a run file, or the connection to a temporary one, which has no path."""
 
 
@@ -33,17 +33,17 @@ class RunFileError(WalkerlabError, ValueError):
 class DamagedError(RunFileError):
     """The contents of a run file are not as they were written."""
 
-    def __init__(self, file: File | str, what: str) -> None:
+    def __init__(self, file: RunFile | str, what: str) -> None:
         """Compose the message, which says how to save the undamaged part.
 
         Args:
             file: Damaged file.
             what: Description of the damage.
         """
-        name = shown(file)
+        name = display_path(file)
         super().__init__(
             f"{name} is damaged: {what}. The generations before the damage can be saved as a new run: "
-            f'walkerlab rescue {quoted(file)}, or in Python wl.rescue({name!r}, "rescued.walk").'
+            f'walkerlab rescue {quote_path(file)}, or in Python wl.rescue({name!r}, "rescued.walk").'
         )
         self.what = what
 
@@ -101,7 +101,7 @@ def _errors_explained(path: Path) -> Generator[None]:
         if error.filename and Path(error.filename) in path.parents:
             raise RunFileError(_cannot_create(path, f"{error.filename} is not a folder")) from error
         raise RunFileError(
-            f"{shown(path)} exists already, and a run is never overwritten. "
+            f"{display_path(path)} exists already, and a run is never overwritten. "
             "Resume it, or give the new run another name or folder."
         ) from error
     except OSError as error:
@@ -116,7 +116,7 @@ def _cannot_create(path: Path, reason: str | None) -> str:
 
 @contextmanager
 def open_run(
-    file: File, mode: Literal["create", "read", "check", "rescue", "write"] = "read", name: Path | None = None
+    file: RunFile, mode: Literal["create", "read", "check", "rescue", "write"] = "read", name: Path | None = None
 ) -> Generator[sqlite3.Connection, None, None]:
     """Open a run file for one transaction; a file of an earlier layout is read from an upgraded copy in memory.
 
@@ -131,38 +131,38 @@ def open_run(
         DamagedError: If its contents are not as they were written.
     """
     if isinstance(file, Path) and mode != "create" and not file.is_file():
-        raise RunFileError(f"there is no run file at {shown(file)}")
+        raise RunFileError(f"there is no run file at {display_path(file)}")
     db = file
     try:
-        db = connect(file) if isinstance(file, Path) else file
+        db = open_database(file) if isinstance(file, Path) else file
         if mode == "create":
             db.execute("PRAGMA journal_mode = MEMORY")  # an incomplete draft is deleted, and never repaired
             db.set_progress_handler(None, 0)  # no limit, since all contents are our own
         db.execute(f"PRAGMA page_size = {PAGE_SIZE}")  # has an effect on a new file only
         db.execute(f"PRAGMA writable_schema = {mode == 'rescue'}")  # without it SQLite rejects a truncated file
-        layout = LAYOUT if mode == "create" else schema.read_layout(db)
+        layout = LAYOUT_VERSION if mode == "create" else schema.read_layout(db)
         if mode == "write":
             db.execute("PRAGMA journal_mode = DELETE")  # another program may have set a mode with several files
-        if (mode == "check" or layout < LAYOUT) and db.execute("PRAGMA quick_check(1)").fetchone() != ("ok",):
+        if (mode == "check" or layout < LAYOUT_VERSION) and db.execute("PRAGMA quick_check(1)").fetchone() != ("ok",):
             raise DamagedError(file, "its pages are inconsistent")
-        if layout < LAYOUT and mode != "write":
+        if layout < LAYOUT_VERSION and mode != "write":
             if db.execute("PRAGMA freelist_count").fetchone()[0] > MAX_FREE_PAGES:
                 raise DamagedError(file, "most of it is empty")
             original = db
-            db = connect(":memory:", n_bytes=file.stat().st_size if isinstance(file, Path) else 0)
+            db = open_database(":memory:", n_bytes=file.stat().st_size if isinstance(file, Path) else 0)
             with closing(original):
                 original.backup(db)
         db.execute("BEGIN")
         try:
-            if layout < LAYOUT:
-                schema.upgrade(db, layout)
+            if layout < LAYOUT_VERSION:
+                schema.upgrade_file(db, layout)
             yield db
             if mode in ("create", "write"):
                 db.commit()
         finally:
             db.rollback()  # has no effect after a commit
     except LayoutError as error:
-        raise RunFileError(f"{shown(file)} {error}.") from error
+        raise RunFileError(f"{display_path(file)} {error}.") from error
     except sqlite3.Error as error:
         code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF  # text that is not UTF-8 has no code
         if code in (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_TOOBIG):
@@ -170,13 +170,15 @@ def open_run(
         if code == sqlite3.SQLITE_INTERRUPT:
             raise DamagedError(name or file, "reading it takes far longer than its size allows") from error
         unchanged = " Its contents have not changed." if mode == "write" else ""
-        raise RunFileError(f"{shown(name or file)} cannot be used: {_FIXES.get(code, error)}.{unchanged}") from error
+        raise RunFileError(
+            f"{display_path(name or file)} cannot be used: {_SQLITE_ADVICE.get(code, error)}.{unchanged}"
+        ) from error
     finally:
         if isinstance(db, sqlite3.Connection) and db is not file:
             db.close()
 
 
-def connect(file: Path | str, n_bytes: int = 0) -> sqlite3.Connection:
+def open_database(file: Path | str, n_bytes: int = 0) -> sqlite3.Connection:
     """Open a SQLite file with the limits for an untrusted file.
 
     Args:
@@ -192,7 +194,7 @@ def connect(file: Path | str, n_bytes: int = 0) -> sqlite3.Connection:
     return db
 
 
-_FIXES = {
+_SQLITE_ADVICE = {
     sqlite3.SQLITE_FULL: "the disk is full. Free some space",
     sqlite3.SQLITE_READONLY: "the file or its folder cannot be written to. Copy it into a folder that you can write to",
     sqlite3.SQLITE_CANTOPEN: "the file or its folder cannot be opened. Copy it into a folder that you can write to",

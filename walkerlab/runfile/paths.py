@@ -4,13 +4,13 @@ import os
 from pathlib import Path
 
 from walkerlab.runfile.opening import RunFileError
-from walkerlab.system.files import PathError, absolute_path, file_path, shown
+from walkerlab.system.files import PathError, absolute_path, display_path, file_path
 
 RUN_FILE = "run.walk"  # name of the run file in the folder of a run
 MAX_NAMED = 9  # files that a message names
 
 
-def locate(path: str | Path) -> Path:
+def locate_run_file(path: str | Path) -> Path:
     """Return the absolute path of a run file.
 
     Args:
@@ -29,10 +29,11 @@ def locate(path: str | Path) -> Path:
     if len(found) == 1 or path / RUN_FILE in found:
         return found[0] if len(found) == 1 else path / RUN_FILE
     if not found:
-        raise RunFileError(f"the folder {shown(path)} has no run file in it: no file ends in .walk")
+        raise RunFileError(f"the folder {display_path(path)} has no run file in it: no file ends in .walk")
     names = ", ".join(file.name for file in found[:MAX_NAMED]) + (" …" if len(found) > MAX_NAMED else "")
     raise RunFileError(
-        f"the folder {shown(path)} has {len(found)} run files in it: {names}. Name one of them: {shown(found[0])!r}"
+        f"the folder {display_path(path)} has {len(found)} run files in it: {names}. Name one of them: "
+        f"{display_path(found[0])!r}"
     )
 
 
@@ -51,5 +52,5 @@ def new_path(path: str | Path, name: str = "path") -> Path:
         return file_path(path, name)
     except PathError as error:
         folder = os.path.expanduser(path)
-        example = f" For example: {shown(Path(folder, RUN_FILE).absolute())!r}." if os.path.isdir(folder) else ""
+        example = f" For example: {display_path(Path(folder, RUN_FILE).absolute())!r}." if os.path.isdir(folder) else ""
         raise RunFileError(f"no run file can be created: {error}{example}") from error

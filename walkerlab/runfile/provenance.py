@@ -18,8 +18,8 @@ from walkerlab.text.html import printable
 DIGEST_DIGITS = 16
 MAX_DEPTH = 8  # of functions within functions
 RATED_SINCE = "fitness rated since generation"
-UNKNOWN = "unknown"  # in place of a digest
-PACKAGES = ("walkerlab", "mujoco", "dm-control", "numpy")
+UNKNOWN_SOURCE = "unknown"  # in place of a digest
+RECORDED_PACKAGES = ("walkerlab", "mujoco", "dm-control", "numpy")
 
 
 @cache
@@ -29,7 +29,7 @@ def current_facts() -> Mapping[str, str]:
 
     features = np.show_config(mode="dicts")["SIMD Extensions"]  # type: ignore[index]
     return {
-        **{name: version(name) for name in PACKAGES},
+        **{name: version(name) for name in RECORDED_PACKAGES},
         "python": platform.python_version(),
         "system": platform.system(),
         "libc": " ".join(platform.libc_ver()).strip(),
@@ -76,12 +76,12 @@ def source_digest(function: Callable[..., Any]) -> str | None:
         Hexadecimal digits, or None if there is no source, or a value cannot be written as JSON.
     """
     try:
-        return sha256(json.dumps(_described(function)).encode(errors="replace")).hexdigest()[:DIGEST_DIGITS]
+        return sha256(json.dumps(_describe_value(function)).encode(errors="replace")).hexdigest()[:DIGEST_DIGITS]
     except (OSError, TypeError, ValueError, SyntaxError, RecursionError):
         return None
 
 
-def _described(value: Any, depth: int = 0) -> Any:
+def _describe_value(value: Any, depth: int = 0) -> Any:
     """Describe a function, or a value that it holds, as JSON data."""
     if depth > MAX_DEPTH:
         raise ValueError("too many functions within functions")
@@ -90,20 +90,23 @@ def _described(value: Any, depth: int = 0) -> Any:
             cells = [cell.cell_contents for cell in value.__closure__ or ()]
             keywords = value.__kwdefaults__ or {}
             held = [*(value.__defaults__ or ()), *cells, *keywords.values()]
-            return [_normalised(inspect.getsource(value.__code__)), *(_described(item, depth + 1) for item in held)]
+            return [
+                _normalise_source(inspect.getsource(value.__code__)),
+                *(_describe_value(item, depth + 1) for item in held),
+            ]
         case MethodType():
-            return [_described(value.__func__, depth + 1), _described(value.__self__, depth + 1)]
+            return [_describe_value(value.__func__, depth + 1), _describe_value(value.__self__, depth + 1)]
         case partial():
-            return _described(value.func, depth + 1)  # the bound arguments are in the settings
+            return _describe_value(value.func, depth + 1)  # the bound arguments are in the settings
         case type():
-            return _normalised(inspect.getsource(value))
+            return _normalise_source(inspect.getsource(value))
         case _ if callable(value) or hasattr(value, "__dict__"):
-            return [_described(type(value), depth + 1), to_json_data(plain_copy(vars(value)))]
+            return [_describe_value(type(value), depth + 1), to_json_data(plain_copy(vars(value)))]
         case _:
             return to_json_data(plain_copy(value))
 
 
-def _normalised(source: str) -> str:
+def _normalise_source(source: str) -> str:
     """Return source without comments and layout; for a lambda, that of the lambda instead of its whole line.
 
     Raises:

@@ -19,7 +19,7 @@ from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.html import facts, shown
 from walkerlab.text.numbers import format_significant
 
-COLUMNS: dict[str, tuple[type, str, str]] = {
+RECORD_COLUMNS: dict[str, tuple[type, str, str]] = {
     "generation": (int, "", "0 is the random one"),
     "individual": (int, "", "number of the robot, the same wherever it appears"),
     "born": (int, "generation", "generation in which it first walked; an elite is older than its generation"),
@@ -39,10 +39,10 @@ COLUMNS: dict[str, tuple[type, str, str]] = {
 """Each column: its type, unit and meaning."""
 
 HAS_COPY_ON_WRITE = int(pd.__version__.partition(".")[0]) >= 3
-BY_HAND = "by hand"  # in the column operators, for an inserted genome
+INSERTED_BY_HAND = "by hand"  # in the column operators, for an inserted genome
 
 
-class Walked(NamedTuple):
+class EvaluationRow(NamedTuple):
     """Evaluation of a genome, as the columns of the table from ``fitness`` on."""
 
     fitness: float
@@ -67,10 +67,10 @@ class Walked(NamedTuple):
         return cls._make((*_measurements(evaluation), genome))
 
 
-_measurements = attrgetter(*Walked._fields[:-1])
+_measurements = attrgetter(*EvaluationRow._fields[:-1])
 
 
-def tabulate(population: Population[Walked], operators: str) -> pd.DataFrame:
+def tabulate_generation(population: Population[EvaluationRow], operators: str) -> pd.DataFrame:
     """Write a generation as a table.
 
     Args:
@@ -78,7 +78,7 @@ def tabulate(population: Population[Walked], operators: str) -> pd.DataFrame:
         operators: Names of the operators that made the children of this generation.
 
     Returns:
-        Table with a row for each individual, the columns of ``COLUMNS``, and their units in ``.attrs``.
+        Table with a row for each individual, the columns of ``RECORD_COLUMNS``, and their units in ``.attrs``.
     """
     origins = zip(population.parents, population.born.tolist(), strict=True)
     columns = {
@@ -86,20 +86,22 @@ def tabulate(population: Population[Walked], operators: str) -> pd.DataFrame:
         "individual": population.individuals,
         "born": population.born,
         "parents": [" ".join(map(str, parents)) for parents in population.parents],
-        "operators": [operators if parents else BY_HAND if born else "random" for parents, born in origins],
-        **dict(zip(Walked._fields, zip(*population.evaluations, strict=True), strict=True)),
+        "operators": [operators if parents else INSERTED_BY_HAND if born else "random" for parents, born in origins],
+        **dict(zip(EvaluationRow._fields, zip(*population.evaluations, strict=True), strict=True)),
     }
-    return tidy(pd.DataFrame(columns))
+    return tidy_table(pd.DataFrame(columns))
 
 
-def tidy(table: pd.DataFrame) -> pd.DataFrame:
-    """Return a table with the columns, types and units of ``COLUMNS``."""
-    table = table.reindex(columns=list(COLUMNS)).astype({name: kind for name, (kind, *_) in COLUMNS.items()})
-    table.attrs = {"units": {name: unit for name, (_, unit, _) in COLUMNS.items() if unit}}
+def tidy_table(table: pd.DataFrame) -> pd.DataFrame:
+    """Return a table with the columns, types and units of ``RECORD_COLUMNS``."""
+    table = table.reindex(columns=list(RECORD_COLUMNS)).astype(
+        {name: kind for name, (kind, *_) in RECORD_COLUMNS.items()}
+    )
+    table.attrs = {"units": {name: unit for name, (_, unit, _) in RECORD_COLUMNS.items() if unit}}
     return table
 
 
-def check(table: pd.DataFrame) -> pd.DataFrame:
+def check_table(table: pd.DataFrame) -> pd.DataFrame:
     """Check that an untrusted table can be that of a run, and return it.
 
     An unknown verdict is an error even if a newer walkerlab wrote it, because its meaning is unknown.
@@ -121,9 +123,8 @@ def check(table: pd.DataFrame) -> pd.DataFrame:
             raise ValueError(f"the column {name} has a value that no run writes")
     if unknown := sorted(set(table.verdict) - VERDICTS.keys()):
         raise ValueError(
-            f"the column verdict has {short_repr(unknown[0])}; the known verdicts are {', '.join(VERDICTS)}. If a "
-            "newer "
-            "walkerlab wrote the file, update this one: pip install --upgrade walkerlab"
+            f"the column verdict has {short_repr(unknown[0])}; the known verdicts are {', '.join(VERDICTS)}. "
+            "If a newer walkerlab wrote the file, update this one: pip install --upgrade walkerlab"
         )
     return table
 
@@ -138,20 +139,24 @@ def name_fitness(table: pd.DataFrame, name: str, unit: str) -> None:
     table.attrs["units"] = {**table.attrs.get("units", {}), "fitness": unit}
 
 
-def join(tables: list[pd.DataFrame]) -> pd.DataFrame:
+def concatenate_tables(tables: list[pd.DataFrame]) -> pd.DataFrame:
     """Concatenate the tables of generations."""
-    return tidy(pd.concat(tables, ignore_index=True)) if tables else tidy(pd.DataFrame(columns=list(COLUMNS)))
+    return (
+        tidy_table(pd.concat(tables, ignore_index=True))
+        if tables
+        else tidy_table(pd.DataFrame(columns=list(RECORD_COLUMNS)))
+    )
 
 
-def copy_of(table: pd.DataFrame) -> pd.DataFrame:
+def copy_table(table: pd.DataFrame) -> pd.DataFrame:
     """Return an independent copy of a table; cells are copied only when they are changed, if pandas can do that."""
     return table.copy(deep=not HAS_COPY_ON_WRITE)
 
 
-def last_population(records: pd.DataFrame) -> Population[Walked]:
-    """Rebuild the last generation from a table, ready to breed: the inverse of ``tabulate``."""
+def last_population(records: pd.DataFrame) -> Population[EvaluationRow]:
+    """Rebuild the last generation from a table, ready to breed: the inverse of ``tabulate_generation``."""
     last = records[records.generation == records.generation.max()]
-    walked = [Walked(*row) for row in zip(*(last[name].tolist() for name in Walked._fields), strict=True)]
+    walked = [EvaluationRow(*row) for row in zip(*(last[name].tolist() for name in EvaluationRow._fields), strict=True)]
     return Population(
         generation=int(last.generation.iloc[0]),
         genomes=np.array([Genome.parse(one.genome).values for one in walked]),
@@ -170,7 +175,7 @@ def parent_numbers(parents: object) -> tuple[int, ...]:
     return () if pd.isna(cast(Any, parents)) else (int(cast(Any, parents)),)
 
 
-def births(records: pd.DataFrame) -> pd.DataFrame:
+def birth_rows(records: pd.DataFrame) -> pd.DataFrame:
     """Return the first row of each individual, indexed by its number; later rows of elites are left out."""
     in_order = records.generation.is_monotonic_increasing
     ordered = records if in_order else records.sort_values("generation", kind="stable")
@@ -187,7 +192,7 @@ def fitter_line(born: pd.DataFrame, individual: int) -> list[int]:
     The line ends at a parent that the table does not have, or whose number is not lower than that of its child.
 
     Args:
-        born: Table that ``births`` returns.
+        born: Table that ``birth_rows`` returns.
         individual: Number of the individual.
     """
     parents = born.parents.to_dict()
@@ -234,7 +239,7 @@ class Individual:
         return shown(facts(f"Robot {self.individual}", rows), genome_html(self.genome.values))
 
 
-def champion(records: pd.DataFrame) -> Individual:
+def find_champion(records: pd.DataFrame) -> Individual:
     """Return the fittest robot of a table; the first-born of several with the same fitness.
 
     Raises:
@@ -259,7 +264,7 @@ def champion(records: pd.DataFrame) -> Individual:
     )
 
 
-def lineage(records: pd.DataFrame, individual: int) -> pd.DataFrame:
+def select_lineage(records: pd.DataFrame, individual: int) -> pd.DataFrame:
     """Return the first rows of an individual and all its ancestors, youngest first.
 
     Ancestors that the table does not have are left out.
@@ -271,7 +276,7 @@ def lineage(records: pd.DataFrame, individual: int) -> pd.DataFrame:
     Raises:
         ValueError: If the table does not have the individual.
     """
-    born = births(records)
+    born = birth_rows(records)
     if individual not in born.index:
         low, high = born.index.min(), born.index.max()
         raise ValueError(
@@ -284,4 +289,4 @@ def lineage(records: pd.DataFrame, individual: int) -> pd.DataFrame:
         new = {number for number in parent_numbers(parents[waiting.pop()]) if number in parents} - found
         found |= new
         waiting += new
-    return tidy(born.loc[sorted(found, reverse=True)].reset_index(drop=True))
+    return tidy_table(born.loc[sorted(found, reverse=True)].reset_index(drop=True))

@@ -13,26 +13,29 @@ from hashlib import sha256
 from typing import Any
 from uuid import uuid4
 
-from walkerlab.runfile.records import COLUMNS
+from walkerlab.runfile.records import RECORD_COLUMNS
 from walkerlab.text import strict_json
 
 APPLICATION_ID = 0x77616C6B  # "walk", in the header of the file
-LAYOUT = 3
+LAYOUT_VERSION = 3
 OLDEST_LAYOUT = 2  # that can be read; layout 1 was never released
 
-_SQL = {int: "INTEGER", float: "REAL", str: "TEXT"}
-_RUN = "CREATE TABLE run (fact TEXT PRIMARY KEY, value TEXT NOT NULL)"
-_RECORDS = (
-    f"CREATE TABLE records ({', '.join(f'{name} {_SQL[kind]}' for name, (kind, *_) in COLUMNS.items())}, "
+_SQL_TYPES = {int: "INTEGER", float: "REAL", str: "TEXT"}
+_CREATE_RUN = "CREATE TABLE run (fact TEXT PRIMARY KEY, value TEXT NOT NULL)"
+_CREATE_RECORDS = (
+    f"CREATE TABLE records ({', '.join(f'{name} {_SQL_TYPES[kind]}' for name, (kind, *_) in RECORD_COLUMNS.items())}, "
     "PRIMARY KEY (generation, individual))"
 )
-_PROVENANCE = "CREATE TABLE provenance (number INTEGER PRIMARY KEY, made_with TEXT NOT NULL UNIQUE)"
-_GENERATIONS = (
+_CREATE_PROVENANCE = "CREATE TABLE provenance (number INTEGER PRIMARY KEY, made_with TEXT NOT NULL UNIQUE)"
+_CREATE_GENERATIONS = (
     "CREATE TABLE generations (generation INTEGER PRIMARY KEY, provenance INTEGER NOT NULL, seal TEXT NOT NULL)"
 )
-_TABLES = {2: (_RUN, _RECORDS), 3: (_RUN, _RECORDS, _PROVENANCE, _GENERATIONS)}
+_TABLES_BY_LAYOUT = {
+    2: (_CREATE_RUN, _CREATE_RECORDS),
+    3: (_CREATE_RUN, _CREATE_RECORDS, _CREATE_PROVENANCE, _CREATE_GENERATIONS),
+}
 
-_SELECT_ROWS = f"SELECT {', '.join(COLUMNS)} FROM records WHERE generation = ? ORDER BY rowid"
+_SELECT_ROWS = f"SELECT {', '.join(RECORD_COLUMNS)} FROM records WHERE generation = ? ORDER BY rowid"
 
 
 class LayoutError(Exception):
@@ -50,8 +53,8 @@ def create_tables(db: sqlite3.Connection, settings: str) -> str:
         Id of the run.
     """
     db.execute(f"PRAGMA application_id = {APPLICATION_ID}")
-    db.execute(f"PRAGMA user_version = {LAYOUT}")
-    for table in _TABLES[LAYOUT]:
+    db.execute(f"PRAGMA user_version = {LAYOUT_VERSION}")
+    for table in _TABLES_BY_LAYOUT[LAYOUT_VERSION]:
         db.execute(table)
     run_id = uuid4().hex
     db.execute("INSERT INTO run VALUES ('id', ?)", [run_id])
@@ -61,7 +64,7 @@ def create_tables(db: sqlite3.Connection, settings: str) -> str:
 
 def write_settings(db: sqlite3.Connection, settings: str) -> None:
     """Write the settings, as JSON, and their digest."""
-    facts = {"settings": settings, "settings digest": digest(settings)}
+    facts = {"settings": settings, "settings digest": sha256_digest(settings)}
     db.executemany("INSERT OR REPLACE INTO run VALUES (?, ?)", facts.items())
 
 
@@ -82,25 +85,25 @@ def read_layout(db: sqlite3.Connection) -> int:
     if db.execute("PRAGMA application_id").fetchone() != (APPLICATION_ID,):
         raise LayoutError("is a SQLite file, but not a run file of walkerlab. Give the path of a run file")
     layout: int = db.execute("PRAGMA user_version").fetchone()[0]
-    if layout > LAYOUT:
+    if layout > LAYOUT_VERSION:
         raise LayoutError(
-            f"has layout {layout}, which a newer walkerlab wrote; this one reads layouts up to {LAYOUT}. "
+            f"has layout {layout}, which a newer walkerlab wrote; this one reads layouts up to {LAYOUT_VERSION}. "
             "Update with: pip install --upgrade walkerlab"
         )
     if layout < OLDEST_LAYOUT:
         raise LayoutError(
             f"has layout {layout}, from before walkerlab's first release, and can no longer be read. Evolve it again"
         )
-    if sorted(str(sql) for (sql,) in found) != sorted(_TABLES[layout]):
+    if sorted(str(sql) for (sql,) in found) != sorted(_TABLES_BY_LAYOUT[layout]):
         raise LayoutError("is damaged or was changed by another program: its tables are not those of a run file")
     return layout
 
 
-def upgrade(db: sqlite3.Connection, layout: int) -> None:
+def upgrade_file(db: sqlite3.Connection, layout: int) -> None:
     """Convert a file of an earlier layout to the current one, by one layout at a time."""
-    for step in range(layout, LAYOUT):
+    for step in range(layout, LAYOUT_VERSION):
         _UPGRADES[step](db)
-    db.execute(f"PRAGMA user_version = {LAYOUT}")
+    db.execute(f"PRAGMA user_version = {LAYOUT_VERSION}")
 
 
 def read_rows(db: sqlite3.Connection, generation: int) -> list[tuple[Any, ...]]:
@@ -154,24 +157,24 @@ def read_fact(db: sqlite3.Connection, name: str) -> str:
     return str(row[0]) if row else ""
 
 
-def digest(text: str) -> str:
+def sha256_digest(text: str) -> str:
     """Return the SHA-256 of a text, 64 hexadecimal digits."""
     return sha256(text.encode(errors="replace")).hexdigest()
 
 
 def _seal_of(db: sqlite3.Connection, *contents: object) -> str:
     """Return the digest of contents and of the id of the run, so that a generation cannot be moved to another run."""
-    return digest(repr((read_fact(db, "id"), *contents)))
+    return sha256_digest(repr((read_fact(db, "id"), *contents)))
 
 
 def _upgrade_from_2(db: sqlite3.Connection) -> None:
     """Record the versions, which were facts of the run, with each generation, and seal it."""
-    db.execute(_PROVENANCE)
-    db.execute(_GENERATIONS)
+    db.execute(_CREATE_PROVENANCE)
+    db.execute(_CREATE_GENERATIONS)
     versions = dict(db.execute("SELECT fact, value FROM run WHERE fact != 'settings'"))
     settings = read_fact(db, "settings")
     db.execute("DELETE FROM run")
-    db.execute("INSERT INTO run VALUES ('id', ?)", [digest(repr((settings, versions)))[:32]])
+    db.execute("INSERT INTO run VALUES ('id', ?)", [sha256_digest(repr((settings, versions)))[:32]])
     write_settings(db, settings)
     for (generation,) in db.execute("SELECT DISTINCT generation FROM records").fetchall():
         seal_generation(db, generation, json.dumps(versions))

@@ -18,10 +18,10 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.runfile import provenance, schema
-from walkerlab.runfile.opening import DamagedError, File, RunFileError, connect, draft_of, open_run
+from walkerlab.runfile.opening import DamagedError, RunFile, RunFileError, draft_of, open_database, open_run
 from walkerlab.runfile.paths import new_path
-from walkerlab.runfile.records import COLUMNS, check, tidy
-from walkerlab.system.files import shown
+from walkerlab.runfile.records import RECORD_COLUMNS, check_table, tidy_table
+from walkerlab.system.files import display_path
 from walkerlab.text import strict_json
 
 DIGEST_DIGITS = 16  # digits of a digest that are reported
@@ -52,7 +52,7 @@ def save_temporary(db: sqlite3.Connection) -> Path:
         names = (folder / f"kept{f'-{n}' if n > 1 else ''}.walk" for n in count(1))
         with suppress(RunFileError):
             path = new_path(next(path for path in names if not path.exists()))
-            with draft_of(path) as draft, closing(connect(draft)) as named:
+            with draft_of(path) as draft, closing(open_database(draft)) as named:
                 db.backup(named)
             return path
     raise RunFileError(
@@ -60,7 +60,7 @@ def save_temporary(db: sqlite3.Connection) -> Path:
     )
 
 
-def create(file: File, settings: dict[str, Any]) -> str:
+def create(file: RunFile, settings: dict[str, Any]) -> str:
     """Create a run file without generations: complete, or not at all.
 
     Args:
@@ -81,7 +81,7 @@ def create(file: File, settings: dict[str, Any]) -> str:
         return schema.create_tables(db, text)
 
 
-def append(file: File, generation: pd.DataFrame, run_id: str, functions: Mapping[str, str] = {}) -> None:
+def append(file: RunFile, generation: pd.DataFrame, run_id: str, functions: Mapping[str, str] = {}) -> None:
     """Add one generation, in one transaction.
 
     Args:
@@ -98,8 +98,9 @@ def append(file: File, generation: pd.DataFrame, run_id: str, functions: Mapping
         (n_done,) = db.execute("SELECT count(*) FROM generations").fetchone()
         if not generation.empty and int(generation.generation.iloc[0]) != n_done:
             raise RunFileError(
-                f"{shown(file)} was changed by another program and has {n_done} generations now: another process has "
-                "continued the run, or an older copy was put in its place. Resume it when no other process uses it."
+                f"{display_path(file)} was changed by another program and has {n_done} generations now: another "
+                "process has continued the run, or an older copy was put in its place. Resume it when no other "
+                "process uses it."
             )
         _insert_generations(db, generation, _made_with_now(functions))
 
@@ -120,8 +121,8 @@ def prepare_resume(path: Path, settings: dict[str, Any]) -> str:
 
 
 def _insert_generations(db: sqlite3.Connection, table: pd.DataFrame, made_with: str) -> None:
-    rows = zip(*(table[name].tolist() for name in COLUMNS), strict=True)
-    db.executemany(f"INSERT INTO records VALUES ({', '.join('?' * len(COLUMNS))})", rows)
+    rows = zip(*(table[name].tolist() for name in RECORD_COLUMNS), strict=True)
+    db.executemany(f"INSERT INTO records VALUES ({', '.join('?' * len(RECORD_COLUMNS))})", rows)
     for number in table.generation.unique().tolist():
         schema.seal_generation(db, number, made_with)
 
@@ -155,7 +156,7 @@ def read_facts(path: Path) -> tuple[dict[str, str], dict[str, str]]:
             raise DamagedError(path, str(error)) from error
 
 
-def read_generations(file: File, run_id: str, first: int, end: int) -> pd.DataFrame:
+def read_generations(file: RunFile, run_id: str, first: int, end: int) -> pd.DataFrame:
     """Read the table of some generations.
 
     Args:
@@ -170,7 +171,7 @@ def read_generations(file: File, run_id: str, first: int, end: int) -> pd.DataFr
 
 
 def read_births(
-    file: File, run_id: str, columns: Sequence[str], births: Iterable[Sequence[int]]
+    file: RunFile, run_id: str, columns: Sequence[str], births: Iterable[Sequence[int]]
 ) -> list[tuple[Any, ...]]:
     """Read some columns of some individuals; those that the file does not have are left out.
 
@@ -200,7 +201,7 @@ def rescue(path: Path, to: Path) -> int:
         RunFileError: If nothing can be saved, or the new file cannot be created.
     """
     if not path.is_file():
-        raise RunFileError(f"there is no run file at {shown(path)}")
+        raise RunFileError(f"there is no run file at {display_path(path)}")
     with draft_of(to) as draft:
         return _rescue(path, draft, to)
 
@@ -214,9 +215,9 @@ def _rescue(path: Path, draft: Path, to: Path) -> int:
                 for number, (generation, made_with, rows) in enumerate(schema.sealed_generations(db)):
                     if rows is None or generation != number:
                         break
-                    undamaged.append((made_with, check(_as_table(rows, path))))
+                    undamaged.append((made_with, check_table(_as_table(rows, path))))
     except DamagedError as error:
-        raise RunFileError(f"nothing can be saved of {shown(path)}: {error.what}.") from error
+        raise RunFileError(f"nothing can be saved of {display_path(path)}: {error.what}.") from error
     with open_run(draft, "create", to) as db:
         schema.create_tables(db, json.dumps(settings))
         for made_with, table in undamaged:
@@ -224,7 +225,7 @@ def _rescue(path: Path, draft: Path, to: Path) -> int:
     return len(undamaged)
 
 
-def require_run(file: File, run_id: str) -> None:
+def require_run(file: RunFile, run_id: str) -> None:
     """Check that a file still holds a run.
 
     Raises:
@@ -234,14 +235,16 @@ def require_run(file: File, run_id: str) -> None:
         _require_id(db, file, run_id)
 
 
-def _require_id(db: sqlite3.Connection, file: File, run_id: str) -> None:
+def _require_id(db: sqlite3.Connection, file: RunFile, run_id: str) -> None:
     if schema.read_fact(db, "id") != run_id:
-        raise RunFileError(f"{shown(file)} was replaced by another run in the meantime; that run is not changed.")
+        raise RunFileError(
+            f"{display_path(file)} was replaced by another run in the meantime; that run is not changed."
+        )
 
 
-def _read_settings(db: sqlite3.Connection, file: File) -> dict[str, Any]:
+def _read_settings(db: sqlite3.Connection, file: RunFile) -> dict[str, Any]:
     text = schema.read_fact(db, "settings")
-    if schema.digest(text) != schema.read_fact(db, "settings digest"):
+    if schema.sha256_digest(text) != schema.read_fact(db, "settings digest"):
         raise DamagedError(file, "its settings are not as they were written")
     try:
         return strict_json.loads(text)
@@ -249,7 +252,7 @@ def _read_settings(db: sqlite3.Connection, file: File) -> dict[str, Any]:
         raise DamagedError(file, str(error)) from error
 
 
-def _read_table(db: sqlite3.Connection, file: File, first: float = -math.inf, end: float = math.inf) -> pd.DataFrame:
+def _read_table(db: sqlite3.Connection, file: RunFile, first: float = -math.inf, end: float = math.inf) -> pd.DataFrame:
     table: list[tuple[Any, ...]] = []
     for generation, _, rows in schema.sealed_generations(db, first, end):
         if rows is None:
@@ -261,8 +264,8 @@ def _read_table(db: sqlite3.Connection, file: File, first: float = -math.inf, en
     return _as_table(table, file)
 
 
-def _as_table(rows: list[tuple[Any, ...]], file: File) -> pd.DataFrame:
+def _as_table(rows: list[tuple[Any, ...]], file: RunFile) -> pd.DataFrame:
     try:
-        return tidy(pd.DataFrame(rows, columns=list(COLUMNS)))
+        return tidy_table(pd.DataFrame(rows, columns=list(RECORD_COLUMNS)))
     except (TypeError, ValueError) as error:
         raise DamagedError(file, str(error)) from error

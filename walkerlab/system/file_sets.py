@@ -28,11 +28,11 @@ from typing import Any
 
 from walkerlab.errors import WalkerlabError
 from walkerlab.system import folder_locks
-from walkerlab.system.files import shown, sync, write_text
+from walkerlab.system.files import display_path, sync_to_disk, write_text
 from walkerlab.system.interrupts import interrupts_held
 
 HIDDEN_FOLDER = ".walkerlab-new"
-JOURNAL = "undo.json"
+JOURNAL_NAME = "undo.json"
 MAX_JOURNAL_SIZE = 100_000  # bytes
 LOCK_TIMEOUT = 60.0  # s to wait for another writer
 MAX_NAMED = 3  # files of a part that a message names
@@ -62,7 +62,7 @@ class NewFiles:
         self.failed: dict[tuple[str, ...], Exception] = {}
 
     @contextmanager
-    def part(self, *names: str) -> Generator[None, None, None]:
+    def write_part(self, *names: str) -> Generator[None, None, None]:
         """Write one part of the set; an error within the block is recorded, and the other parts are still made.
 
         Args:
@@ -96,9 +96,9 @@ def replacing_files(folder: Path, is_current: Callable[[Path], bool] | None = No
         folder.mkdir(parents=True, exist_ok=True)
         lock = folder_locks.acquire(hidden, LOCK_TIMEOUT)
     except OSError as error:
-        raise OutputError(f"no files can be written into {shown(folder)}: {error.strerror or error}.") from error
+        raise OutputError(f"no files can be written into {display_path(folder)}: {error.strerror or error}.") from error
     if lock is None:
-        raise OutputError(f"another program is writing into {shown(folder)}. Try again when it is done.")
+        raise OutputError(f"another program is writing into {display_path(folder)}. Try again when it is done.")
     try:
         new = _prepare(folder, hidden)
         yield new
@@ -110,19 +110,23 @@ def replacing_files(folder: Path, is_current: Callable[[Path], bool] | None = No
         if new.failed:
             rest = "All files stay as they were" if outdated else "All other files are written"
             first = next(iter(new.failed.values()))
-            raise OutputError(f"Not all files could be made for {shown(folder)}. {rest}.\n{_failures(new)}") from first
+            raise OutputError(
+                f"Not all files could be made for {display_path(folder)}. {rest}.\n{_failures(new)}"
+            ) from first
     finally:
-        folder_locks.release(hidden, lock, keep_contents=os.path.lexists(hidden / JOURNAL))
+        folder_locks.release(hidden, lock, keep_contents=os.path.lexists(hidden / JOURNAL_NAME))
 
 
 def _prepare(folder: Path, hidden: Path) -> NewFiles:
     """Undo an interrupted replacement, and empty the hidden folder."""
     try:
-        _undo(folder, hidden)
+        _undo_replacement(folder, hidden)
         folder_locks.clear(hidden)
         (hidden / "new").mkdir()
     except OSError as error:
-        raise OutputError(f"no files can be written into {shown(hidden)}: {error.strerror}. Delete it.") from error
+        raise OutputError(
+            f"no files can be written into {display_path(hidden)}: {error.strerror}. Delete it."
+        ) from error
     return NewFiles(hidden / "new")
 
 
@@ -141,9 +145,9 @@ def restore(folder: Path) -> None:
         lock = folder_locks.acquire(hidden, timeout=0.0)
         if lock is not None:
             try:
-                _undo(folder, hidden)
+                _undo_replacement(folder, hidden)
             finally:
-                folder_locks.release(hidden, lock, keep_contents=os.path.lexists(hidden / JOURNAL))
+                folder_locks.release(hidden, lock, keep_contents=os.path.lexists(hidden / JOURNAL_NAME))
 
 
 def _failures(new: NewFiles) -> str:
@@ -171,26 +175,26 @@ def _replace_files(folder: Path, hidden: Path) -> None:
     """
     new = hidden / "new"
     old = hidden / "old"
-    names = sorted(filter(OUTPUT_NAMES.fullmatch, _names(new)), key=lambda name: (name == "report.html", name))
+    names = sorted(filter(OUTPUT_NAMES.fullmatch, _relative_names(new)), key=lambda name: (name == "report.html", name))
     old.mkdir()
     try:
         absent = [name for name in names if not _save_old(folder / name, old / name)]
-        write_text(hidden / JOURNAL, json.dumps(absent))
+        write_text(hidden / JOURNAL_NAME, json.dumps(absent))
         with interrupts_held():
             try:
                 for name in names:
                     (folder / name).parent.mkdir(exist_ok=True)
                     os.replace(new / name, folder / name)
             except BaseException:
-                _undo(folder, hidden)
+                _undo_replacement(folder, hidden)
                 raise
             for parent in {(folder / name).parent for name in names}:
-                sync(parent)
-            (hidden / JOURNAL).unlink()
-            sync(hidden)
+                sync_to_disk(parent)
+            (hidden / JOURNAL_NAME).unlink()
+            sync_to_disk(hidden)
     except OSError as error:
         raise OutputError(
-            f"{shown(Path(error.filename2 or error.filename or folder))} could not be replaced: "
+            f"{display_path(Path(error.filename2 or error.filename or folder))} could not be replaced: "
             f"{error.strerror or error}. All files stay as they were. Close it if another program has it open."
         ) from error
 
@@ -207,13 +211,13 @@ def _save_old(path: Path, copy: Path) -> bool:
     except (OSError, NotImplementedError):  # some file systems have no hard links
         shutil.copy2(path, copy, follow_symlinks=False)
         if not copy.is_symlink():
-            sync(copy)
+            sync_to_disk(copy)
     return True
 
 
-def _undo(folder: Path, hidden: Path) -> None:
+def _undo_replacement(folder: Path, hidden: Path) -> None:
     """Put the old files back if a replacement was begun and not committed; can be repeated after an interruption."""
-    journal = hidden / JOURNAL
+    journal = hidden / JOURNAL_NAME
     old = hidden / "old"
     if not os.path.lexists(journal):
         return
@@ -227,9 +231,9 @@ def _undo(folder: Path, hidden: Path) -> None:
         if "/" in name:
             with suppress(OSError):
                 (folder / name).parent.rmdir()  # only if it is empty now
-    for name in filter(is_output, [] if old.is_symlink() else _names(old)):
+    for name in filter(is_output, [] if old.is_symlink() else _relative_names(old)):
         os.replace(old / name, folder / name)
-    sync(folder)
+    sync_to_disk(folder)
     journal.unlink()
 
 
@@ -238,7 +242,7 @@ def _is_output(folder: Path, name: Any) -> bool:
     return isinstance(name, str) and bool(OUTPUT_NAMES.fullmatch(name)) and not (folder / name).parent.is_symlink()
 
 
-def _names(folder: Path) -> Iterator[str]:
+def _relative_names(folder: Path) -> Iterator[str]:
     """Return the relative names of all files in a folder and its subfolders; links to folders are not followed."""
     found = [(Path(parent) / file) for parent, _, files in os.walk(folder) for file in files]
     return (path.relative_to(folder).as_posix() for path in found)

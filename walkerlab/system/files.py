@@ -17,7 +17,7 @@ from walkerlab.errors import WalkerlabError
 NOT_A_PATH = re.compile(r"(?i):memory:$|file:|[a-z][a-z0-9+.-]+:/")
 """Texts that SQLite or a browser would not read as a path."""
 
-UNQUOTED = re.compile(r"[\w@%+=:,./\\-]+" if os.name == "nt" else r"[\w@%+=:,./-]+")
+SHELL_SAFE_PATTERN = re.compile(r"[\w@%+=:,./\\-]+" if os.name == "nt" else r"[\w@%+=:,./-]+")
 """Paths that a shell reads correctly without quotes."""
 
 MISREAD_STARTS = ("~", "-", ":")
@@ -110,7 +110,7 @@ def folder_path(given: str | os.PathLike[str], name: str = "folder") -> Path:
     return path
 
 
-def shown(path: object) -> str:
+def display_path(path: object) -> str:
     """Return a path as text for messages: relative to the current folder if it is in it, and absolute otherwise.
 
     Args:
@@ -125,16 +125,16 @@ def shown(path: object) -> str:
     return str(path)
 
 
-def quoted(path: object) -> str:
+def quote_path(path: object) -> str:
     """Return a path as ``shown`` does, in quotes if a shell requires them."""
-    name = shown(path)
-    if UNQUOTED.fullmatch(name):
+    name = display_path(path)
+    if SHELL_SAFE_PATTERN.fullmatch(name):
         return name
     return f'"{name}"' if os.name == "nt" or not set(name) & set('"$`\\!') else shlex.quote(name)
 
 
 @contextmanager
-def replacing(path: Path) -> Generator[Path, None, None]:
+def replace_atomically(path: Path) -> Generator[Path, None, None]:
     """Yield a temporary file in the same folder; it replaces ``path`` when the block ends without an error.
 
     The new file has the permissions of any new file. A symbolic link at ``path`` is replaced; the file that it points
@@ -149,19 +149,21 @@ def replacing(path: Path) -> Generator[Path, None, None]:
         OSError: If the file cannot be written.
     """
     if not os.path.isdir(path.parent):
-        raise FileNotFoundError(f"there is no folder {shown(path.parent)} for the file {path.name}; create it first.")
+        raise FileNotFoundError(
+            f"there is no folder {display_path(path.parent)} for the file {path.name}; create it first."
+        )
     if os.path.exists(path) and not os.path.isfile(path):
         kind = "a folder" if os.path.isdir(path) else "a device or pipe"
-        raise PathError(f"{shown(path)} is {kind}; it must be the path of a file.")
+        raise PathError(f"{display_path(path)} is {kind}; it must be the path of a file.")
     temporary = path.with_name(f".{uuid4().hex[:8]}.part")  # short, since the name of the file may have any length
     try:
         with suppress(FileNotFoundError):
             os.lstat(path)  # raises if the name is too long
         temporary.touch(exist_ok=False)
         yield temporary
-        sync(temporary)
+        sync_to_disk(temporary)
         os.replace(temporary, path)
-        sync(path.parent)
+        sync_to_disk(path.parent)
     except OSError as error:
         if error.filename is None or Path(error.filename) != temporary:
             raise
@@ -178,11 +180,11 @@ def write_text(path: Path, text: str) -> None:
         path: Absolute path of the file.
         text: New contents.
     """
-    with replacing(path) as temporary:
+    with replace_atomically(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
-def sync(path: Path) -> None:
+def sync_to_disk(path: Path) -> None:
     """Wait until the contents of a file or the entries of a folder are on the disk; folders are skipped on Windows."""
     if not path.is_dir():
         with open(path, "r+b") as file:

@@ -37,7 +37,7 @@ def acquire(folder: Path, timeout: float) -> int | None:
         except FileNotFoundError:  # another process has just deleted the folder
             continue
         with suppress(OSError):
-            if _lock(file) and os.path.samestat(os.fstat(file), os.lstat(path)):
+            if _lock_file(file) and os.path.samestat(os.fstat(file), os.lstat(path)):
                 return file
         os.close(file)
         if time.monotonic() >= deadline:
@@ -45,7 +45,7 @@ def acquire(folder: Path, timeout: float) -> int | None:
         time.sleep(SECONDS_BETWEEN_TRIES)
 
 
-def _lock(file: int) -> bool:
+def _lock_file(file: int) -> bool:
     """Lock an open file for this process, until it is closed or the process dies; return False if another has it."""
     try:
         if sys.platform == "win32":

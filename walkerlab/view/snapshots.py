@@ -86,7 +86,7 @@ class _Display:
         if not hasattr(shell, "kernel"):
             return
         if not self._html and self._is_open:
-            for piece in [self._widget, *pieces_of(self._widget)]:
+            for piece in [self._widget, *nested_widgets(self._widget)]:
                 piece.observe(self._on_change)
             shell.events.register("post_run_cell", self._on_cell_end)
         with self._updating:
@@ -117,7 +117,7 @@ class _Display:
         self._is_open = False
         shell: Any = get_ipython()
         if self._html and shell:
-            for piece in [self._widget, *pieces_of(self._widget)]:
+            for piece in [self._widget, *nested_widgets(self._widget)]:
                 piece.unobserve(self._on_change)
             shell.events.unregister("post_run_cell", self._on_cell_end)
 
@@ -161,9 +161,9 @@ def _bundle(widget: Any, html: str) -> dict[str, str]:
     return {"text/html": html, "text/plain": f"Static picture of the {widget.title}"}
 
 
-def pieces_of(box: Any) -> list[Any]:
+def nested_widgets(box: Any) -> list[Any]:
     """Return all widgets in a box and in the boxes inside it, the inner ones first."""
-    return [widget for child in getattr(box, "children", ()) for widget in (*pieces_of(child), child)]
+    return [widget for child in getattr(box, "children", ()) for widget in (*nested_widgets(child), child)]
 
 
 def image(picture: str, alt: str = "") -> Html:

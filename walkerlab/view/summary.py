@@ -7,7 +7,7 @@ from typing import Any, cast
 import pandas as pd
 
 from walkerlab.genome.phenotype import express
-from walkerlab.runfile.records import Individual, births, champion, fitter_line
+from walkerlab.runfile.records import Individual, birth_rows, find_champion, fitter_line
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import number_text, pluralize
 from walkerlab.simulation.fitness import FITNESS_UNITS
@@ -35,8 +35,7 @@ def describe_start(settings: Settings, n_cores: int, *, done: int = 0) -> str:
     completed = f" ({done} completed)" if done else ""
     return (
         f"{robots}, {generations}{completed}, {pluralize(n_cores, 'core')}. Ctrl-C stops early and saves the "
-        "generations "
-        "that are complete."
+        "generations that are complete."
     )
 
 
@@ -45,7 +44,7 @@ def describe_result(records: pd.DataFrame, settings: PlainSettings) -> str:
     if records.empty:
         return "No generation is done yet."
     n_generations = int(records.generation.nunique())
-    best = champion(records)
+    best = find_champion(records)
     start = int(records.generation.min())
     robots = pluralize(int((records.generation == start).sum()), "robot")
     size = f"{pluralize(n_generations, 'generation')} of {robots}"
@@ -65,8 +64,8 @@ def describe_result(records: pd.DataFrame, settings: PlainSettings) -> str:
 
 def describe_champion(records: pd.DataFrame, settings: PlainSettings) -> str:
     """Describe the walk and the body of the champion."""
-    best = champion(records)
-    row: Any = births(records).loc[best.individual]
+    best = find_champion(records)
+    row: Any = birth_rows(records).loc[best.individual]
     if best.verdict != "ok":
         return (
             f"No walk counted, so there is no champion. The verdict on robot {best.individual} is {best.verdict}. "
@@ -161,7 +160,7 @@ def select_generations(last: int) -> list[int]:
 
 def tabulate_verdicts(records: pd.DataFrame) -> str:
     """Return a table of the verdicts; the walk of an elite is counted once, although the table repeats it."""
-    n_robots = len(births(records))
+    n_robots = len(birth_rows(records))
     elites = ", where elites occur once in each generation" if n_robots < len(records) else ""
     title = f"Verdicts of {pluralize(n_robots, 'robot')} ({pluralize(len(records), 'row')} in the table{elites}):"
     return "\n".join([title, *(f"  {n:6}  {verdict}: {meaning}" for verdict, n, meaning in count_verdicts(records))])
@@ -169,7 +168,7 @@ def tabulate_verdicts(records: pd.DataFrame) -> str:
 
 def count_verdicts(records: pd.DataFrame) -> list[tuple[str, int, str]]:
     """Return each verdict that occurs, its number of walks, and its meaning, in descending order of the number."""
-    counts = births(records).verdict.value_counts()
+    counts = birth_rows(records).verdict.value_counts()
     return [(str(verdict), int(n), _verdict_meaning(str(verdict))) for verdict, n in counts.items()]
 
 
@@ -195,7 +194,7 @@ def select_descent(records: pd.DataFrame, individual: int) -> list[tuple[Any, in
     Returns:
         Pairs, youngest first: the row of a birth and 0, or None and the number of ancestors omitted there.
     """
-    born: Any = births(records)
+    born: Any = birth_rows(records)
     line: list[Any] = list(born.loc[fitter_line(born, individual)].itertuples())
     if len(line) <= MAX_ANCESTOR_ROWS:
         return [(row, 0) for row in line]

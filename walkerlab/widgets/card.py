@@ -4,7 +4,7 @@ from typing import Any
 
 import pandas as pd
 
-from walkerlab.runfile.records import BY_HAND, births, champion
+from walkerlab.runfile.records import INSERTED_BY_HAND, birth_rows, find_champion
 from walkerlab.settings.values import pluralize
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.html import Html, details, facts, shown, table
@@ -22,7 +22,7 @@ def robot_card(records: pd.DataFrame, individual: int) -> str:
         records: Table of the run.
         individual: Number of the robot.
     """
-    row: Any = births(records).loc[individual]
+    row: Any = birth_rows(records).loc[individual]
     units = records.attrs.get("units", {})
     reason = "" if row.verdict == COUNTED else f" Details: {row.reason}."
     entries = [
@@ -38,7 +38,7 @@ def robot_card(records: pd.DataFrame, individual: int) -> str:
     ]
     if row.verdict == COUNTED:
         entries.insert(1, ("Fitness", format_value(row.fitness, units.get("fitness", ""))))
-    best = ", the champion so far" if individual == champion(records).individual else ""
+    best = ", the champion so far" if individual == find_champion(records).individual else ""
     return shown(facts(f"Robot {individual}{best}", entries), _lineage(records, individual))
 
 
@@ -46,7 +46,7 @@ def _origin(row: Any) -> str:
     """Describe how a robot was made."""
     parents = row.parents.split()
     if not parents:
-        return "made by hand" if row.operators == BY_HAND else "random"
+        return "made by hand" if row.operators == INSERTED_BY_HAND else "random"
     more = f" and {len(parents) - MAX_PARENTS} more" if len(parents) > MAX_PARENTS else ""
     return f"child of {', '.join(parents[:MAX_PARENTS])}{more}, by {row.operators.replace(' > ', ', ')}"
 

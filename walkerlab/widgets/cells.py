@@ -5,7 +5,7 @@ from weakref import WeakSet
 
 from IPython.core.getipython import get_ipython
 
-_CREATED: dict[str, tuple[str, WeakSet[Any]]] = {}
+_created_widgets: dict[str, tuple[str, WeakSet[Any]]] = {}
 """By cell ID, the ID of the cell's last execution and the widgets that it created."""
 
 
@@ -19,11 +19,11 @@ def register_in_cell(widget: object) -> list[Any]:
     cell, execution = _running_cell()
     if not cell:
         return []
-    last_execution, created = _CREATED.setdefault(cell, (execution, WeakSet()))
+    last_execution, created = _created_widgets.setdefault(cell, (execution, WeakSet()))
     if last_execution == execution:
         created.add(widget)
         return []
-    _CREATED[cell] = execution, WeakSet([widget])
+    _created_widgets[cell] = execution, WeakSet([widget])
     return list(created)
 
 

@@ -7,7 +7,7 @@ import anywidget
 
 from walkerlab.view.snapshots import LIVE_STYLE, HasSnapshot
 
-FOLDER = Path(__file__).parent
+STATIC_FOLDER = Path(__file__).parent
 
 
 def load_style(*names: str) -> str:
@@ -29,7 +29,7 @@ def load_script(*names: str) -> str:
 
 
 def _join_files(extension: str, names: tuple[str, ...]) -> str:
-    files = (FOLDER / f"{name}.{extension}" for name in ("component", *names))
+    files = (STATIC_FOLDER / f"{name}.{extension}" for name in ("component", *names))
     return "\n".join(file.read_text(encoding="utf-8") for file in files)
 
 

@@ -33,7 +33,7 @@ STRUCTURE_SETTINGS = {"incline", "step_height", "step_depth", "hill_height", "hi
 
 MAX_BUTTONS = 6  # options that have a button each; more are in a menu
 MANTISSAS = [*range(10, 20), *range(20, 50, 2), *range(50, 100, 5)]
-DIRECTIONS = {"x": "forward", "y": "left", "z": "up"}
+AXIS_DIRECTIONS = {"x": "forward", "y": "left", "z": "up"}
 SETTING_NAME = re.compile(rf"\b({'|'.join(name.capitalize() for name in Settings.model_fields)})\.(\w+)")
 """Name of a setting in error messages: ``Terrain.step_height``."""
 
@@ -50,7 +50,7 @@ def make_controls(domain: type[Domain], functions: Mapping[str, Sequence[str]] |
     return [
         {
             "name": name,
-            "label": label(name),
+            "label": setting_label(name),
             "about": use_labels(declared.about),
             "default": defaults[name],
             "default_text": rows[name].default,
@@ -83,7 +83,7 @@ def _kind_of_control(declared: FieldDeclaration, default: Any, functions: Sequen
     if declared.components == MIN_MAX:
         return {"kind": "range"} | numbers
     presets = [{"name": name, "value": list(value)} for name, value in declared.presets.items()]
-    directions = [DIRECTIONS[component] for component in declared.components]
+    directions = [AXIS_DIRECTIONS[component] for component in declared.components]
     return {"kind": "vector", "directions": directions, "presets": presets} | numbers
 
 
@@ -117,14 +117,14 @@ def _round_up(number: float) -> float:
     return next(power * digit for digit in (1, 2, 5, 10) if power * digit >= number * (1 - 1e-9))
 
 
-def label(name: str) -> str:
+def setting_label(name: str) -> str:
     """Return the label of a setting: "elites" for ``n_elites``."""
     return name.removeprefix("n_").replace("_", " ")
 
 
 def use_labels(message: str) -> str:
     """Replace the names of settings in a message by their labels."""
-    labelled = SETTING_NAME.sub(lambda found: label(found[2]), message)
+    labelled = SETTING_NAME.sub(lambda found: setting_label(found[2]), message)
     return labelled[:1].upper() + labelled[1:] if SETTING_NAME.match(message) else labelled
 
 
@@ -137,7 +137,7 @@ def unused_settings(values: Values) -> dict[str, str]:
     Returns:
         Reason by setting: ``{"terrain.step_height": "only for stairs"}``.
     """
-    return {setting: reason for setting, (reason, is_used) in _CONDITIONS.items() if not is_used(values)}
+    return {setting: reason for setting, (reason, is_used) in _USE_CONDITIONS.items() if not is_used(values)}
 
 
 def _chosen_names(values: Values, setting: str) -> set[str]:
@@ -147,16 +147,16 @@ def _chosen_names(values: Values, setting: str) -> set[str]:
     return {str(option) for option in (cast(list[object], chosen) if isinstance(chosen, list) else [chosen])}
 
 
-def _includes(setting: str, *names: str) -> Callable[[Values], bool]:
+def _if_chosen(setting: str, *names: str) -> Callable[[Values], bool]:
     """Return a condition: that one of some options, or a user function, is chosen."""
     return lambda values: any(
         name in names or name.startswith(FUNCTION_PREFIX) for name in _chosen_names(values, setting)
     )
 
 
-def _excludes(setting: str, name: str) -> Callable[[Values], bool]:
+def _unless_chosen(setting: str, name: str) -> Callable[[Values], bool]:
     """Return a condition: that neither an option nor a user function is chosen."""
-    return lambda values: not _includes(setting, name)(values)
+    return lambda values: not _if_chosen(setting, name)(values)
 
 
 def _not_only(setting: str, *names: str) -> Callable[[Values], bool]:
@@ -166,28 +166,30 @@ def _not_only(setting: str, *names: str) -> Callable[[Values], bool]:
 
 def _has_random_terrain(values: Values) -> bool:
     """Return whether a part of the terrain is random."""
-    return any(is_used(values) for is_used in (_ROUGH, _TEXTURED, _OBSTACLES))
+    return any(is_used(values) for is_used in (_is_rough, _has_texture, _has_obstacles))
 
 
-_STAIRS, _ROUGH, _GAPS = (_includes("terrain.structure", name) for name in ("stairs", "rough", "gaps"))
-_TEXTURED = _not_only("terrain.texture_density", "0", "0.0")
-_OBSTACLES = _not_only("terrain.obstacle", "none")
+_has_stairs = _if_chosen("terrain.structure", "stairs")
+_is_rough = _if_chosen("terrain.structure", "rough")
+_has_gaps = _if_chosen("terrain.structure", "gaps")
+_has_texture = _not_only("terrain.texture_density", "0", "0.0")
+_has_obstacles = _not_only("terrain.obstacle", "none")
 
-_CONDITIONS: dict[str, tuple[str, Callable[[Values], bool]]] = {
-    "terrain.incline": ("only for incline", _includes("terrain.structure", "incline")),
-    "terrain.step_height": ("only for stairs", _STAIRS),
-    "terrain.step_depth": ("only for stairs", _STAIRS),
-    "terrain.hill_height": ("only for rough", _ROUGH),
-    "terrain.hill_length": ("only for rough", _ROUGH),
-    "terrain.gap_width": ("only for gaps", _GAPS),
-    "terrain.gap_distance": ("only for gaps", _GAPS),
-    "terrain.texture_size": ("density is 0", _TEXTURED),
-    "terrain.obstacle_size": ("no obstacles", _OBSTACLES),
-    "terrain.obstacle_density": ("no obstacles", _OBSTACLES),
+_USE_CONDITIONS: dict[str, tuple[str, Callable[[Values], bool]]] = {
+    "terrain.incline": ("only for incline", _if_chosen("terrain.structure", "incline")),
+    "terrain.step_height": ("only for stairs", _has_stairs),
+    "terrain.step_depth": ("only for stairs", _has_stairs),
+    "terrain.hill_height": ("only for rough", _is_rough),
+    "terrain.hill_length": ("only for rough", _is_rough),
+    "terrain.gap_width": ("only for gaps", _has_gaps),
+    "terrain.gap_distance": ("only for gaps", _has_gaps),
+    "terrain.texture_size": ("density is 0", _has_texture),
+    "terrain.obstacle_size": ("no obstacles", _has_obstacles),
+    "terrain.obstacle_density": ("no obstacles", _has_obstacles),
     "terrain.seed": ("nothing is random", _has_random_terrain),
     "algorithm.mutation_scale": ("unused by macro", _not_only("algorithm.mutation", "macro")),
-    "algorithm.favored_gene": ("only for favored", _includes("algorithm.mutation", "favored")),
-    "simulation.max_speed": ("too fast forgiven", _excludes("simulation.forgive", "too_fast")),
-    "simulation.max_airborne": ("airborne forgiven", _excludes("simulation.forgive", "airborne")),
+    "algorithm.favored_gene": ("only for favored", _if_chosen("algorithm.mutation", "favored")),
+    "simulation.max_speed": ("too fast forgiven", _unless_chosen("simulation.forgive", "too_fast")),
+    "simulation.max_airborne": ("airborne forgiven", _unless_chosen("simulation.forgive", "airborne")),
 }
 """By setting, the reason why it can be unused, and the condition under which it is used."""

@@ -17,13 +17,13 @@ from walkerlab.view.plots.style import MAX_LEGEND_COLUMNS
 from walkerlab.view.plots.tables import fitness_label
 from walkerlab.view.snapshots import LIVE_STYLE, WHITE, HasSnapshot
 
-SIZE = (6.4, 3.5)  # inches
-MARGINS = {"left": 0.14, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
+PICTURE_SIZE = (6.4, 3.5)  # inches
+FIGURE_MARGINS = {"left": 0.14, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
 MAX_LABEL_LENGTH = 18  # characters of a name in the legend
 LEGEND_LINE_HEIGHT = 0.055  # height of a line of the legend, as a fraction of the picture's height
-LIVE = tag("style", Html(LIVE_STYLE))
+LIVE_STYLE_TAG = tag("style", Html(LIVE_STYLE))
 EMPTY_STYLE = "margin: auto; padding: 0 10%; text-align: center"
-_IDS = count()  # of all drawings: IDs are unique on a page
+_curve_ids = count()  # of all drawings: IDs are unique on a page
 
 
 class Curve(HasSnapshot, ipywidgets.HTML):
@@ -53,21 +53,21 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         groups: dict[str, list[tuple[int, str, pd.DataFrame]]] = {}
         for look, (name, table) in zip(looks or range(len(runs)), runs.items(), strict=True):
             if not table.empty:
-                groups.setdefault(fitness_label(table), []).append((look, _shorten(name), table))
+                groups.setdefault(fitness_label(table), []).append((look, _shorten_text(name), table))
                 n_generations = max(n_generations, int(table.generation.max()) + 1)
         self._figure = None
         self._alt = ""
         if not groups:
             empty = tag("p", "The fitness curve appears here, generation by generation.", style=EMPTY_STYLE)
-            self.value = tag("div", empty, LIVE, style=_frame_style(1))
+            self.value = tag("div", empty, LIVE_STYLE_TAG, style=_frame_style(1))
             return
-        figure = Figure(figsize=(SIZE[0], SIZE[1] * len(groups)))
+        figure = Figure(figsize=(PICTURE_SIZE[0], PICTURE_SIZE[1] * len(groups)))
         panels: Any = figure.subfigures(len(groups), 1, squeeze=False).ravel()
         n_runs = sum(map(len, groups.values()))
         alternative_texts: list[str] = []
         for panel, group in zip(panels, groups.values(), strict=True):
             n_lines = 2 * math.ceil(len(group) / MAX_LEGEND_COLUMNS) if n_runs > 1 else 1
-            panel.subplots_adjust(**MARGINS, top=0.97 - LEGEND_LINE_HEIGHT * n_lines)
+            panel.subplots_adjust(**FIGURE_MARGINS, top=0.97 - LEGEND_LINE_HEIGHT * n_lines)
             axes = panel.add_subplot()
             for look, name, table in group:
                 plots.fitness_curve(table, axes, label=name if n_runs > 1 else "", look=look)
@@ -77,8 +77,8 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         figure.savefig(file, format="svg")
         self._figure = figure
         self._alt = " ".join(alternative_texts)
-        picture = inline_svg(file.getvalue(), f"curve{next(_IDS)}", self._alt)
-        self.value = tag("div", picture, LIVE, style=_frame_style(len(groups)))
+        picture = inline_svg(file.getvalue(), f"curve{next(_curve_ids)}", self._alt)
+        self.value = tag("div", picture, LIVE_STYLE_TAG, style=_frame_style(len(groups)))
 
     def snapshot(self) -> Html:
         """Return the picture as static HTML: as PNG, the size of which does not grow with the curve."""
@@ -91,9 +91,9 @@ class Curve(HasSnapshot, ipywidgets.HTML):
 
 
 def _frame_style(n_axes: int) -> str:
-    ratio = f"aspect-ratio: {SIZE[0]} / {SIZE[1] * n_axes}"
+    ratio = f"aspect-ratio: {PICTURE_SIZE[0]} / {PICTURE_SIZE[1] * n_axes}"
     return f"{ratio}; background: white; border-radius: 6px; color: #555; display: grid"
 
 
-def _shorten(name: str) -> str:
+def _shorten_text(name: str) -> str:
     return name if len(name) <= MAX_LABEL_LENGTH else f"{name[: MAX_LABEL_LENGTH - 1]}…"

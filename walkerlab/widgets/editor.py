@@ -16,7 +16,7 @@ from walkerlab.view.snapshots import image
 from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.repairs import describe_repairs, find_fault, format_genome
 
-SIZE = (300, 190)  # pixels of the picture
+PICTURE_SIZE = (300, 190)  # pixels of the picture
 MAX_NOTES = 5  # changes to the gene that are listed
 
 OnGenome = Callable[[Genome], object]
@@ -102,7 +102,7 @@ class Editor(Component):
             self.fault_range = []
             self.notes = _shorten(describe_repairs(parsed, robot))
             self.genome = parsed.within(robot)
-            self.picture = sketch.draw_robot(self.genome, robot, size=SIZE)
+            self.picture = sketch.draw_robot(self.genome, robot, size=PICTURE_SIZE)
 
     def _update_text(self, change: Any) -> None:
         """Change the text to that of a genome that was set from outside."""

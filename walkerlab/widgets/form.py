@@ -14,14 +14,14 @@ from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.controls import (
     FUNCTION_PREFIX,
     SETTING_NAME,
-    label,
     make_controls,
+    setting_label,
     unused_settings,
     use_labels,
 )
 from walkerlab.widgets.presets import PRESETS, available_presets
 
-Named = dict[str, Any]
+NamedValues = dict[str, Any]
 """Values by name."""
 
 DOMAINS: dict[str, type[Domain]] = {name: type(field.default) for name, field in Settings.model_fields.items()}
@@ -63,13 +63,13 @@ class Form(Component):
             ValueError: If a name is unknown.
         """
         self._shown = _select_fields([only] if isinstance(only, str) else only)
-        self._functions: dict[tuple[str, str], Named] = {}  # user functions by name, by domain and field
+        self._functions: dict[tuple[str, str], NamedValues] = {}  # user functions by name, by domain and field
         self._presets = available_presets({domain for domain in DOMAINS if self._shown[domain] == _fields(domain)})
         self._last_valid = settings or Settings()
         super().__init__(presets=[{"name": name, "about": PRESETS[name].about} for name in self._presets])
         self._show(self._last_valid)
 
-    def set_state(self, sync_data: Named) -> None:
+    def set_state(self, sync_data: NamedValues) -> None:
         """Accept only values and the name of a preset from the browser."""
         super().set_state({name: value for name, value in sync_data.items() if name in ("values", "preset")})
 
@@ -82,13 +82,15 @@ class Form(Component):
         """Return a table of the shown settings of a domain, in which those that differ from the default are marked."""
         name, domain = named_domain
         rows = [row for row in glossary_rows(domain) if row.name in self._shown[name]]
-        lines = ([f"● {label(row.name)}" if row.changed else label(row.name), row.value] for row in rows)
+        lines = (
+            [f"● {setting_label(row.name)}" if row.changed else setting_label(row.name), row.value] for row in rows
+        )
         classes = ["strong" if row.changed else "" for row in rows]
         caption = f"{name.capitalize()} (● differs from the default)" if any(classes) else name.capitalize()
         return table(caption, ("setting", "value"), lines, classes=classes) if rows else Html("")
 
     @traitlets.validate("values")
-    def _complete(self, proposal: Any) -> dict[str, Named]:
+    def _complete(self, proposal: Any) -> dict[str, NamedValues]:
         """Replace missing values by the last ones and remove unknown settings: a browser may send anything."""
         sent: Any = proposal.value
         given = {name: sent[name] if isinstance(sent, Mapping) and name in sent else {} for name in DOMAINS}
@@ -168,7 +170,7 @@ class Form(Component):
 
     def _name_functions(self, domain: str, field: str, value: Any) -> Any:
         """Replace the user functions in a value by names, and remember the functions by name."""
-        named: Named = {}
+        named: NamedValues = {}
 
         def name(choice: Any) -> str:
             if not callable(choice):
@@ -183,9 +185,9 @@ class Form(Component):
         self._functions[domain, field] = self._functions.get((domain, field), {}) | named
         return names if isinstance(value, tuple) else names[0]
 
-    def _make_tabs(self) -> list[Named]:
+    def _make_tabs(self) -> list[NamedValues]:
         """Return the shown controls by domain, as plain data."""
-        tabs: list[Named] = []
+        tabs: list[NamedValues] = []
         for domain, domain_class in DOMAINS.items():
             functions = {field: list(named) for (other, field), named in self._functions.items() if other == domain}
             shown = self._shown[domain]

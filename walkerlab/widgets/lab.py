@@ -19,13 +19,13 @@ from walkerlab.evolution.live import LiveRun, State
 from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile.opening import RunFileError
-from walkerlab.runfile.records import join
+from walkerlab.runfile.records import concatenate_tables
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.workers import check_executor
 from walkerlab.system.files import absolute_path
 from walkerlab.text.html import Html, details, tag
-from walkerlab.view.snapshots import HasSnapshot, pieces_of
+from walkerlab.view.snapshots import HasSnapshot, nested_widgets
 from walkerlab.widgets.cells import register_in_cell
 from walkerlab.widgets.controls import use_labels
 from walkerlab.widgets.drawing_thread import DrawingThread
@@ -124,7 +124,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
             for end in (LiveRun.stop, LiveRun.close):  # all are stopped before the first wait
                 for live in live_runs:
                     end(live)
-        for component in pieces_of(self):
+        for component in nested_widgets(self):
             component.close()
         super().close()
 
@@ -139,7 +139,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
             self._drawing.request("world", partial(self.world.draw, settings))
             self._drawing.request("forecast", self._forecast)
             if not self.run:  # edited genes walk in the world of the selected run, if there is one
-                self.robot.use(settings)
+                self.robot.set_settings(settings)
 
     def _forecast(self) -> None:
         """Show how long a run with the form's settings takes; not during a run, which would distort the timing."""
@@ -152,8 +152,8 @@ class Lab(HasSnapshot, ipywidgets.Box):
     def _seconds_of(self, settings: Settings) -> float:
         """Estimate the duration of a run, s: at the pace of the last run if that was in the same world."""
         last = self._active
-        if last and last.pace and _world_of(last.settings) == _world_of(settings):
-            return last.pace * n_walks(settings)
+        if last and last.seconds_per_walk and _world_of(last.settings) == _world_of(settings):
+            return last.seconds_per_walk * n_walks(settings)
         return estimate_seconds(settings)
 
     # ------------------------------------------------------------------------------------------------------ live runs
@@ -169,9 +169,9 @@ class Lab(HasSnapshot, ipywidgets.Box):
             case "start" | "step" if not live and self.settings:
                 self._start(self.settings, 1 if button == "step" else None)
             case "step" if live:
-                live.go_on(1)
+                live.resume(1)
             case "continue" if live:
-                live.go_on()
+                live.resume()
             case "pause" if live:
                 live.pause()
             case "stop" if live:
@@ -190,7 +190,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         self._reported[live] = None, 0.0
         name = f"run {len(self._reported)}"
         self.runs.add(ListedRun(name, settings, live), name)
-        live.go_on(generations)
+        live.resume(generations)
 
     def _create_live_run(self, settings: Settings) -> LiveRun:
         """Create a run with a run file, or without one if the folder is not writable."""
@@ -240,8 +240,8 @@ class Lab(HasSnapshot, ipywidgets.Box):
             self.transport.words = words
             self.transport.share = live.n_done / live.n_walks
         self.robot.editor.can_insert = not live.is_over and n_done > 0
-        if live.note:
-            self.runs.drawer.words = live.note
+        if live.loss_note:
+            self.runs.drawer.words = live.loss_note
 
     # ------------------------------------------------------------------------------------------- the selected run
 
@@ -260,7 +260,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
     def _show_population(self) -> None:
         """Show the last generation of the selected run."""
         run = self.run
-        self.population.show(run.records if run else join([]), run.settings if run else None)
+        self.population.show(run.records if run else concatenate_tables([]), run.settings if run else None)
         self._show_robot()
 
     def _show_robot(self) -> None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from walkerlab.runfile.records import BY_HAND
+from walkerlab.runfile.records import INSERTED_BY_HAND
 from walkerlab.settings.values import pluralize
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.numbers import format_fixed_column, format_significant_column, with_unit
@@ -14,12 +14,12 @@ from walkerlab.view.plots.tables import unit_of
 
 MAX_LISTED = 300  # robots that have a row in the table
 MAX_DRAWN = 60  # robots that have a picture
-MINUS = "\N{MINUS SIGN}"
+MINUS_SIGN = "\N{MINUS SIGN}"
 
 ELITE = "elite"
 INVALID = "invalid"
 INSERTED = "inserted"
-SIGNS = {ELITE: "★", INVALID: "⚠\N{VARIATION SELECTOR-15}", INSERTED: "✎", "": ""}
+KIND_SIGNS = {ELITE: "★", INVALID: "⚠\N{VARIATION SELECTOR-15}", INSERTED: "✎", "": ""}
 """Signs of the kinds of robots: elites, robots whose walks do not count, robots made by hand, and all others."""
 
 
@@ -40,7 +40,7 @@ class Column:
     is_ascending: bool = False
 
 
-COLUMNS = {
+SORT_COLUMNS = {
     "individual": Column("robot", "by number", is_ascending=True),
     "fitness": Column("fitness", "fittest first"),
     "distance": Column("distance", "farthest first", 2),
@@ -59,11 +59,11 @@ def sort_robots(records: pd.DataFrame, column: str) -> pd.DataFrame:
 
     Args:
         records: Rows of one generation.
-        column: Name of a column of ``COLUMNS``.
+        column: Name of a column of ``SORT_COLUMNS``.
     """
     key = records.verdict == "ok" if column == "verdict" else records[column]
     keys = pd.DataFrame({"key": key, "fitness": records.fitness, "individual": records.individual})
-    ascending = [column == "verdict" or COLUMNS[column].is_ascending, False, True]
+    ascending = [column == "verdict" or SORT_COLUMNS[column].is_ascending, False, True]
     return records.loc[keys.sort_values(list(keys), ascending=ascending, kind="stable").index]
 
 
@@ -82,17 +82,17 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
     unit = unit_of(records, "fitness")
     invalid = records[records.verdict != "ok"]
     n_elites = int((records.born < records.generation).sum())
-    elites = f", {SIGNS[ELITE]} {pluralize(n_elites, 'elite')}" if n_elites else ""
-    n_inserted = int((records.operators == BY_HAND).sum())
-    inserted = f", {SIGNS[INSERTED]} {n_inserted} made by hand" if n_inserted else ""
+    elites = f", {KIND_SIGNS[ELITE]} {pluralize(n_elites, 'elite')}" if n_elites else ""
+    n_inserted = int((records.operators == INSERTED_BY_HAND).sum())
+    inserted = f", {KIND_SIGNS[INSERTED]} {n_inserted} made by hand" if n_inserted else ""
     verdicts = ", ".join(f"{n} {verdict}" for verdict, n in invalid.verdict.value_counts().items())
     n = len(records)
     listed = records.head(MAX_LISTED)
-    columns = [_format_cells(name, listed[name].tolist()) for name in COLUMNS]
+    columns = [_format_cells(name, listed[name].tolist()) for name in SORT_COLUMNS]
     rows = zip(listed.to_dict("records"), zip(*columns, strict=True), strict=True)
     return {
         "title": f"Generation {records.generation.iloc[0]}: {pluralize(n, 'robot')}{elites}{inserted}",
-        "warning": f"{SIGNS[INVALID]} {len(invalid):,} not counted: {verdicts}" if len(invalid) else "",
+        "warning": f"{KIND_SIGNS[INVALID]} {len(invalid):,} not counted: {verdicts}" if len(invalid) else "",
         "n_drawn": MAX_DRAWN,
         "drawn_note": f"the first {MAX_DRAWN} of {n:,} are drawn" if n > MAX_DRAWN else "",
         "listed_note": f"the first {MAX_LISTED} of {n:,} are listed" if n > MAX_LISTED else "",
@@ -103,7 +103,7 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
                 "unit": unit_of(records, name),
                 "direction": "ascending" if column.is_ascending else "descending",
             }
-            for name, column in COLUMNS.items()
+            for name, column in SORT_COLUMNS.items()
         ],
         "rows": [_describe_row(row, cells, fitness_name or "fitness", unit) for row, cells in rows],
     }
@@ -113,14 +113,14 @@ def _format_cells(name: str, values: list[Any]) -> list[str]:
     """Format the values of a column."""
     if name == "verdict":
         return values
-    digits = COLUMNS[name].digits
+    digits = SORT_COLUMNS[name].digits
     if name == "fitness":
         texts = format_significant_column(values)
     elif digits:
         texts = format_fixed_column(values, digits)
     else:
         texts = map(str, values)
-    return [text.replace("-", MINUS) for text in texts]
+    return [text.replace("-", MINUS_SIGN) for text in texts]
 
 
 def _describe_row(row: Mapping[Any, Any], cells: Sequence[str], fitness_name: str, unit: str) -> dict[str, Any]:
@@ -131,12 +131,12 @@ def _describe_row(row: Mapping[Any, Any], cells: Sequence[str], fitness_name: st
     elif row["born"] < row["generation"]:
         kind = ELITE
     else:
-        kind = INSERTED if row["operators"] == BY_HAND else ""
-    label = with_unit(row["fitness"], unit).replace("-", MINUS) if counts else row["verdict"]
+        kind = INSERTED if row["operators"] == INSERTED_BY_HAND else ""
+    label = with_unit(row["fitness"], unit).replace("-", MINUS_SIGN) if counts else row["verdict"]
     return {
         "individual": row["individual"],
         "kind": kind,
-        "sign": SIGNS[kind],
+        "sign": KIND_SIGNS[kind],
         "label": label,
         "description": _description(row, kind, f"{fitness_name} is {label}"),
         "cells": list(cells),
@@ -155,5 +155,5 @@ def _description(row: Mapping[Any, Any], kind: str, fitness: str) -> str:
         reason = f" Details: {row['reason']}." if isinstance(row["reason"], str) and row["reason"] else ""
         return f"{robot} Not counted: {row['verdict']}. {VERDICTS.get(row['verdict'], '')}{reason}"
     elite = f" An elite, unchanged since generation {row['born']}." if kind == ELITE else ""
-    inserted = " Made by hand." if row["operators"] == BY_HAND else ""
+    inserted = " Made by hand." if row["operators"] == INSERTED_BY_HAND else ""
     return f"{robot} Its {fitness}.{elite}{inserted}"

@@ -7,18 +7,18 @@ import pandas as pd
 import traitlets
 
 from walkerlab.evolution.run import Run
-from walkerlab.runfile.records import join
+from walkerlab.runfile.records import concatenate_tables
 from walkerlab.settings.settings import Settings
 from walkerlab.text.html import Html, table, tag
 from walkerlab.view import sketch
 from walkerlab.view.plots.tables import require_table
 from walkerlab.view.snapshots import image
 from walkerlab.widgets.component import Component, load_script, load_style
-from walkerlab.widgets.listing import COLUMNS, MAX_DRAWN, describe_generation, sort_robots
+from walkerlab.widgets.listing import MAX_DRAWN, SORT_COLUMNS, describe_generation, sort_robots
 
-SIZE = (100, 56)  # pixels of a picture
+PICTURE_SIZE = (100, 56)  # pixels of a picture
 MAX_IN_SNAPSHOT = 12  # robots in the static picture
-MARGIN = 0.15  # m that a picture shows beyond the longest robot, for its feet
+PICTURE_MARGIN = 0.15  # m that a picture shows beyond the longest robot, for its feet
 LENGTH_STEP = 0.2  # m, to which the longest body is rounded up, so that the scale stays if a child is slightly longer
 
 
@@ -38,7 +38,7 @@ class Population(Component):
     _esm = load_script("population")
     _css = load_style("population")
     selected = traitlets.Int(-1).tag(sync=True)
-    sort = traitlets.Enum(list(COLUMNS), "fitness").tag(sync=True)
+    sort = traitlets.Enum(list(SORT_COLUMNS), "fitness").tag(sync=True)
     as_table = traitlets.Bool(False).tag(sync=True)
     sort_options = traitlets.List().tag(sync=True)
     generation = traitlets.Dict().tag(sync=True)
@@ -52,10 +52,10 @@ class Population(Component):
             records: Table of a run, or a run; its last generation is shown. Empty if None.
             settings: Settings of the run, for the loads that the robots carry and drag.
         """
-        super().__init__(sort_options=[{"key": key, "order": column.order} for key, column in COLUMNS.items()])
+        super().__init__(sort_options=[{"key": key, "order": column.order} for key, column in SORT_COLUMNS.items()])
         self._lock = threading.RLock()
         self._settings = settings
-        self._shown = join([])
+        self._shown = concatenate_tables([])
         self.observe(self._list, "sort")
         self.observe(self._draw, "visible")
         if records is not None:
@@ -94,10 +94,10 @@ class Population(Component):
         drawn = self._shown.iloc[first:end]
         span = 0.0
         if len(drawn):
-            span = LENGTH_STEP * math.ceil(self._shown.body_length.max() / LENGTH_STEP) + MARGIN
+            span = LENGTH_STEP * math.ceil(self._shown.body_length.max() / LENGTH_STEP) + PICTURE_MARGIN
         robot = self._settings.robot if self._settings else None
         return {
-            str(number): sketch.draw_robot(genome, robot, size=SIZE, span=span)
+            str(number): sketch.draw_robot(genome, robot, size=PICTURE_SIZE, span=span)
             for number, genome in zip(drawn.individual, drawn.genome, strict=True)
         }
 
@@ -110,7 +110,7 @@ class Population(Component):
             return tag("p", "No generation was done yet.")
         rows = generation["rows"][:MAX_IN_SNAPSHOT]
         n = len(self._shown)
-        note = f" The first {len(rows)} of {n:,} are shown, {COLUMNS[self.sort].order}." if n > len(rows) else ""
+        note = f" The first {len(rows)} of {n:,} are shown, {SORT_COLUMNS[self.sort].order}." if n > len(rows) else ""
         caption = f"{generation['title']}.{note}"
         if self.as_table:
             columns = [f"{column['title']} {column['unit']}".strip() for column in generation["columns"]]

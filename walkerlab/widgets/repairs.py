@@ -11,7 +11,7 @@ from walkerlab.genome.repair import BODY_FEATURES, GRID_DECIMALS, SEGMENT_FEATUR
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.robot import Robot
 
-ROUNDING = 0.51 * 10.0**-GRID_DECIMALS  # smaller changes come from rounding and are not reported
+ROUNDING_TOLERANCE = 0.51 * 10.0**-GRID_DECIMALS  # smaller changes come from rounding and are not reported
 
 
 def format_genome(genome: Genome) -> str:
@@ -19,13 +19,13 @@ def format_genome(genome: Genome) -> str:
     return str(genome).replace(" | ", "\n| ")
 
 
-_GENES = build_genes(Robot())
-_KINDS = [
+_DEFAULT_GENES = build_genes(Robot())
+_FEATURE_KINDS = [
     (Feature[name.rpartition(".")[2]], unit, kind)
-    for name, unit, kind in zip(_GENES.names, _GENES.units, _GENES.kinds, strict=True)
+    for name, unit, kind in zip(_DEFAULT_GENES.names, _DEFAULT_GENES.units, _DEFAULT_GENES.kinds, strict=True)
 ]
-UNITS = {feature: unit for feature, unit, _ in _KINDS if feature != Feature.legs}
-CYCLIC = {feature for feature, _, kind in _KINDS if kind == "cyclic"}
+FEATURE_UNITS = {feature: unit for feature, unit, _ in _FEATURE_KINDS if feature != Feature.legs}
+CYCLIC_FEATURES = {feature for feature, _, kind in _FEATURE_KINDS if kind == "cyclic"}
 
 
 class Span(NamedTuple):
@@ -97,11 +97,11 @@ def _describe_gene(
     feature: Feature, given: float, used: float, limits: tuple[float, float], robot: Robot
 ) -> Iterator[str]:
     """Yield a sentence with the given value of a gene, why it is not allowed, and the used value, if they differ."""
-    if abs(given - used) <= ROUNDING:
+    if abs(given - used) <= ROUNDING_TOLERANCE:
         return
     low, high = limits
     given_text, low_text, high_text, used_text = (_with_unit(value, feature) for value in (given, low, high, used))
-    if feature in CYCLIC:
+    if feature in CYCLIC_FEATURES:
         why = "is not within one turn"
     elif given > high:
         why = f"is over the limit {high_text}"
@@ -119,7 +119,7 @@ def _describe_gene(
 
 
 def _with_unit(value: float, feature: Feature) -> str:
-    return f"{value:.4g} {UNITS.get(feature, '')}".rstrip()
+    return f"{value:.4g} {FEATURE_UNITS.get(feature, '')}".rstrip()
 
 
 def _range(limits: tuple[float, float]) -> str:

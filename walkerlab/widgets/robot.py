@@ -8,7 +8,7 @@ import ipywidgets
 
 from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome
-from walkerlab.runfile.records import births
+from walkerlab.runfile.records import birth_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.text.html import Html, details, join, shown, tag
 from walkerlab.view import sketch
@@ -62,7 +62,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         """Return the description, the picture and the gene of the robot as static HTML."""
         return join(Html(self.card.value), self.frame.snapshot(), details("Gene", self.editor.snapshot()))
 
-    def use(self, settings: Settings) -> None:
+    def set_settings(self, settings: Settings) -> None:
         """Change the world in which edited genes walk, and the limits of the editor."""
         self._settings = settings
         self.editor.settings = settings
@@ -87,10 +87,10 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         if not is_new_selection and (wanted == self._shown or is_edited or is_watched):
             return
         self._shown = wanted
-        row: Any = births(run.records).loc[robot]
+        row: Any = birth_rows(run.records).loc[robot]
         genome = Genome.parse(row.genome)
         self.card.value = robot_card(run.records, robot)
-        self.use(run.settings)
+        self.set_settings(run.settings)
         self.editor.genome = genome
         self._unedited_text = self.editor.text
         self._offer_replay(genome, f"robot {robot} of generation {row.born}")
@@ -103,7 +103,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         def walk() -> Replay:  # reads the settings when the replay is played
             return replay({name: genome}, self._settings)
 
-        self.frame.offer(walk, picture, f"Replay of {name}. Press to play.")
+        self.frame.set_replay(walk, picture, f"Replay of {name}. Press to play.")
 
     def _play(self, genome: Genome) -> None:
         """Play the walk of an edited gene."""

@@ -11,7 +11,7 @@ from walkerlab.errors import WalkerlabError
 from walkerlab.evolution import outputs
 from walkerlab.evolution.loading import load
 from walkerlab.evolution.run import Run
-from walkerlab.system.files import absolute_path, shown
+from walkerlab.system.files import absolute_path, display_path
 from walkerlab.text.html import Html, join
 from walkerlab.view.plots.style import RUN_COLOURS
 from walkerlab.view.report.code import as_python, user_functions
@@ -133,7 +133,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
 
     def _list_files(self) -> None:
         """Update the list of run files that can be loaded."""
-        self._files = {shown(Path(path)): path for path in find_run_files(self._folder)}
+        self._files = {display_path(Path(path)): path for path in find_run_files(self._folder)}
         self.drawer.files = list(self._files)
 
     def _load(self, name: str) -> None:
@@ -145,26 +145,32 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
             return
         file = run.path or absolute_path(path)
         self.add(ListedRun(str(file.resolve()), run.settings, run), run_name(file))
-        hint = "" if run.n_generations else f" No generation is done yet; resume it with wl.resume({shown(file)!r})."
-        self.drawer.words = f"Loaded {shown(file)}.{hint}"
+        hint = (
+            ""
+            if run.n_generations
+            else f" No generation is done yet; resume it with wl.resume({display_path(file)!r})."
+        )
+        self.drawer.words = f"Loaded {display_path(file)}.{hint}"
 
     def _export(self) -> None:
         """Write all outputs of the selected run into its folder, on a thread because it takes seconds."""
         if (run := self.selected) and run.n_generations:
             folder = run.path.parent if run.path else new_run_path(self._folder).parent
-            self.drawer.words = f"Writing into {shown(folder)} …"
+            self.drawer.words = f"Writing into {display_path(folder)} …"
             threading.Thread(target=self._write, args=(run, folder), name="walkerlab export", daemon=True).start()
 
     def _write(self, run: Run, folder: Path) -> None:
         try:
-            outputs.write(run, folder)
+            outputs.write_outputs(run, folder)
         except WalkerlabError as error:
             self.drawer.words = str(error)
         except Exception as error:  # on this thread, nothing else reports it
-            self.drawer.words = f"The run could not be exported into {shown(folder)}. {type(error).__name__}: {error}"
+            self.drawer.words = (
+                f"The run could not be exported into {display_path(folder)}. {type(error).__name__}: {error}"
+            )
         else:
             self._list_files()
-            self.drawer.words = f"Exported into the folder {shown(folder)}: {', '.join(outputs.FILES)}."
+            self.drawer.words = f"Exported into the folder {display_path(folder)}: {', '.join(outputs.OUTPUT_FILES)}."
 
 
 def _code(run: Run) -> str:

@@ -19,7 +19,7 @@ MAX_WIDTH = 1.5  # m between lanes beyond which they do not rise further
 STRAIGHT_DOWN = -90  # degrees of elevation
 ORBIT_SPEED = 30.0  # degrees/s
 
-VIEWS: dict[Camera, tuple[float, float, float]] = {
+CAMERA_VIEWS: dict[Camera, tuple[float, float, float]] = {
     Camera.side: (90, -10, 1.9),
     Camera.front: (180, -14, 1.9),
     Camera.top: (90, STRAIGHT_DOWN, 2.2),
@@ -69,7 +69,7 @@ def aim_camera(camera: Camera, time: Floats, paths: Floats, size: float, slope: 
         size: Length of the largest walker [m].
         slope: Pitch of the ground [rad], by which the camera is tilted to stay above it; positive is uphill.
     """
-    azimuth, elevation, relative_distance = VIEWS[camera]
+    azimuth, elevation, relative_distance = CAMERA_VIEWS[camera]
     low, high = paths.min(axis=0), paths.max(axis=0)
     target = _smooth(time, (low + high) / 2)
     spread = _smooth(time, (high - low).max(axis=1))

@@ -40,7 +40,7 @@ class Surface:
     is_ball: bool
 
 
-def surfaces(model: mujoco.MjModel, *, bodies: bool, far: float = PLANE_EXTENT) -> Iterator[Surface]:
+def visible_surfaces(model: mujoco.MjModel, *, bodies: bool, far: float = PLANE_EXTENT) -> Iterator[Surface]:
     """Yield the surfaces of all visible geoms and sites; the rope is neither.
 
     Args:
@@ -53,7 +53,9 @@ def surfaces(model: mujoco.MjModel, *, bodies: bool, far: float = PLANE_EXTENT) 
             getattr(model, f"{kind}_{field}") for field in ("type", "size", "bodyid", "rgba", "pos", "quat", "matid")
         )
         for i in np.flatnonzero((colours[:, 3] > 0) & ((body > 0) == bodies)).tolist():
-            points, triangles = _surface(model, types[i], sizes[i], int(model.geom_dataid[i]) if kind == "geom" else -1)
+            points, triangles = _geom_surface(
+                model, types[i], sizes[i], int(model.geom_dataid[i]) if kind == "geom" else -1
+            )
             if types[i] == mujoco.mjtGeom.mjGEOM_PLANE:
                 points = points * far
             rotation = np.empty(9)
@@ -76,7 +78,7 @@ def material_image(model: mujoco.MjModel, material: int) -> tuple[NDArray[np.uin
     return image, model.mat_texrepeat[material].astype(np.float64)
 
 
-def placements(scene: Scene, poses: Floats) -> Floats:
+def body_placements(scene: Scene, poses: Floats) -> Floats:
     """Return the position and orientation of each body in each pose.
 
     Args:
@@ -106,7 +108,7 @@ def n_valid_poses(scene: Scene, poses: Floats) -> int:
     is_invalid = ~np.isfinite(poses).all(axis=1)
     n_finite = int(np.argmax(is_invalid)) if is_invalid.any() else len(poses)
     is_followed = np.isin(scene.model.body_rootid, scene.roots)
-    positions = placements(scene, poses[:n_finite])[:, is_followed, POSITION]
+    positions = body_placements(scene, poses[:n_finite])[:, is_followed, POSITION]
     jumps = np.abs(np.diff(positions, axis=0)).max(axis=(1, 2), initial=0)
     return int(np.argmax(jumps > MAX_JUMP)) + 1 if (jumps > MAX_JUMP).any() else n_finite
 
@@ -133,7 +135,7 @@ def rotate(quaternions: Floats, vectors: Floats) -> Floats:
     return vectors + w * cross + np.cross(axis, cross)
 
 
-def skins(scene: Scene, pose: Floats, *, loose: bool = False) -> list[tuple[Floats, Floats]]:
+def surface_points(scene: Scene, pose: Floats, *, loose: bool = False) -> list[tuple[Floats, Floats]]:
     """Return the surface points of the robot and its loads, or of the obstacles, for drawings without OpenGL.
 
     Args:
@@ -161,7 +163,7 @@ def skins(scene: Scene, pose: Floats, *, loose: bool = False) -> list[tuple[Floa
     return parts
 
 
-def outline(points: Floats) -> Floats:
+def convex_outline(points: Floats) -> Floats:
     """Return the corners of the convex hull of (k, 2) points, in order; the two points of a rope unchanged.
 
     The hull is approximated by the farthest point in each of ``MAX_OUTLINE_CORNERS`` directions.
@@ -173,13 +175,13 @@ def outline(points: Floats) -> Floats:
 
 
 def _points(model: mujoco.MjModel, geom: int) -> Floats:
-    return _surface(model, model.geom_type[geom], model.geom_size[geom], int(model.geom_dataid[geom]))[0]
+    return _geom_surface(model, model.geom_type[geom], model.geom_size[geom], int(model.geom_dataid[geom]))[0]
 
 
 # ----------------------------------------------------------------------------------------------------- primitives
 
 
-def _surface(model: mujoco.MjModel, kind: int, size: Floats, data: int) -> tuple[Floats, Indices]:
+def _geom_surface(model: mujoco.MjModel, kind: int, size: Floats, data: int) -> tuple[Floats, Indices]:
     """Return the vertices of a geom in its own frame [m], shape (k, 3), and its triangles, shape (m, 3).
 
     Args:
@@ -190,17 +192,17 @@ def _surface(model: mujoco.MjModel, kind: int, size: Floats, data: int) -> tuple
     """
     match mujoco.mjtGeom(kind):
         case mujoco.mjtGeom.mjGEOM_PLANE:
-            return _grid(np.array([-1.0, 1.0]), np.array([-1.0, 1.0]), np.zeros((2, 2)))
+            return _grid_surface(np.array([-1.0, 1.0]), np.array([-1.0, 1.0]), np.zeros((2, 2)))
         case mujoco.mjtGeom.mjGEOM_HFIELD:
             return _height_field(model, data)
         case mujoco.mjtGeom.mjGEOM_CAPSULE:
             z = size[1] * np.repeat([1, -1], N_RINGS // 2 * N_AROUND)
-            return BALL * size[0] + np.stack([0 * z, 0 * z, z], axis=1), _BALL_TRIANGLES
+            return UNIT_BALL * size[0] + np.stack([0 * z, 0 * z, z], axis=1), _BALL_TRIANGLES
         case mujoco.mjtGeom.mjGEOM_CYLINDER:
-            rings = np.concatenate([RING + np.array([0, 0, z]) for z in (1, -1)]) * [size[0], size[0], size[1]]
+            rings = np.concatenate([UNIT_RING + np.array([0, 0, z]) for z in (1, -1)]) * [size[0], size[0], size[1]]
             return rings[_CYLINDER_VERTICES], _CYLINDER_TRIANGLES
         case mujoco.mjtGeom.mjGEOM_BOX:
-            return CUBE * size, _BOX_TRIANGLES
+            return UNIT_CUBE * size, _BOX_TRIANGLES
         case mujoco.mjtGeom.mjGEOM_MESH:
             vertices, faces = (
                 values[start[data] : start[data] + count[data]]
@@ -212,10 +214,10 @@ def _surface(model: mujoco.MjModel, kind: int, size: Floats, data: int) -> tuple
             split = vertices[faces.ravel()].astype(np.float64)
             return split, np.arange(len(split), dtype=np.intp).reshape(-1, 3)
         case _:
-            return BALL * size[0], _BALL_TRIANGLES
+            return UNIT_BALL * size[0], _BALL_TRIANGLES
 
 
-def _grid(x: Floats, y: Floats, z: Floats) -> tuple[Floats, Indices]:
+def _grid_surface(x: Floats, y: Floats, z: Floats) -> tuple[Floats, Indices]:
     """Return the surface of heights z, (len(y), len(x)), over a grid."""
     grid_x, grid_y = np.meshgrid(x, y)
     index = np.arange(z.size, dtype=np.intp).reshape(z.shape)
@@ -230,7 +232,7 @@ def _height_field(model: mujoco.MjModel, field: int) -> tuple[Floats, Indices]:
     heights = model.hfield_data[start : start + rows * columns].reshape(rows, columns) * highest
     x = np.linspace(-half_length, half_length, columns)
     y = np.linspace(-half_width, half_width, rows)
-    return _grid(x, y, heights.astype(np.float64))
+    return _grid_surface(x, y, heights.astype(np.float64))
 
 
 def _ring_triangles(n_rings: int) -> Indices:
@@ -250,9 +252,9 @@ _DIRECTIONS = np.array([(math.cos(angle), math.sin(angle)) for angle in _OUTLINE
 
 _AZIMUTHS = np.linspace(0, math.tau, N_AROUND, endpoint=False)
 _POLAR_ANGLES = (np.arange(N_RINGS) + 0.5) * math.pi / N_RINGS
-RING = np.stack([np.cos(_AZIMUTHS), np.sin(_AZIMUTHS), np.zeros(N_AROUND)], axis=1)
+UNIT_RING = np.stack([np.cos(_AZIMUTHS), np.sin(_AZIMUTHS), np.zeros(N_AROUND)], axis=1)
 """Vertices of a circle of radius 1, (N_AROUND, 3)."""
-BALL = np.concatenate([RING * math.sin(angle) + [0, 0, math.cos(angle)] for angle in _POLAR_ANGLES])
+UNIT_BALL = np.concatenate([UNIT_RING * math.sin(angle) + [0, 0, math.cos(angle)] for angle in _POLAR_ANGLES])
 """Vertices of a sphere of radius 1, (N_RINGS * N_AROUND, 3)."""
 _BALL_TRIANGLES = _ring_triangles(N_RINGS)
 
@@ -263,6 +265,6 @@ _N_SIDE_TRIANGLES = 2 * N_AROUND
 _CYLINDER_TRIANGLES[_N_SIDE_TRIANGLES:] += 2 * N_AROUND
 
 _CUBE_SIDE = np.array([(1, -1, -1), (1, 1, -1), (1, 1, 1), (1, -1, 1)], dtype=np.float64)
-CUBE = np.concatenate([np.roll(sign * _CUBE_SIDE[::sign], axis, axis=1) for axis in range(3) for sign in (1, -1)])
+UNIT_CUBE = np.concatenate([np.roll(sign * _CUBE_SIDE[::sign], axis, axis=1) for axis in range(3) for sign in (1, -1)])
 """Vertices of a cube from -1 to 1, four for each side, (24, 3)."""
 _BOX_TRIANGLES = np.concatenate([np.array([(0, 1, 2), (0, 2, 3)]) + 4 * side for side in range(6)]).astype(np.intp)

@@ -25,7 +25,7 @@ from walkerlab.settings.terrain import PLACEMENT_AREA, Terrain
 ARENA_LENGTH = 30.0  # m of stairs, hills or gaps after the landing
 ARENA_WIDTH = 10.0  # m
 PLATEAU_LENGTH = 300.0  # m of level ground after the arena, longer than any walk
-LANDING = 1.0  # m of level ground without obstacles ahead of the robot's foremost point
+LANDING_LENGTH = 1.0  # m of level ground without obstacles ahead of the robot's foremost point
 FIELD_START = -2.0  # m, x of the first texture pieces; obstacles start after the landing
 TRENCH_DEPTH = 0.5  # m, depth of a gap
 CELLS_PER_HILL = 8  # cells of the height field per hill_length
@@ -41,9 +41,9 @@ def ground_height(terrain: Terrain, x: Floats, y: Floats | float = 0.0) -> Float
     """Return the height of the bare ground [m] at each x, y [m]; in a gap, the height of its bottom."""
     match terrain.structure:
         case Structure.stairs:
-            return terrain.step_height * np.maximum(0.0, np.floor((x - LANDING) / terrain.step_depth) + 1)
+            return terrain.step_height * np.maximum(0.0, np.floor((x - LANDING_LENGTH) / terrain.step_depth) + 1)
         case Structure.gaps:
-            start, end = gaps(terrain).T
+            start, end = gap_ranges(terrain).T
             index = np.clip(np.searchsorted(start, x, side="right") - 1, 0, len(start) - 1)
             return np.where((start[index] < x) & (x < end[index]), -TRENCH_DEPTH, 0.0)
         case Structure.rough:
@@ -59,7 +59,9 @@ def arena_bounds(terrain: Terrain) -> Floats:
         Least and greatest x, y [m], shape (2, 2); infinite where the ground has no edge.
     """
     if terrain.structure in (Structure.stairs, Structure.rough, Structure.gaps):
-        return np.array([(-math.inf, -ARENA_WIDTH / 2), (LANDING + ARENA_LENGTH + PLATEAU_LENGTH / 2, ARENA_WIDTH / 2)])
+        return np.array(
+            [(-math.inf, -ARENA_WIDTH / 2), (LANDING_LENGTH + ARENA_LENGTH + PLATEAU_LENGTH / 2, ARENA_WIDTH / 2)]
+        )
     if terrain.n_pieces or terrain.obstacle:  # so that a robot cannot score by walking around them
         return np.array([(-math.inf, -PLACEMENT_AREA[1] / 2), (math.inf, PLACEMENT_AREA[1] / 2)])
     return np.array([(-math.inf, -math.inf), (math.inf, math.inf)])
@@ -78,20 +80,22 @@ def level_stretches(terrain: Terrain) -> Floats:
     end = FIELD_START + PLACEMENT_AREA[0]
     match terrain.structure:
         case Structure.stairs:
-            edges = np.arange(LANDING, end + terrain.step_depth, terrain.step_depth)
+            edges = np.arange(LANDING_LENGTH, end + terrain.step_depth, terrain.step_depth)
             stretches = np.stack([np.concatenate([[start], edges[:-1]]), edges], axis=1)
         case Structure.gaps:
-            gap_start, gap_end = gaps(terrain).T
+            gap_start, gap_end = gap_ranges(terrain).T
             stretches = np.stack([np.concatenate([[start], gap_end[:-1]]), gap_start], axis=1)
         case _:
             stretches = np.array([[start, end]])
     return np.minimum(stretches[stretches[:, 0] < end], end)
 
 
-def gaps(terrain: Terrain) -> Floats:
+def gap_ranges(terrain: Terrain) -> Floats:
     """Return the start and end of each gap along the way [m], shape (n, 2)."""
     period = terrain.gap_width + terrain.gap_distance
-    return LANDING + np.array([(i * period, i * period + terrain.gap_width) for i in range(int(ARENA_LENGTH / period))])
+    return LANDING_LENGTH + np.array(
+        [(i * period, i * period + terrain.gap_width) for i in range(int(ARENA_LENGTH / period))]
+    )
 
 
 @lru_cache(maxsize=16)
@@ -126,7 +130,7 @@ def hill_heights(terrain: Terrain) -> Floats:
 def _interpolate(heights: Floats, x: Floats, y: Floats) -> Floats:
     """Interpolate the height field as MuJoCo does, with two triangles per cell; return 0 outside of it."""
     n_y, n_x = heights.shape
-    column = np.clip((x - LANDING) / ARENA_LENGTH * (n_x - 1), 0, n_x - 1.000001)
+    column = np.clip((x - LANDING_LENGTH) / ARENA_LENGTH * (n_x - 1), 0, n_x - 1.000001)
     row = np.clip((y / ARENA_WIDTH + 0.5) * (n_y - 1), 0, n_y - 1.000001)
     i, j = row.astype(np.intp), column.astype(np.intp)
     u, v = row - i, column - j

@@ -52,7 +52,7 @@ class Material:
         return self.sliding, 2 / 3 * self.sliding * self.patch_radius, self.rolling * radius
 
 
-_ROLLING = "c: The Engineering Toolbox, Rolling Resistance"
+_ROLLING_SOURCE = "c: The Engineering Toolbox, Rolling Resistance"
 
 MATERIALS: dict[Texture, Material] = {
     Texture.rubber: Material(
@@ -62,7 +62,7 @@ MATERIALS: dict[Texture, Material] = {
     Texture.marble: Material(
         0.50, 0.010, 0.010, (0.93, 0.90, 0.87), (0.55, 0.51, 0.52), (0.45, 0.40, 0.42), (0.78, 0.74, 0.73), 0.03,
         "µ: chosen near the 0.5 asked of a dry stone floor (Khaday et al., Coatings 11, 2021, 1254); "
-        f"{_ROLLING} (hard and smooth)",
+        f"{_ROLLING_SOURCE} (hard and smooth)",
     ),
     Texture.ice: Material(
         0.10, 0.010, 0.010, (0.72, 0.88, 0.94), (0.63, 0.82, 0.90), (0.95, 0.99, 1.00), (0.93, 0.98, 1.00), 0.05,
@@ -76,16 +76,16 @@ MATERIALS: dict[Texture, Material] = {
     Texture.concrete: Material(
         0.75, 0.010, 0.015, (0.66, 0.66, 0.65), (0.60, 0.60, 0.59), (0.46, 0.46, 0.46), (0.48, 0.48, 0.49), 0.15,
         "µ: Noon 1994 (dry, 0.75); Serway & Beichner, Physics, 5th ed., table 5.2 (kinetic, 0.8); "
-        f"{_ROLLING} (0.01 to 0.015)",
+        f"{_ROLLING_SOURCE} (0.01 to 0.015)",
     ),
     Texture.grass: Material(
         0.45, 0.013, 0.07, (0.50, 0.68, 0.38), (0.35, 0.55, 0.31), (0.20, 0.40, 0.24), (0.54, 0.70, 0.38), 0.20,
         "µ: chosen between wet grass (Noon 1994, 0.2) and dry earth (Wong, Theory of Ground Vehicles, 0.68); "
-        f"{_ROLLING} (0.04 to 0.08)",
+        f"{_ROLLING_SOURCE} (0.04 to 0.08)",
     ),
     Texture.sand: Material(
         0.40, 0.017, 0.20, (0.93, 0.83, 0.62), (0.87, 0.76, 0.55), (0.72, 0.55, 0.34), (0.80, 0.67, 0.46), 0.20,
-        f"µ: Caterpillar Performance Handbook (rubber on wet sand 0.4, dry 0.2); {_ROLLING} (0.2 to 0.4, loose)",
+        f"µ: Caterpillar Performance Handbook (rubber on wet sand 0.4, dry 0.2); {_ROLLING_SOURCE} (0.2 to 0.4, loose)",
     ),
     Texture.gravel: Material(
         0.55, 0.013, 0.06, (0.52, 0.48, 0.47), (0.45, 0.41, 0.41), (0.69, 0.66, 0.63), (0.33, 0.31, 0.32), 0.30,

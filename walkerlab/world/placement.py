@@ -11,7 +11,7 @@ from walkerlab.ga.genes import Floats
 from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.settings.terrain import MAX_PIECES, OBSTACLE_REACH, OBSTACLE_SIZE_SPREAD, PLACEMENT_AREA, Terrain
-from walkerlab.world.heights import FIELD_START, LANDING, ground_height, level_stretches, project_onto_ground
+from walkerlab.world.heights import FIELD_START, LANDING_LENGTH, ground_height, level_stretches, project_onto_ground
 
 PIECE_HEIGHT = 0.25  # height of a texture piece, a flat dome, as a share of its width
 
@@ -153,7 +153,7 @@ def _scatter_obstacles(terrain: Terrain, rng: Generator) -> tuple[Floats, Floats
     """
     if terrain.obstacle == Obstacle.none:
         return np.empty((0, 2)), np.empty(0), np.empty(0)
-    stretches = np.maximum(level_stretches(terrain), LANDING)
+    stretches = np.maximum(level_stretches(terrain), LANDING_LENGTH)
     lengths = stretches[:, 1] - stretches[:, 0]
     count = round(terrain.obstacle_density * lengths.sum() * PLACEMENT_AREA[1])
     if terrain.structure == Structure.stairs and terrain.n_pieces:
@@ -182,7 +182,7 @@ def _scatter_obstacles(terrain: Terrain, rng: Generator) -> tuple[Floats, Floats
         radius = reach * np.sqrt(1 - tilt**2) + 1.2 * size * tilt
         distances = np.linalg.norm(tries[:, np.newaxis] - spots[is_placed], axis=2)
         is_free = (distances >= radius[:, np.newaxis] + radii[is_placed]).all(axis=1)
-        is_free &= along - radius > LANDING - 1e-9
+        is_free &= along - radius > LANDING_LENGTH - 1e-9
         if is_free.any():
             first = int(np.argmax(is_free))
             spots[n] = tries[first]

@@ -33,7 +33,7 @@ CHECKS: dict[Check, tuple[Check, ...]] = {
 """All checks, quickest first, and those that each of them requires to pass."""
 
 
-def examine() -> Iterator[Finding]:
+def run_checks() -> Iterator[Finding]:
     """Run all checks; a check is skipped if one that it requires has failed."""
     failed: set[Check] = set()
     for check, required in CHECKS.items():
@@ -61,7 +61,7 @@ def _run_check(check: Check) -> Iterator[Finding]:
 def run(_: object = None) -> int:
     """Print all findings; return the exit code, which is 1 if there is a fault."""
     has_fault = False
-    for finding in examine():
+    for finding in run_checks():
         print(finding, flush=True)
         has_fault = has_fault or finding.level == "fault"
     if has_fault:

@@ -15,7 +15,7 @@ from urllib.request import url2pathname
 
 from walkerlab.view.opengl import adapt_sudo
 
-ENVIRONMENT = "walkers"  # folder of the virtual environment that is suggested
+ENVIRONMENT_FOLDER = "walkers"  # folder of the virtual environment that is suggested
 
 
 def unset_variable(name: str) -> str:
@@ -23,7 +23,7 @@ def unset_variable(name: str) -> str:
     return f"Remove-Item Env:{name}" if os.name == "nt" else f"unset {name}"
 
 
-CORES = {
+CORE_LIMITS = {
     "machine": ("", "this is not a fault; for a faster run use fewer robots: walkerlab evolve --population-size 12"),
     "LOKY_MAX_CPU_COUNT": ("limited by LOKY_MAX_CPU_COUNT", unset_variable("LOKY_MAX_CPU_COUNT")),
     "affinity": (
@@ -38,7 +38,7 @@ CORES = {
 """Reasons why not all cores may be used, each with a description and a fix."""
 
 
-def install(*requirements: str) -> str:
+def install_commands(*requirements: str) -> str:
     """Return the commands that install packages; in a new environment if this Python does not allow it."""
     if not allows_packages():
         return create_environment(quote_path(Path(sys.executable)))
@@ -61,10 +61,10 @@ def create_environment(python: str) -> str:
     Args:
         python: Command of the Python that creates it.
     """
-    inside = rf"{ENVIRONMENT}\Scripts\python" if os.name == "nt" else f"{ENVIRONMENT}/bin/python"
+    inside = rf"{ENVIRONMENT_FOLDER}\Scripts\python" if os.name == "nt" else f"{ENVIRONMENT_FOLDER}/bin/python"
     is_split = platform.system() == "Linux" and not find_spec("ensurepip")  # a separate package on Debian
     install_venv = f"{adapt_sudo('sudo apt-get update && sudo apt-get install python3-venv')}\n" if is_split else ""
-    return f"{install_venv}{python} -m venv {ENVIRONMENT}\n{inside} -m pip install {find_source()}"
+    return f"{install_venv}{python} -m venv {ENVIRONMENT_FOLDER}\n{inside} -m pip install {find_source()}"
 
 
 def install_python(needed: str) -> str:
@@ -95,7 +95,7 @@ def quote_path(path: Path) -> str:
     return f'& "{path}"' if os.name == "nt" and path.suffix == ".exe" else f'"{path}"'  # syntax of PowerShell
 
 
-def reinstall(package: str, error: str) -> str:
+def reinstall_command(package: str, error: str) -> str:
     """Return the command that fixes an installed package that cannot be imported.
 
     Args:
@@ -104,8 +104,8 @@ def reinstall(package: str, error: str) -> str:
     """
     missing = error.partition("No module named")[2]
     if missing and package.replace("-", "_") not in missing:  # a dependency of the package
-        return install(find_source())
-    return install("--force-reinstall", "--no-deps", f"{package}=={version(package)}")
+        return install_commands(find_source())
+    return install_commands("--force-reinstall", "--no-deps", f"{package}=={version(package)}")
 
 
 def allow_workers(error: str) -> str:

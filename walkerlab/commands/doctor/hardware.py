@@ -96,7 +96,7 @@ def check_cores() -> Iterator[Finding]:
         limit = "affinity"
     else:
         limit = "limit"
-    description, fix = fixes.CORES[limit]
+    description, fix = fixes.CORE_LIMITS[limit]
     reason = f": {description}" if description else ""
     message = f"{usable} of {total} cores may be used" if total > 1 else "this computer has one core"
     if usable > 1:

@@ -14,7 +14,7 @@ from walkerlab.view import opengl
 
 OLDEST_PYTHON = (3, 11)
 
-OPTIONAL = {
+OPTIONAL_PACKAGES = {
     "jupyterlab": "only the notebooks need it",
     "ipywidgets": "only notebooks, replays and reports need it",
     "anywidget": "only notebooks, replays and reports need it",
@@ -28,7 +28,7 @@ OPTIONAL = {
 REPORTED_PACKAGES = ("mujoco", "dm-control", "numpy", "jupyterlab")
 """Packages whose versions are printed, because they matter for support."""
 
-REASONS = {"mujoco": "dm_control uses features that mujoco 4 no longer has"}
+VERSION_LIMIT_REASONS = {"mujoco": "dm_control uses features that mujoco 4 no longer has"}
 SIMULATION_MODULES = {
     "numpy": "numpy",
     "scipy": "scipy",
@@ -78,15 +78,15 @@ def check_packages() -> Iterator[Finding]:
         needed = requires("walkerlab") or []
         from packaging.requirements import Requirement
     except PackageNotFoundError:
-        yield Finding("fault", "walkerlab itself is not installed", fixes.install(fixes.find_source()))
+        yield Finding("fault", "walkerlab itself is not installed", fixes.install_commands(fixes.find_source()))
         return
     except ImportError:
-        yield Finding("fault", "packaging is not installed; walkerlab needs it", fixes.install("packaging"))
+        yield Finding("fault", "packaging is not installed; walkerlab needs it", fixes.install_commands("packaging"))
         return
     unmet: dict[str, Requirement] = {}
     n_met = 0
     for requirement in map(Requirement, needed):
-        installed = _version(requirement.name)
+        installed = _installed_version(requirement.name)
         extra = "cluster" if "cluster" in str(requirement.marker or "") else ""
         applies = requirement.marker is None or requirement.marker.evaluate({"extra": extra})
         if (extra and not installed) or not applies:
@@ -96,27 +96,32 @@ def check_packages() -> Iterator[Finding]:
         else:
             requirement.marker = None
             unmet[requirement.name] = requirement
-    reported = [f"{name} {_version(name)}" for name in REPORTED_PACKAGES if name not in unmet and _version(name)]
+    reported = [
+        f"{name} {_installed_version(name)}"
+        for name in REPORTED_PACKAGES
+        if name not in unmet and _installed_version(name)
+    ]
     yield Finding(
-        "ok", f"walkerlab {_version('walkerlab')}, {', '.join(reported)} and {n_met - len(reported)} more packages"
+        "ok",
+        f"walkerlab {_installed_version('walkerlab')}, {', '.join(reported)} and {n_met - len(reported)} more packages",
     )
     for is_optional in (False, True):
-        if names := [name for name in unmet if (name in OPTIONAL) == is_optional]:
+        if names := [name for name in unmet if (name in OPTIONAL_PACKAGES) == is_optional]:
             message = "\n".join(_describe_unmet(name, str(unmet[name].specifier)) for name in names)
-            fix = fixes.install(*(str(unmet[name]) for name in names))
+            fix = fixes.install_commands(*(str(unmet[name]) for name in names))
             yield Finding("note" if is_optional else "fault", message, fix)
 
 
 def _describe_unmet(name: str, specifier: str) -> str:
     """Describe a requirement that is not met: installed version, required versions and reason."""
-    installed = _version(name)
-    reason = REASONS.get(name) or OPTIONAL.get(name)
+    installed = _installed_version(name)
+    reason = VERSION_LIMIT_REASONS.get(name) or OPTIONAL_PACKAGES.get(name)
     bounds = sorted(specifier.split(","), reverse=True)
     versions = ", ".join(f"{one[2:]} or newer" if one[0] == ">" else f"below {one[1:]}" for one in bounds)
     return f"{name} {installed or 'is not installed'}; walkerlab needs {versions}{f': {reason}' if reason else ''}"
 
 
-def _version(package: str) -> str | None:
+def _installed_version(package: str) -> str | None:
     """Return the installed version of a package; None if it is not installed."""
     try:
         return version(package)
@@ -138,7 +143,9 @@ def check_walk() -> Iterator[Finding]:
     imports_succeed, import_error = opengl.run_python(IMPORT_MODULES.format(modules=SIMULATION_MODULES))
     package = import_error.partition(" is broken")[0]
     if imports_succeed or package not in SIMULATION_MODULES:
-        fix = fixes.install("--force-reinstall", fixes.find_source())
+        fix = fixes.install_commands("--force-reinstall", fixes.find_source())
         yield Finding("fault", f"walks cannot be simulated: {output}", fix)
     else:
-        yield Finding("fault", f"walks cannot be simulated: {import_error}", fixes.reinstall(package, import_error))
+        yield Finding(
+            "fault", f"walks cannot be simulated: {import_error}", fixes.reinstall_command(package, import_error)
+        )

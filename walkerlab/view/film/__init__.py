@@ -101,7 +101,7 @@ def film(
     path = film_path(path)
     clip = Clip(text, settings.simulation.duration, caption)
     about = f"A walk of {clip.seconds:g} s; camera: {settings.simulation.camera.about}"
-    return _render(Job((clip,), settings, size, fps, path.suffix.lower()), path, about, progress)
+    return _render_film(Job((clip,), settings, size, fps, path.suffix.lower()), path, about, progress)
 
 
 def timelapse(
@@ -150,13 +150,13 @@ def timelapse(
     unit = table.attrs.get("units", {}).get("fitness", "")
     shown_seconds = min(float(seconds), settings.simulation.duration)
     clips = tuple(
-        Clip(str(period.champion.genome), shown_seconds, _caption(period, unit), period.last)
+        Clip(str(period.champion.genome), shown_seconds, _write_caption(period, unit), period.last)
         for period in _select_evenly(_champion_periods(table), at_most)
     )
     first, last = int(table.generation.min()), int(table.generation.max())
     job = Job(clips, settings, size, fps, path.suffix.lower(), (first, last))
     about = f"{len(clips)} champions of generations {first} to {last}, walking one after the other"
-    return _render(job, path, about, progress)
+    return _render_film(job, path, about, progress)
 
 
 def _with_camera(settings: Settings, camera: Any) -> Settings:
@@ -164,18 +164,18 @@ def _with_camera(settings: Settings, camera: Any) -> Settings:
     return settings if camera is None else settings.with_(camera=camera)
 
 
-def _render(job: Job, path: Path, about: str, progress: bool) -> Film:
+def _render_film(job: Job, path: Path, about: str, progress: bool) -> Film:
     render_film(job, path, progress=progress)
     return Film(path, about, job.size, job.fps, job.n_frames)
 
 
 def _champion_periods(table: "pd.DataFrame") -> list[ChampionPeriod]:
     """Return the champions in the order of their generations, each with the generations of its period."""
-    from walkerlab.runfile.records import champion
+    from walkerlab.runfile.records import find_champion
 
     if table.empty:
         raise ValueError("no robot has walked yet, so there is nothing to film")
-    champions = [(int(number), champion(rows)) for number, rows in table.groupby("generation")]  # type: ignore[call-overload]
+    champions = [(int(number), find_champion(rows)) for number, rows in table.groupby("generation")]  # type: ignore[call-overload]
     periods = (list(period) for _, period in groupby(champions, key=lambda pair: pair[1].individual))
     return [ChampionPeriod(period[0][1], period[0][0], period[-1][0]) for period in periods]
 
@@ -186,7 +186,7 @@ def _select_evenly(periods: list[ChampionPeriod], at_most: int) -> list[Champion
     return [periods[i] for i in np.rint(selected).astype(int).tolist()]
 
 
-def _caption(period: ChampionPeriod, unit: str) -> str:
+def _write_caption(period: ChampionPeriod, unit: str) -> str:
     champion, first, last = period
     generations = f"generation {first}" if first == last else f"generations {first}–{last}"
     fitness = with_unit(champion.fitness, unit)

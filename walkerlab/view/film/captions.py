@@ -15,9 +15,9 @@ Picture = NDArray[np.uint8]
 CAPTION_HEIGHT = 0.045  # height of the caption's letters, as a share of the picture's height
 TIMELINE_HEIGHT = 0.75  # height of the timeline's numbers, as a share of the caption's letters
 MIN_FONT_SIZE = 9  # pixels; the smallest readable size
-BACKGROUND = (18, 20, 24, 165)  # RGBA
-WHITE = (255, 255, 255, 255)
-FAINT = (255, 255, 255, 110)
+BACKGROUND_COLOUR = (18, 20, 24, 165)  # RGBA
+TEXT_COLOUR = (255, 255, 255, 255)
+FAINT_COLOUR = (255, 255, 255, 110)
 
 
 class CaptionOverlay:
@@ -52,17 +52,17 @@ def _draw_caption(draw: ImageDraw.ImageDraw, size: tuple[int, int], text: str, f
     """Draw a caption in the upper left corner; long text gets a smaller font and is shortened if necessary."""
     margin = font_size // 2
     max_width = size[0] - 4 * margin
-    while font_size > MIN_FONT_SIZE and _font(font_size).getlength(text) > max_width:
+    while font_size > MIN_FONT_SIZE and _load_font(font_size).getlength(text) > max_width:
         font_size -= 1
-    font = _font(font_size)
+    font = _load_font(font_size)
     if font.getlength(text) > max_width:
         while text and font.getlength(f"{text}…") > max_width:
             text = text[:-1]
         text += "…"
     right = 3 * margin + font.getlength(text)
     bottom = 2 * margin + 1.25 * font_size
-    draw.rounded_rectangle((margin, margin, right, bottom), radius=margin, fill=BACKGROUND)
-    draw.text((2 * margin, (margin + bottom) / 2), text, font=font, fill=WHITE, anchor="lm")
+    draw.rounded_rectangle((margin, margin, right, bottom), radius=margin, fill=BACKGROUND_COLOUR)
+    draw.text((2 * margin, (margin + bottom) / 2), text, font=font, fill=TEXT_COLOUR, anchor="lm")
 
 
 def _draw_timeline(
@@ -79,15 +79,15 @@ def _draw_timeline(
     """
     width, height = job.size
     first, last = generation_range
-    font = _font(font_size)
+    font = _load_font(font_size)
     margin = font_size // 2
     line_start = font.getlength(str(first)) + 4 * margin
     line_end = width - (font.getlength(str(last)) + 4 * margin)
     top = height - 2 * margin - 1.5 * font_size
     middle = height - margin - 0.75 * font_size - margin / 2
-    draw.rounded_rectangle((margin, top, width - margin, height - margin), radius=margin, fill=BACKGROUND)
-    draw.text((2 * margin, middle), str(first), font=font, fill=WHITE, anchor="lm")
-    draw.text((width - 2 * margin, middle), str(last), font=font, fill=WHITE, anchor="rm")
+    draw.rounded_rectangle((margin, top, width - margin, height - margin), radius=margin, fill=BACKGROUND_COLOUR)
+    draw.text((2 * margin, middle), str(first), font=font, fill=TEXT_COLOUR, anchor="lm")
+    draw.text((width - 2 * margin, middle), str(last), font=font, fill=TEXT_COLOUR, anchor="rm")
 
     def position(number: int) -> float:
         return line_start + (line_end - line_start) * (number - first) / max(1, last - first)
@@ -96,16 +96,16 @@ def _draw_timeline(
     current = position(generation)
     line_top = middle - thickness / 2
     line_bottom = middle + thickness / 2
-    draw.rectangle((line_start, line_top, line_end, line_bottom), fill=FAINT)
-    draw.rectangle((line_start, line_top, current, line_bottom), fill=WHITE)
+    draw.rectangle((line_start, line_top, line_end, line_bottom), fill=FAINT_COLOUR)
+    draw.rectangle((line_start, line_top, current, line_bottom), fill=TEXT_COLOUR)
     for clip in job.clips:
-        colour = WHITE if clip.generation <= generation else FAINT
+        colour = TEXT_COLOUR if clip.generation <= generation else FAINT_COLOUR
         draw.circle((position(clip.generation), middle), 1.6 * thickness, fill=colour)
-    draw.circle((current, middle), font_size / 2.6, fill=WHITE)
+    draw.circle((current, middle), font_size / 2.6, fill=TEXT_COLOUR)
 
 
 @lru_cache(maxsize=64)
-def _font(size: int) -> ImageFont.FreeTypeFont:
+def _load_font(size: int) -> ImageFont.FreeTypeFont:
     """Load DejaVu Sans, which is installed with matplotlib and covers most alphabets."""
     from matplotlib import get_data_path
 

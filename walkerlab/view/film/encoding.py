@@ -62,15 +62,15 @@ def _encode_gif(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: int) -> 
     """Encode a GIF; each frame uses the palette of the last if it fits, so that still areas do not flicker."""
     images = map(Image.fromarray, pictures)
     first_image = next(images)
-    first_frame = _quantize(first_image, _palette(first_image))
+    first_frame = _apply_palette(first_image, _create_palette(first_image))
 
     def further_frames() -> Iterator[Image.Image]:
         palette = first_frame
         for image in images:
-            frame = _quantize(image, palette)
+            frame = _apply_palette(image, palette)
             wrong_share = _wrong_share(image, frame)
             if wrong_share > MAX_WRONG_SHARE:
-                with_new_palette = _quantize(image, _palette(image))
+                with_new_palette = _apply_palette(image, _create_palette(image))
                 if _wrong_share(image, with_new_palette) < wrong_share / 2:
                     palette = frame = with_new_palette
             yield frame
@@ -78,12 +78,12 @@ def _encode_gif(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: int) -> 
     first_frame.save(path, "GIF", save_all=True, append_images=further_frames(), duration=1000 / fps, loop=0)
 
 
-def _palette(image: Image.Image) -> Image.Image:
+def _create_palette(image: Image.Image) -> Image.Image:
     """Return an image whose palette suits a given image."""
     return image.quantize(GIF_COLOURS, dither=Image.Dither.NONE)
 
 
-def _quantize(image: Image.Image, palette: Image.Image) -> Image.Image:
+def _apply_palette(image: Image.Image, palette: Image.Image) -> Image.Image:
     """Give each pixel the nearest colour of a palette.
 
     ``Image.quantize`` without a palette does not choose the nearest colours, so that the next frame would differ.

@@ -12,7 +12,7 @@ from walkerlab.settings.settings import Settings
 
 SIDE_RANGE = (64, 4096)  # pixels
 FPS_RANGE = (1, 60)
-FORMATS = {".mp4": "plays everywhere", ".webm": "plays in every browser", ".gif": "for slides and chats; large"}
+FILM_FORMATS = {".mp4": "plays everywhere", ".webm": "plays in every browser", ".gif": "for slides and chats; large"}
 """What each format is good for, by the suffix of the file."""
 
 
@@ -46,7 +46,7 @@ class Job:
         settings: Settings of terrain, robot and simulation, including the camera; the algorithm is ignored.
         size: Width and height [pixels].
         fps: Frames per second.
-        suffix: Suffix of the file; a key of ``FORMATS``.
+        suffix: Suffix of the file; a key of ``FILM_FORMATS``.
         generation_range: First and last generation of the timeline; None for a film without timeline.
     """
 
@@ -78,10 +78,10 @@ class Job:
             )
         object.__setattr__(self, "size", tuple(map(int, self.size)))  # NumPy integers cannot be written as JSON
         object.__setattr__(self, "fps", int(self.fps))
-        if self.suffix not in FORMATS:
+        if self.suffix not in FILM_FORMATS:
             raise ValueError(
-                f"path ends in {self.suffix!r}; it must end in {', '.join(FORMATS)}. The suffix selects the format: "
-                f"{'; '.join(f'{suffix} {about}' for suffix, about in FORMATS.items())}."
+                f"path ends in {self.suffix!r}; it must end in {', '.join(FILM_FORMATS)}. The suffix selects the "
+                f"format: {'; '.join(f'{suffix} {about}' for suffix, about in FILM_FORMATS.items())}."
             )
 
     def count_frames(self, clip: Clip) -> int:

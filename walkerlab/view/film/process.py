@@ -10,7 +10,7 @@ from typing import IO, Any
 
 from tqdm.auto import tqdm
 
-from walkerlab.system.files import PathError, file_path, replacing, shown
+from walkerlab.system.files import PathError, display_path, file_path, replace_atomically
 from walkerlab.system.interrupts import interrupts_held
 from walkerlab.view import opengl
 from walkerlab.view.film.job import FilmError, Job
@@ -32,12 +32,12 @@ def render_film(job: Job, path: Path, *, progress: bool) -> None:
         FilmError: If OpenGL is not available or the film cannot be written.
     """
     try:
-        with replacing(path) as part, tqdm(total=job.n_frames, unit=" frames", disable=not progress) as bar:
+        with replace_atomically(path) as part, tqdm(total=job.n_frames, unit=" frames", disable=not progress) as bar:
             _render_with_first_backend(job, part, bar.update)
     except FileNotFoundError as error:
         raise FilmError(str(error)) from error
     except OSError as error:
-        where, what = shown(path.parent), error.strerror or error
+        where, what = display_path(path.parent), error.strerror or error
         raise FilmError(
             f"the film {path.name} cannot be written to {where}: {what}. Close programs that play it, or use another "
             "path."

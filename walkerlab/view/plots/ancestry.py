@@ -7,11 +7,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
-from walkerlab.runfile.records import champion, fitter_line, lineage, parent_numbers
+from walkerlab.runfile.records import find_champion, fitter_line, parent_numbers, select_lineage
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
-from walkerlab.view.plots.bodies import SLANT, BodyParts, add_body, resting_scene
+from walkerlab.view.plots.bodies import DEPTH_SHIFT, BodyParts, add_body, resting_scene
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description, annotate_no_data, escape_label
 from walkerlab.view.plots.tables import UNKNOWN_FITNESS, require_table, unit_of
 from walkerlab.view.plots.tree_nodes import (
@@ -23,7 +23,7 @@ from walkerlab.view.plots.tree_nodes import (
     format_fitness,
     place_nodes,
 )
-from walkerlab.world.geometry import skins
+from walkerlab.world.geometry import surface_points
 
 MAX_COMPLETE_LINE = 16  # robots of a line of descent that is drawn without gaps
 N_DRAWN_OF_LONG_LINE = 12  # robots drawn of a longer one
@@ -67,14 +67,14 @@ def family_tree(
         add_description(axes, TITLE, "No robot has walked yet.")
         axes.set_axis_off()
         return axes
-    number = champion(records).individual if individual is None else individual
-    births = lineage(records, number).set_index("individual", drop=False)
+    number = find_champion(records).individual if individual is None else individual
+    births = select_lineage(records, number).set_index("individual", drop=False)
     line = fitter_line(births, number)[::-1]
     drawn = _choose_drawn(len(line))
     members = [line[i] for i in drawn]
     other_parents = _find_other_parents(births, line, drawn)
     scenes = {one: resting_scene(births.genome[one], settings) for one in [*members, *other_parents.values()]}
-    parts: dict[int, BodyParts] = {one: skins(scene, scene.start) for one, scene in scenes.items()}
+    parts: dict[int, BodyParts] = {one: surface_points(scene, scene.start) for one, scene in scenes.items()}
     nodes, body_width, body_height = place_nodes(births, members, other_parents, parts)
 
     text_width = TEXT_WIDTH / BODY_WIDTH * body_width
@@ -100,7 +100,7 @@ def family_tree(
     last_generations = records[records.individual.isin(list(nodes))].groupby("individual").generation.max()
     unit = unit_of(records, "fitness")
     for one, node in nodes.items():
-        add_body(axes, node.parts, at=(node.origin, node.bottom), slant=SLANT, gid=f"robot-{one}")
+        add_body(axes, node.parts, at=(node.origin, node.bottom), slant=DEPTH_SHIFT, gid=f"robot-{one}")
         is_member = one in members
         x = member_text_x if is_member else other_text_x
         add_label(axes, node, int(last_generations[one]), unit, font_size, is_member=is_member, x=x)

@@ -107,7 +107,7 @@ def new_axes(width: float = 7.2, height: float = 4.0) -> Axes:
     return pyplot.figure(FigureClass=StyledFigure, figsize=(width, height), **options).add_subplot()
 
 
-def paper(width: float, height: float) -> Axes:
+def offscreen_axes(width: float, height: float) -> Axes:
     """Create a figure in the style of walkerlab that pyplot does not manage, for files and pages.
 
     Args:

@@ -18,7 +18,7 @@ from walkerlab.simulation.fitness import poorest_walk
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description
 from walkerlab.view.plots.tables import format_value
-from walkerlab.world.geometry import ROPE_POINTS, outline, skins, valid_poses
+from walkerlab.world.geometry import ROPE_POINTS, convex_outline, surface_points, valid_poses
 from walkerlab.world.heights import ground_height
 from walkerlab.world.scene import Scene, compile_scene, scene_of
 
@@ -28,10 +28,10 @@ MAX_BODIES = 5  # times that a robot is drawn along its walk
 MIN_SPACING = 1.3  # body lengths between two of them
 MIN_ARROW = 0.05  # m; a shorter distance has no arrow
 MAX_SIDE_DISTANCE = 1.0  # m to either side of the robot within which loose obstacles are drawn
-SLANT = 0.35  # shift to the right for each metre of depth, which keeps the far legs visible
+DEPTH_SHIFT = 0.35  # shift to the right for each metre of depth, which keeps the far legs visible
 
 BodyParts = Sequence[tuple[Floats, Floats]]
-"""Bodies, legs and loads as ``skins`` returns them: points [m], shape (k, 3), and RGBA colour of each."""
+"""Bodies, legs and loads as ``surface_points`` returns them: points [m], shape (k, 3), and RGBA colour of each."""
 
 
 @styled_plot
@@ -53,7 +53,7 @@ def body(genome: Genome | str, ax: Axes | None = None, settings: Settings | None
     """
     axes = ax or new_axes(4.2, 2.8)
     scene = resting_scene(genome, settings)
-    left, right, _, top = add_body(axes, skins(scene, scene.start), slant=SLANT)
+    left, right, _, top = add_body(axes, surface_points(scene, scene.start), slant=DEPTH_SHIFT)
     width = right - left
     ground_ends = [left - 0.05 * width, right + 0.05 * width]
     axes.plot(ground_ends, [0, 0], color=foreground_colour(axes, 0.5), lw=1)
@@ -98,7 +98,7 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     n_intervals = abs(distance) / (MIN_SPACING * rollout.phenotype.body_length)
     n_bodies = min(len(time), 2 + int(np.clip(n_intervals - 1, 0, MAX_BODIES - 2)))
     moments = np.linspace(0, len(time) - 1, n_bodies).astype(int)
-    bodies = [skins(scene, pose) for pose in poses[moments]]
+    bodies = [surface_points(scene, pose) for pose in poses[moments]]
     points_x = np.concatenate([points[:, 0] for parts in bodies for points, _ in parts])
     x = np.linspace(points_x.min() - GROUND_MARGIN, points_x.max() + GROUND_MARGIN, 400)
     bodies[-1] += _visible_obstacles(scene, poses[-1], (x[0], x[-1]), com[-1, 1])
@@ -138,7 +138,7 @@ def _visible_obstacles(scene: Scene, pose: Floats, ends: tuple[float, float], y:
         ends: Horizontal limits of the drawing [m].
         y: Lateral position of the robot [m].
     """
-    obstacles = skins(scene, pose, loose=True)
+    obstacles = surface_points(scene, pose, loose=True)
     centres = [points.mean(axis=0) for points, _ in obstacles]
     return [
         obstacle
@@ -194,7 +194,7 @@ def add_body(
 
     Args:
         axes: Axes of equal aspect.
-        parts: Parts of the body, as ``skins`` returns them.
+        parts: Parts of the body, as ``surface_points`` returns them.
         at: Position of the origin of the body, in data coordinates.
         scale: Data units per metre.
         strength: 1 for the colours of the parts; towards 0 they fade into the background.
@@ -206,7 +206,7 @@ def add_body(
     """
     far_first = sorted(parts, key=lambda part: -part[0][:, 1].mean())
     view = np.array([(1.0, 0.0), (slant, 0.0), (0.0, 1.0)])
-    outlines = [outline(points @ view) * scale + at for points, _ in far_first]
+    outlines = [convex_outline(points @ view) * scale + at for points, _ in far_first]
     background = np.array(foreground_colour(axes, 0))
     fills = [background + strength * (colour[:3] - background) for _, colour in far_first]
     is_rope = [len(points) == ROPE_POINTS for points, _ in far_first]

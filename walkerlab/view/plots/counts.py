@@ -39,7 +39,7 @@ VERDICT_STYLES = (
 """Colour and hatching of the verdicts after ``ok``, in the order of ``VERDICTS``; the same in all plots."""
 
 MAX_BARS = 60
-QUANTITY = "robots"
+COUNTED_QUANTITY = "robots"
 
 
 @styled_plot
@@ -58,12 +58,12 @@ def verdicts(records: pd.DataFrame, ax: Axes | None = None) -> Axes:
     """
     records = require_table(records, "verdict")
     axes = ax or new_axes()
-    require_quantity(axes, QUANTITY)
+    require_quantity(axes, COUNTED_QUANTITY)
     counts: Any = pd.crosstab(records.generation, records.verdict)
     known = [verdict for verdict in VERDICTS if verdict in counts]
     unknown = [verdict for verdict in counts if verdict not in VERDICTS]
     counts = counts[[*known, *unknown]]
-    add_description(axes, "Verdicts of each generation", _write_alt_text(counts), QUANTITY)
+    add_description(axes, "Verdicts of each generation", _write_alt_text(counts), COUNTED_QUANTITY)
     generations_per_bar = 1
     if counts.empty:
         annotate_no_data(axes, "no robot has walked yet")
@@ -71,7 +71,7 @@ def verdicts(records: pd.DataFrame, ax: Axes | None = None) -> Axes:
         counts = counts.reindex(range(counts.index[0], counts.index[-1] + 1))  # missing generations have no bar
         generations_per_bar = math.ceil(len(counts) / MAX_BARS)
         _draw_bars(axes, counts, generations_per_bar)
-    axes.set_ylabel(QUANTITY)
+    axes.set_ylabel(COUNTED_QUANTITY)
     axes.yaxis.set_major_locator(integer_locator())
     format_generation_axis(axes, len(counts))
     if generations_per_bar > 1:

@@ -32,7 +32,7 @@ from walkerlab.view.plots.tables import (
 )
 
 QUARTILES = np.array([0.25, 0.5, 0.75])
-IDENTIFIERS = ("generation", "individual", "born")  # numeric columns that are not traits
+IDENTIFIER_COLUMNS = ("generation", "individual", "born")  # numeric columns that are not traits
 WALK_RESULTS = ("fitness", "distance", "velocity")
 """Columns that a walk determines; they are meaningless if the walk does not count."""
 SINGLE_RUN_COLUMNS = 3  # of the legend of a single run
@@ -109,7 +109,7 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
             several runs, or the Axes show another quantity.
     """
     records = require_table(records)
-    numeric = [column for column in records.select_dtypes("number").columns if column not in IDENTIFIERS]
+    numeric = [column for column in records.select_dtypes("number").columns if column not in IDENTIFIER_COLUMNS]
     if name not in numeric:
         guess = did_you_mean(name, numeric)
         raise ValueError(f"the table has no numeric column {name!r}; it has {', '.join(numeric)}.{guess}")

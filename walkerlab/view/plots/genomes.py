@@ -31,7 +31,7 @@ from walkerlab.view.plots.style import (
 from walkerlab.view.plots.tables import describe_change, require_table
 
 MAX_SAMPLE = 200  # robots that represent a larger generation, evenly spaced in the table
-DIVERSITY = "genetic diversity"
+DIVERSITY_LABEL = "genetic diversity"
 GENES_TITLE = "The genes of a population"
 TRUNK_FEATURES = (Feature.length, Feature.mass, Feature.legs)  # genes of a grown segment that do not require legs
 VOID_COLOUR = "#A84300"  # of the line above the robots whose walks do not count
@@ -61,7 +61,7 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
     records = require_table(records, "genome")
     axes = ax or new_axes()
     title = "Genetic diversity of each generation"
-    require_quantity(axes, DIVERSITY)
+    require_quantity(axes, DIVERSITY_LABEL)
     values = pd.Series(_compute_diversity(records), dtype=np.float64)
     colour, marker = next_run_style(axes, title)
     markers: dict[str, Any] = {"marker": marker, "ms": 4, "markevery": marker_stride(len(values))}
@@ -74,7 +74,7 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
         definition = "the typical distance between two robots in a gene, as a share of its range in the run,"
         change = describe_change(values.round(3), "")
         text = f"{name} diversity over {pluralize(len(values), 'generation')}: {definition} {change}."
-    add_description(axes, title, text, DIVERSITY)
+    add_description(axes, title, text, DIVERSITY_LABEL)
     axes.set_ylabel("genetic diversity: distance between two robots\n[share of a gene's range in the run]")
     axes.set_ylim(0, max(axes.get_ylim()[1], 0.1))
     format_generation_axis(axes, len(values))

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from matplotlib.transforms import Bbox
 
-from walkerlab.system.files import file_path, replacing
+from walkerlab.system.files import file_path, replace_atomically
 from walkerlab.text.html import printable
 from walkerlab.text.numbers import MAX_FIXED_POWER, MIN_FIXED_POWER
 from walkerlab.view.plots.appearance import REPRODUCIBLE_TEXT, StyledFigure, foreground_colour, walkerlab_style
@@ -83,7 +83,7 @@ def require_quantity(axes: Axes, quantity: str) -> None:
     Raises:
         ValueError: If it shows another quantity.
     """
-    quantities = [plot.quantity for plot in _descriptions(axes)]
+    quantities = [plot.quantity for plot in _alt_texts(axes)]
     other = next((shown for shown in quantities if shown and shown != quantity), "")
     if not other:
         return
@@ -108,12 +108,12 @@ def alt_text(axes: Axes) -> str:
     Returns:
         One or two sentences for each plot, in the order drawn; "" if there is no plot.
     """
-    return " ".join(plot.text for plot in _descriptions(axes))
+    return " ".join(plot.text for plot in _alt_texts(axes))
 
 
 def count_plots(axes: Axes, title: str) -> int:
     """Return the number of plots with a given title on an Axes."""
-    return sum(plot.title == title for plot in _descriptions(axes))
+    return sum(plot.title == title for plot in _alt_texts(axes))
 
 
 def next_run_style(axes: Axes, title: str, number: int | None = None) -> tuple[str, str]:
@@ -133,7 +133,7 @@ def marker_stride(n_points: int) -> int | None:
     return math.ceil(n_points / MAX_MARKERS) or None
 
 
-def _descriptions(axes: Axes) -> list[_Description]:
+def _alt_texts(axes: Axes) -> list[_Description]:
     return [child for child in axes.get_children() if isinstance(child, _Description)]
 
 
@@ -146,7 +146,7 @@ def save(axes: Axes, *paths: str | os.PathLike[str]) -> None:
             matplotlib.
     """
     figure = cast(Figure, axes.get_figure(root=True))
-    plots = [plot for each in figure.axes for plot in _descriptions(each)]
+    plots = [plot for each in figure.axes for plot in _alt_texts(each)]
     title = "; ".join(dict.fromkeys(plot.title for plot in plots))
     text = " ".join(plot.text for plot in plots)
     metadata: dict[str, dict[str, str | None]] = {
@@ -168,7 +168,7 @@ def save(axes: Axes, *paths: str | os.PathLike[str]) -> None:
             content = buffer.getvalue()
             if suffix == ".svg":
                 content = _add_svg_description(content.decode("utf-8"), text).encode("utf-8")
-            with replacing(path) as temporary:
+            with replace_atomically(path) as temporary:
                 temporary.write_bytes(content)
 
 

@@ -4,7 +4,7 @@ from typing import Any
 
 import pandas as pd
 
-from walkerlab.runfile.records import COLUMNS
+from walkerlab.runfile.records import RECORD_COLUMNS
 from walkerlab.text.numbers import format_significant
 
 UNKNOWN_FITNESS = "fitness"  # name of the fitness if the table does not name its fitness function
@@ -41,7 +41,7 @@ def require_table(records: Any, *columns: str) -> pd.DataFrame:
 
 def unit_of(records: pd.DataFrame, column: str) -> str:
     """Return the unit of a column, "" if it has none; a table from a CSV file no longer has that of its fitness."""
-    default = COLUMNS[column][1] if column in COLUMNS else ""
+    default = RECORD_COLUMNS[column][1] if column in RECORD_COLUMNS else ""
     return str(records.attrs.get("units", {}).get(column, default))
 
 

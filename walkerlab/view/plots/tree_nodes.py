@@ -10,7 +10,7 @@ from matplotlib.patches import FancyArrowPatch
 from matplotlib.path import Path
 
 from walkerlab.view.plots.appearance import foreground_colour
-from walkerlab.view.plots.bodies import SLANT, BodyParts
+from walkerlab.view.plots.bodies import DEPTH_SHIFT, BodyParts
 from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, escape_label
 from walkerlab.view.plots.tables import format_value
 
@@ -63,7 +63,7 @@ class TreeNode:
 def _measure_extent(parts: BodyParts) -> tuple[float, float, float]:
     """Return left, right and top of a body as drawn [m], relative to its origin on the ground."""
     points = np.concatenate([points for points, _ in parts])
-    x = points[:, 0] + SLANT * points[:, 1]
+    x = points[:, 0] + DEPTH_SHIFT * points[:, 1]
     return float(x.min()), float(x.max()), float(points[:, 2].max())
 
 

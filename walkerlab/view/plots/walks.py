@@ -26,7 +26,7 @@ from walkerlab.view.plots.style import (
 from walkerlab.view.plots.tables import format_value
 from walkerlab.world.scene import compile_scene
 
-DISTANCE = "distance of the centre of mass [m]"
+DISTANCE_LABEL = "distance of the centre of mass [m]"
 MAX_GAIT_SECONDS = 10.0  # of a walk in a gait diagram, so that single steps remain visible
 LINE_STYLES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (1, 1)), (0, (8, 2, 2, 2, 2, 2)))
 """Line styles of successive walks, which distinguish them in black and white."""
@@ -53,7 +53,7 @@ def distance_over_time(rollout: Rollout, ax: Axes | None = None, *, label: str =
         raise TypeError(f"this plot needs a walk, such as wl.simulate(genome, settings) returns; got a {given}")
     axes = ax or new_axes()
     title = "Distance over time"
-    require_quantity(axes, DISTANCE)
+    require_quantity(axes, DISTANCE_LABEL)
     number = count_plots(axes, title)
     distance = rollout.com[:, 0] - rollout.com[0, 0]
     is_finite = np.isfinite(distance)
@@ -74,9 +74,9 @@ def distance_over_time(rollout: Rollout, ax: Axes | None = None, *, label: str =
         result = "it has no finite numbers"
     verdict = "" if rollout.counts else f" The walk does not count: {rollout.verdict} ({rollout.reason})."
     subject = f"{label}: distance" if label else "Distance"
-    add_description(axes, title, f"{subject} of one walk over time: {result}.{verdict}", DISTANCE)
+    add_description(axes, title, f"{subject} of one walk over time: {result}.{verdict}", DISTANCE_LABEL)
     axes.set_xlabel("time [s]")
-    axes.set_ylabel(DISTANCE)
+    axes.set_ylabel(DISTANCE_LABEL)
     format_value_axis(axes)
     axes.margins(x=0.01)
     style_axes(axes)

@@ -16,7 +16,7 @@ from walkerlab.view.replay import meshes
 from walkerlab.view.replay.tracks import TRANSFORM_RESOLUTION, Tracks, frame_times, track_bodies
 from walkerlab.world.assembly import ROBOT_BODY
 from walkerlab.world.cameras import aim_camera
-from walkerlab.world.geometry import PLANE_EXTENT, Surface, rotate, surfaces
+from walkerlab.world.geometry import PLANE_EXTENT, Surface, rotate, visible_surfaces
 from walkerlab.world.heights import ground_height, slope
 from walkerlab.world.scene import ORIENTATION, POSITION, Scene
 
@@ -99,7 +99,7 @@ def build_animation(walks: list[Walk], name: str) -> Animation:
             load_paths.append(_match_length(track.load, len(time)) + offset)
     plot = meshes.create_plot(first, name)
     far = float(np.abs(paths).max()) + PLANE_EXTENT
-    for mesh in meshes.ground_meshes(first, surfaces(first.model, bodies=False, far=far)):
+    for mesh in meshes.ground_meshes(first, visible_surfaces(first.model, bodies=False, far=far)):
         plot += mesh
     extent = lateral_extent(walks)
     distances = _marked_distances(paths)
@@ -159,7 +159,7 @@ def _walk_meshes(walk: Walk, tracks: Tracks) -> Iterator[tuple[Any, Floats | Non
     """
     model = walk.scene.model
     surfaces_of: defaultdict[int, list[Surface]] = defaultdict(list)
-    for surface in surfaces(model, bodies=True):
+    for surface in visible_surfaces(model, bodies=True):
         surfaces_of[surface.body].append(surface)
     for body in range(1, model.nbody):  # without the world
         root = model.body_rootid[body]

@@ -91,7 +91,7 @@ def surface_mesh(members: list[Surface], name: str = "", opacity: float = 1.0) -
         points = points[triangles].reshape(-1, 3)
         colours = colours[triangles].reshape(-1, 3) * np.repeat(np.take(BALL_BRIGHTNESS, patch), 3)[:, np.newaxis]
         triangles = np.arange(len(points)).reshape(-1, 3)
-    return _mesh(
+    return _create_mesh(
         points, triangles, colors=_pack_colours(colours), opacity=opacity, flat_shading=False, roughness=0.6,
         side="front" if opacity == 1 else "double", name=name,
     )  # fmt: skip
@@ -108,10 +108,10 @@ def place_mesh(mesh: Any, transform: Floats) -> Any:
 
 def tint_surface(surface: Surface, colour: RGB) -> Surface:
     """Return a surface of the robot in the colour of its racer."""
-    return replace(surface, colour=tint(surface.colour, colour))
+    return replace(surface, colour=race_colour(surface.colour, colour))
 
 
-def tint(natural: Floats, colour: RGB) -> Floats:
+def race_colour(natural: Floats, colour: RGB) -> Floats:
     """Return the colour in a race of a surface with this natural RGBA colour, (4,); blue limbs become lighter."""
     red, _, blue, alpha = natural
     white = LIMB_LIGHTENING if blue > red else 0.0
@@ -126,7 +126,7 @@ def rope_mesh(scene: Scene) -> Any:
     i = np.arange(ROPE_SIDES)
     j = (i + 1) % ROPE_SIDES
     triangles = np.stack([i, j, j + ROPE_SIDES, i, j + ROPE_SIDES, i + ROPE_SIDES], axis=1).reshape(-1, 3)
-    return _mesh(points, triangles, color=_pack_colours(scene.model.tendon_rgba[:1, :3])[0], flat_shading=False)
+    return _create_mesh(points, triangles, color=_pack_colours(scene.model.tendon_rgba[:1, :3])[0], flat_shading=False)
 
 
 def shadow_mesh(length: float) -> Any:
@@ -137,7 +137,7 @@ def shadow_mesh(length: float) -> Any:
     rim = np.stack([half_length * np.cos(angle), half_width * np.sin(angle), 0 * angle], axis=1)
     corner = np.arange(1, SHADOW_CORNERS - 1)
     triangles = np.stack([0 * corner, corner, corner + 1], axis=1)
-    return _mesh(rim, triangles, color=0x000000, opacity=SHADOW_OPACITY, side="double")
+    return _create_mesh(rim, triangles, color=0x000000, opacity=SHADOW_OPACITY, side="double")
 
 
 def line_mesh(terrain: Terrain, extent: tuple[float, float], distances: NDArray[Any], style: LineStyle) -> Any:
@@ -156,7 +156,7 @@ def line_mesh(terrain: Terrain, extent: tuple[float, float], distances: NDArray[
     points = np.stack([x, across, ground_height(terrain, x, across) + GROUND_CLEARANCE], axis=-1).reshape(-1, 3)
     i = (2 * np.arange(len(y) - 1) + 2 * len(y) * np.arange(len(distances))[:, np.newaxis]).ravel()
     triangles = np.stack([i, i + 1, i + 3, i, i + 3, i + 2], axis=1).reshape(-1, 3)
-    return _mesh(points, triangles, color=0xFFFFFF, opacity=style.opacity, side="double")
+    return _create_mesh(points, triangles, color=0xFFFFFF, opacity=style.opacity, side="double")
 
 
 def _piece_points(pieces: list[Surface]) -> Any:
@@ -179,14 +179,14 @@ def _textured_mesh(scene: Scene, members: list[Surface], material: int) -> Any:
     image, repeat = material_image(scene.model, material)
     file = io.BytesIO()
     Image.fromarray(image).quantize(MAX_TEXTURE_COLOURS).save(file, "png", optimize=True)
-    return _mesh(
+    return _create_mesh(
         corners, np.arange(len(corners)), color=0xFFFFFF, side="double", roughness=0.9, flat_shading=False,
         texture=file.getvalue(), texture_file_format="png", texture_wrap="repeat",
         uvs=(np.take_along_axis(corners, axes, axis=1) * repeat).astype(np.float32),
     )  # fmt: skip
 
 
-def _mesh(points: Floats, triangles: NDArray[Any], **appearance: Any) -> Any:
+def _create_mesh(points: Floats, triangles: NDArray[Any], **appearance: Any) -> Any:
     return k3d.mesh(points.astype(np.float32), triangles.astype(np.uint32), **appearance)
 
 

@@ -32,7 +32,7 @@ from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
 from walkerlab.simulation.fitness import name_and_unit, score
 from walkerlab.simulation.validity import UNSTABLE, VERDICTS
-from walkerlab.system.files import file_path, replacing
+from walkerlab.system.files import file_path, replace_atomically
 from walkerlab.text.html import Html, join, tag
 from walkerlab.text.numbers import with_unit
 from walkerlab.view.replay.animation import Animation, Walk, build_animation
@@ -41,7 +41,7 @@ from walkerlab.view.replay.tracks import pack_channels
 from walkerlab.view.replay.walkers import simulate_walks
 from walkerlab.view.snapshots import LIVE_STYLE, WHITE, HasSnapshot
 
-HERE = Path(__file__).parent
+REPLAY_FOLDER = Path(__file__).parent
 PLAY_HINT = " Press to play."  # at the end of the alternative text of a preview image
 TRUNK_COLOUR = "#e69f00"
 
@@ -81,7 +81,7 @@ class Replay:
         path = file_path(path)
         if path.suffix.lower() not in (".html", ".htm"):
             raise ValueError(f"path is {str(path)!r}; it must end in .html, because a replay is a page for a browser")
-        with replacing(path) as part:
+        with replace_atomically(path) as part:
             part.write_text(self.page, encoding="utf-8")
         return path
 
@@ -89,8 +89,8 @@ class Replay:
     def page(self) -> str:
         """The complete page, as HTML."""
         animation = build_animation(list(self.walks), self._title)
-        player = (HERE / "player.js").read_text(encoding="utf-8")
-        style = (HERE / "player.css").read_text(encoding="utf-8")
+        player = (REPLAY_FOLDER / "player.js").read_text(encoding="utf-8")
+        style = (REPLAY_FOLDER / "player.css").read_text(encoding="utf-8")
         recording = json.dumps(self._recording(animation)).replace("<", "\\u003c")  # no text can close the script
         code = f"({player.strip()})(K3DInstance, {recording});"
         page: str = animation.plot.get_snapshot(additional_js_code=code)
@@ -98,7 +98,7 @@ class Replay:
         head = join(tag("meta", name="viewport", content="width=device-width"), tag("title", self._title))
         head += tag("style", Html(style))
         page = re.sub(r"<title>.*?</title>", lambda _: head, page, count=1, flags=re.DOTALL)
-        unavailable = (HERE / "unavailable.html").read_text(encoding="utf-8")
+        unavailable = (REPLAY_FOLDER / "unavailable.html").read_text(encoding="utf-8")
         page = page.replace('<div id="canvasTarget"></div>', f'<div id="canvasTarget"></div>\n{unavailable}', 1)
         return page.replace("<html>", '<html lang="en">', 1)
 
@@ -195,7 +195,7 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
     """
 
     title = "replay"
-    _esm = HERE / "frame.js"
+    _esm = REPLAY_FOLDER / "frame.js"
     _css = LIVE_STYLE
     preview = traitlets.Unicode("").tag(sync=True)  # data URL of the preview image
     alt = traitlets.Unicode("").tag(sync=True)  # alternative text of the preview image
@@ -214,7 +214,7 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
             self.page = shown.page.encode("utf-8")
             self.preview = f"data:image/png;base64,{picture}"
 
-    def offer(self, make: Callable[[], Replay], picture: str, alt: str) -> None:
+    def set_replay(self, make: Callable[[], Replay], picture: str, alt: str) -> None:
         """Show the preview image of another replay, which is made when it is first played.
 
         Args:

@@ -8,22 +8,22 @@ from matplotlib.axes import Axes
 
 from walkerlab.settings.settings import Settings
 from walkerlab.text.numbers import with_unit
-from walkerlab.view.plots.appearance import paper, walkerlab_style
+from walkerlab.view.plots.appearance import offscreen_axes, walkerlab_style
 from walkerlab.view.plots.bodies import add_body, stride
 from walkerlab.view.plots.style import escape_label
 from walkerlab.view.replay.animation import Walk
-from walkerlab.view.replay.meshes import tint
-from walkerlab.world.geometry import skins, valid_poses
+from walkerlab.view.replay.meshes import race_colour
+from walkerlab.world.geometry import surface_points, valid_poses
 
 MAX_RACERS = 8  # drawn of a race, the farthest at the top
-WIDTH = 7.2  # inches
-RESOLUTION = 100  # dots per inch
+PREVIEW_WIDTH = 7.2  # inches
+PREVIEW_DPI = 100  # dots per inch
 ROW_SPACING = 1.25  # of the rows of a race, over the height of the robot
 
 
 def draw_preview(walks: Sequence[Walk], settings: Settings) -> bytes:
     """Draw the preview image of a replay as PNG."""
-    axes = paper(WIDTH, WIDTH)
+    axes = offscreen_axes(PREVIEW_WIDTH, PREVIEW_WIDTH)
     with walkerlab_style():
         if len(walks) == 1:
             stride(walks[0].scene.genome, settings, axes)
@@ -32,7 +32,7 @@ def draw_preview(walks: Sequence[Walk], settings: Settings) -> bytes:
         file = io.BytesIO()
         figure = axes.get_figure(root=True)
         assert figure
-        figure.savefig(file, format="png", dpi=RESOLUTION, bbox_inches="tight")
+        figure.savefig(file, format="png", dpi=PREVIEW_DPI, bbox_inches="tight")
     return file.getvalue()
 
 
@@ -44,11 +44,11 @@ def _draw_race_result(axes: Axes, walks: Sequence[Walk]) -> None:
     tick_labels: list[str] = []
     for walk in ranked:
         colour = walk.colour
-        parts = skins(walk.scene, valid_poses(walk.scene, walk.rollout.poses)[-1])
+        parts = surface_points(walk.scene, valid_poses(walk.scene, walk.rollout.poses)[-1])
         bottom = min(float(skin[:, 2].min()) for skin, _ in parts)
         top = max(float(skin[:, 2].max()) for skin, _ in parts)
         floor -= ROW_SPACING * (top - bottom)
-        tinted = [(skin, tint(natural, colour)) for skin, natural in parts] if colour else parts
+        tinted = [(skin, race_colour(natural, colour)) for skin, natural in parts] if colour else parts
         right = add_body(axes, tinted, at=(0.0, floor - bottom))[1]
         axes.plot([0, max(right, 0.0)], [floor, floor], lw=1, color=colour, zorder=0)
         verdict = "" if walk.rollout.counts else f"\ndoes not count: {walk.rollout.verdict}"

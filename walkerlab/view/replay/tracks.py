@@ -8,7 +8,7 @@ import numpy as np
 from walkerlab.ga.genes import Floats
 from walkerlab.simulation.rollout import Rollout
 from walkerlab.world.assembly import ROBOT_BODY
-from walkerlab.world.geometry import placements, rope_ends, valid_poses
+from walkerlab.world.geometry import body_placements, rope_ends, valid_poses
 from walkerlab.world.scene import ORIENTATION, Scene
 
 TIME_STEP = 0.02  # s between two frames of a replay; that of the controls
@@ -57,7 +57,7 @@ def track_bodies(scene: Scene, rollout: Rollout) -> Tracks:
     time = rollout.time[:n_valid]
     grid = frame_times(float(rollout.time[-1]))
     grid = grid[: max(1, int(np.searchsorted(grid, time[-1] + TIME_TOLERANCE)))]
-    placed = placements(scene, poses)
+    placed = body_placements(scene, poses)
     _align_quaternions(placed)
     ends = resample(grid, time, rope_ends(scene, placed))
     placed = resample(grid, time, placed)

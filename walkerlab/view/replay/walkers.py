@@ -17,7 +17,7 @@ from walkerlab.text.html import printable
 from walkerlab.view.plots.style import RUN_COLOURS
 from walkerlab.view.replay.animation import Walk
 from walkerlab.view.replay.meshes import RGB
-from walkerlab.world.geometry import skins
+from walkerlab.world.geometry import surface_points
 from walkerlab.world.heights import arena_bounds
 from walkerlab.world.scene import compile_scene
 
@@ -41,7 +41,9 @@ def simulate_walks(walkers: Any, settings: Settings) -> tuple[Walk, ...]:
     scenes = [compile_scene(genome, settings, scenery=True) for _, genome in genomes]
     rollouts = [poorest_walk(genome, settings) for _, genome in genomes]
     farthest = int(np.argmax([np.nan_to_num(rollout.distance, nan=-np.inf) for rollout in rollouts]))
-    reaches = [max(float(np.abs(skin[:, 1]).max()) for skin, _ in skins(scene, scene.start)) for scene in scenes]
+    reaches = [
+        max(float(np.abs(skin[:, 1]).max()) for skin, _ in surface_points(scene, scene.start)) for scene in scenes
+    ]
     lanes = _lanes(reaches, settings.terrain)
     return tuple(
         Walk(

@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.breeding import slot_entries
-from walkerlab.runfile.records import BY_HAND, births
+from walkerlab.runfile.records import INSERTED_BY_HAND, birth_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name
 from walkerlab.text.html import printable
@@ -29,7 +29,7 @@ def as_python(settings: Settings, records: pd.DataFrame | None = None) -> str:
     inserted: dict[int, list[str]] = {}
     if records is not None and not records.empty:
         settings = settings.with_(generations=int(records.generation.max()) + 1)
-        inserted_births: Any = births(records.loc[records.operators == BY_HAND, :])
+        inserted_births: Any = birth_rows(records.loc[records.operators == INSERTED_BY_HAND, :])
         for row in inserted_births.itertuples():
             inserted.setdefault(int(row.born), []).append(str(row.genome))
     assignment = f"settings = {settings.as_python()}"

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from walkerlab.runfile.records import champion
+from walkerlab.runfile.records import find_champion
 from walkerlab.settings.settings import Settings
 from walkerlab.system import files
 from walkerlab.text.html import Html, join, shown, tag
@@ -34,11 +34,11 @@ def run_html(settings: Settings, records: pd.DataFrame, path: Path | None) -> st
     headline = tag("p", tag("strong", summary.describe_result(records, settings.model_dump())))
     if records.empty:
         return shown(headline)
-    best = champion(records)
+    best = find_champion(records)
     curve = inline(lambda ax: plots.fitness_curve(records, ax), PICTURE_SIZE)
     body = inline(lambda ax: plots.body(best.genome, ax, settings), PICTURE_SIZE)
     caption = "The champion" if best.verdict == "ok" else f"Robot {best.individual}, whose walk does not count"
-    saved = tag("p", "The run is saved in ", tag("code", files.shown(path)), ".") if path else Html("")
+    saved = tag("p", "The run is saved in ", tag("code", files.display_path(path)), ".") if path else Html("")
     pictures = tag("div", _figure(curve, "Fitness"), _figure(body, caption), class_="pictures")
     return shown(headline, saved, pictures, _next_steps())
 

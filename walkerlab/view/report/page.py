@@ -11,14 +11,14 @@ import pandas as pd
 from walkerlab.genome.display import genome_html
 from walkerlab.runfile import provenance, store
 from walkerlab.runfile.opening import RunFileError
-from walkerlab.runfile.records import COLUMNS, births, champion
+from walkerlab.runfile.records import RECORD_COLUMNS, birth_rows, find_champion
 from walkerlab.settings.choices import Structure
 from walkerlab.settings.glossary import glossary, glossary_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.robustness import confirm
 from walkerlab.simulation.rollout import Rollout
 from walkerlab.system.file_sets import NewFiles, replacing_files
-from walkerlab.system.files import folder_path, replacing, write_text
+from walkerlab.system.files import folder_path, replace_atomically, write_text
 from walkerlab.text.html import Html, code, details, escape_cell, facts, join, standalone_page, table, tag
 from walkerlab.text.numbers import format_significant, with_unit
 from walkerlab.view import summary
@@ -91,7 +91,7 @@ def save_report(
         OSError: If a file cannot be made; the others are made nevertheless (see ``replacing_files``).
     """
     folder = folder_path(folder)
-    champion(records)  # raises ValueError before any file is touched
+    find_champion(records)  # raises ValueError before any file is touched
     with replacing_files(folder) as new:
         write_report(new, settings, records, path, files=files)
     return folder / REPORT_FILE
@@ -101,15 +101,15 @@ def write_report(
     new: NewFiles, settings: Settings, records: pd.DataFrame, path: Path | None = None, *, files: bool = True
 ) -> None:
     """Write the report as part of a set of new files; the other arguments are those of ``save_report``."""
-    with new.part(RECORDS_FILE):
+    with new.write_part(RECORDS_FILE):
         _write_csv(_escape_formulas(records), new.folder / RECORDS_FILE)
     if files:
-        with new.part(GENERATIONS_FILE):
+        with new.write_part(GENERATIONS_FILE):
             _write_csv(summary.generation_statistics(records), new.folder / GENERATIONS_FILE)
-    with new.part(REPLAY_FILE):
-        replay(champion(records), settings).to_html(new.folder / REPLAY_FILE)
+    with new.write_part(REPLAY_FILE):
+        replay(find_champion(records), settings).to_html(new.folder / REPLAY_FILE)
     picture_files = [f"{FOLDER}/{picture.name}.{ending}" for picture in PICTURES for ending in FORMATS]
-    with new.part(REPORT_FILE, *([WALK_FILE, *picture_files] if files else [])):
+    with new.write_part(REPORT_FILE, *([WALK_FILE, *picture_files] if files else [])):
         run = Subject.of(settings, records)
         if files:
             _write_csv(_walk_table(run.rollout), new.folder / WALK_FILE)
@@ -117,7 +117,7 @@ def write_report(
 
 
 def _write_csv(frame: pd.DataFrame, path: Path) -> None:
-    with replacing(path) as part:
+    with replace_atomically(path) as part:
         frame.to_csv(part, index=False)
 
 
@@ -146,7 +146,7 @@ def _page(run: Subject, folder: Path, path: Path | None, files: bool) -> str:
 
 def _escape_formulas(records: pd.DataFrame) -> pd.DataFrame:
     """Escape all texts that a spreadsheet would execute as formulas; the table may come from another person."""
-    text_columns = [name for name, (kind, *_) in COLUMNS.items() if kind is str]
+    text_columns = [name for name, (kind, *_) in RECORD_COLUMNS.items() if kind is str]
     return records.assign(**{name: records[name].map(escape_cell, na_action="ignore") for name in text_columns})
 
 
@@ -166,7 +166,7 @@ def _figure(picture: Picture, drawn: Html, files: bool) -> Html:
 
 def _summary_section(run: Subject, figures: Mapping[str, Html]) -> Html:
     plain = run.settings.model_dump()
-    born = births(run.records)
+    born = birth_rows(run.records)
     row: Any = born.loc[run.champion.individual]
     numbers: list[tuple[str, str]] = []
     if run.champion.verdict == "ok":

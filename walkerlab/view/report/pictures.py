@@ -10,13 +10,13 @@ from zlib import crc32
 import pandas as pd
 from matplotlib.axes import Axes
 
-from walkerlab.runfile.records import Individual, champion
+from walkerlab.runfile.records import Individual, find_champion
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import poorest_walk
 from walkerlab.simulation.rollout import Rollout
 from walkerlab.text.html import Html, inline_svg, tag
 from walkerlab.view import plots, summary
-from walkerlab.view.plots.appearance import paper
+from walkerlab.view.plots.appearance import offscreen_axes
 
 FORMATS = ("svg", "pdf", "png")
 FOLDER = "pictures"
@@ -57,7 +57,7 @@ class Subject:
         Raises:
             ValueError: If the table is empty.
         """
-        best = champion(records)
+        best = find_champion(records)
         return cls(settings, records, best, poorest_walk(best.genome, settings))
 
 
@@ -84,7 +84,7 @@ class Picture:
     def axes(self, run: Subject) -> Axes:
         """Create a figure of the picture's size and return its Axes."""
         width, height = self.size
-        return paper(width, self.height(run) if self.height else height)
+        return offscreen_axes(width, self.height(run) if self.height else height)
 
 
 def _family_height(run: Subject) -> float:
@@ -212,7 +212,7 @@ def inline(draw: Callable[[Axes], object], size: tuple[float, float]) -> Html:
         draw: Function that draws on an Axes.
         size: Width and height [inches].
     """
-    axes = paper(*size)
+    axes = offscreen_axes(*size)
     draw(axes)
     with TemporaryDirectory() as temporary:
         path = Path(temporary) / "picture.svg"

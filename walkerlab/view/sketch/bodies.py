@@ -12,10 +12,10 @@ from walkerlab.view.sketch.description import describe_robot
 from walkerlab.view.sketch.projection import SIDE_VIEW, Projection
 from walkerlab.view.sketch.solids import draw_solids
 from walkerlab.view.sketch.svg import TEXT_COLOUR, draw_path, svg_image
-from walkerlab.world.geometry import skins
+from walkerlab.world.geometry import surface_points
 from walkerlab.world.scene import scene_of
 
-MARGIN = 0.06  # on all sides, as a share of the drawing's width
+BODY_MARGIN = 0.06  # on all sides, as a share of the drawing's width
 MAX_CACHED_DRAWINGS = 512
 
 
@@ -52,13 +52,13 @@ def _draw_robot(genome: Genome, robot: Robot | None, size: tuple[float, float], 
     repaired = genome.within(robot) if robot else genome
     without_sledge = Settings(robot=robot or Robot()).with_(drag_weight=0.0)
     scene = scene_of(repaired, without_sledge)
-    parts = skins(scene, scene.start)
+    parts = surface_points(scene, scene.start)
     corners = np.concatenate([points @ SIDE_VIEW for points, _ in parts])
     left, bottom = corners.min(axis=0)
     right, top = corners.max(axis=0)
     width, height = size
-    margin = MARGIN * width
-    free_width = (1 - 2 * MARGIN) * width
+    margin = BODY_MARGIN * width
+    free_width = (1 - 2 * BODY_MARGIN) * width
     scale = min(free_width / (right - left), (height - 2 * margin) / (top - bottom), width / span if span else np.inf)
     ground = height - margin
     origin = np.array([(width - scale * (left + right)) / 2, ground + scale * bottom])

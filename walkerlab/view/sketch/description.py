@@ -9,7 +9,7 @@ from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.terrain import PLANET_GRAVITY, Terrain
 from walkerlab.settings.values import pluralize
-from walkerlab.world.heights import LANDING
+from walkerlab.world.heights import LANDING_LENGTH
 
 MIN_DIRECTION_SHARE = 0.1  # of a vector's length; smaller components are left out of its description
 
@@ -93,7 +93,7 @@ def _describe_direction(vector: tuple[float, float, float]) -> str:
 
 def _describe_ground(terrain: Terrain) -> str:
     ground = f"ground of {terrain.texture.name}"
-    begin = f"begin {LANDING:g} m ahead"
+    begin = f"begin {LANDING_LENGTH:g} m ahead"
     match terrain.structure:
         case Structure.incline if terrain.incline:
             return f"The {ground} slopes {'up' if terrain.incline > 0 else 'down'}hill at {abs(terrain.incline):g}°."

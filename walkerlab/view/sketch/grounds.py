@@ -12,8 +12,8 @@ from walkerlab.text.html import Html
 from walkerlab.view.sketch.projection import brightness
 from walkerlab.view.sketch.svg import blend, draw_dashes, draw_path, hex_colour, pseudo_random
 from walkerlab.view.sketch.window import DrawnItem, Window, ground_points
-from walkerlab.world.entities.scenery import PATTERNS
-from walkerlab.world.heights import ARENA_LENGTH, CELLS_PER_HILL, LANDING, TRENCH_DEPTH, gaps
+from walkerlab.world.entities.scenery import GROUND_PATTERNS
+from walkerlab.world.heights import ARENA_LENGTH, CELLS_PER_HILL, LANDING_LENGTH, TRENCH_DEPTH, gap_ranges
 from walkerlab.world.materials import MATERIALS
 
 MAX_HILL_COLUMNS = 44  # of faces along the visible ground
@@ -50,21 +50,21 @@ def _grid(terrain: Terrain, window: Window) -> tuple[Floats, Floats]:
     """
     start, end = window.x_range
     near, far = window.y_range
-    square_length, square_width = PATTERNS[terrain.texture].square
+    square_length, square_width = GROUND_PATTERNS[terrain.texture].square
     match terrain.structure:
         case Structure.stairs:
-            edges = np.arange(LANDING, end, terrain.step_depth)
+            edges = np.arange(LANDING_LENGTH, end, terrain.step_depth)
             return _both_sides(start, end, edges), np.array([near, far])
         case Structure.gaps:
-            return _both_sides(start, end, gaps(terrain).ravel()), np.array([near, far])
+            return _both_sides(start, end, gap_ranges(terrain).ravel()), np.array([near, far])
         case Structure.rough:
             cell = max(terrain.hill_length / CELLS_PER_HILL, window.width_m / MAX_HILL_COLUMNS)
-            last = min(end, LANDING + ARENA_LENGTH)
-            x = np.concatenate([[start], np.arange(LANDING, last, cell), [last, end]])
+            last = min(end, LANDING_LENGTH + ARENA_LENGTH)
+            x = np.concatenate([[start], np.arange(LANDING_LENGTH, last, cell), [last, end]])
             n_rows = min(MAX_HILL_ROWS, max(2, round((far - near) / cell)))
             return np.unique(x), np.linspace(near, far, n_rows + 1)
         case _:
-            return _multiples(start, end, square_length), _multiples(near, far, square_width)
+            return _multiples_between(start, end, square_length), _multiples_between(near, far, square_width)
 
 
 def _both_sides(start: float, end: float, edges: Floats) -> Floats:
@@ -73,7 +73,7 @@ def _both_sides(start: float, end: float, edges: Floats) -> Floats:
     return np.concatenate([[start], np.stack([inside - EPSILON, inside + EPSILON], axis=1).ravel(), [end]])
 
 
-def _multiples(start: float, end: float, step: float) -> Floats:
+def _multiples_between(start: float, end: float, step: float) -> Floats:
     """Return both ends, and the multiples of a step between them."""
     inside = np.arange(np.floor(start / step) + 1, np.ceil(end / step)) * step
     return np.concatenate([[start], inside, [end]])
@@ -86,7 +86,7 @@ def _row_faces(terrain: Terrain, x: Floats, near: float, far: float) -> tuple[Fl
         Corners of each face [m], shape (n, 4, 3), and its colour, shape (n, 3).
     """
     material = MATERIALS[terrain.texture]
-    square_length, square_width = PATTERNS[terrain.texture].square
+    square_length, square_width = GROUND_PATTERNS[terrain.texture].square
     front = ground_points(terrain, x, near)
     back = ground_points(terrain, x, far)
     corners = np.stack([front[:-1], front[1:], back[1:], back[:-1]], axis=1)

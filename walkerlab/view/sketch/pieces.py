@@ -14,9 +14,9 @@ from walkerlab.view.sketch.projection import RAISED_VIEW, Projection
 from walkerlab.view.sketch.solids import EDGE_STYLE, draw_box
 from walkerlab.view.sketch.svg import draw_path, hex_colour
 from walkerlab.view.sketch.window import DrawnItem, Window, ground_points
-from walkerlab.world.entities.obstacle import COLOURS, LOG_ASPECT, ROCKS, body_axes
+from walkerlab.world.entities.obstacle import LOG_ASPECT, OBSTACLE_COLOURS, ROCK_SHAPES, body_axes
 from walkerlab.world.entities.scenery import HEARTWOOD_COLOUR, LID_COLOUR
-from walkerlab.world.geometry import BALL, CUBE, N_AROUND, RING, outline
+from walkerlab.world.geometry import N_AROUND, UNIT_BALL, UNIT_CUBE, UNIT_RING, convex_outline
 from walkerlab.world.materials import MATERIALS
 from walkerlab.world.placement import PIECE_HEIGHT, compute_layout
 
@@ -63,7 +63,7 @@ def draw_obstacles(terrain: Terrain, window: Window) -> Iterator[DrawnItem]:
         corners = _unit_corners(terrain.obstacle, number) * size
         centre = layout.obstacles[index] - corners[:, 2].min() * up
         points = centre + corners @ np.stack([x_axis, y_axis, up])
-        colour = np.array(COLOURS[terrain.obstacle]) * (1 + 0.12 * math.sin(2.4 * number))
+        colour = np.array(OBSTACLE_COLOURS[terrain.obstacle]) * (1 + 0.12 * math.sin(2.4 * number))
         drawn = tag("g", *_draw_obstacle(terrain.obstacle, points, colour, size, window.projection), **EDGE_STYLE)
         yield float(points[:, 1].min()), tag("g", draw_shadow(terrain, points, window), drawn)
 
@@ -77,7 +77,7 @@ def draw_shadow(terrain: Terrain, points: Floats, window: Window) -> Html:
         window: Visible section of the world.
     """
     shadow = window.projection.project(ground_points(terrain, points[:, 0], points[:, 1]))
-    return draw_path([outline(shadow)], fill="#000", fill_opacity=0.18)
+    return draw_path([convex_outline(shadow)], fill="#000", fill_opacity=0.18)
 
 
 def _is_visible(points: Floats, window: Window) -> NDArray[np.bool_]:
@@ -96,15 +96,15 @@ def _unit_corners(kind: Obstacle, number: int) -> Floats:
     """
     match kind:
         case Obstacle.box:
-            return 0.5 * CUBE
+            return 0.5 * UNIT_CUBE
         case Obstacle.cylinder:
             return _CYLINDER_ENDS * (0.4, 0.4, 0.5)
         case Obstacle.log:
             return (_CYLINDER_ENDS * (0.5, 0.5, LOG_ASPECT / 2))[:, [2, 1, 0]]
         case Obstacle.rock:
-            return 0.5 * ROCKS[number % len(ROCKS)]
+            return 0.5 * ROCK_SHAPES[number % len(ROCK_SHAPES)]
         case _:
-            return 0.5 * BALL
+            return 0.5 * UNIT_BALL
 
 
 def _draw_obstacle(
@@ -122,7 +122,7 @@ def _draw_obstacle(
     projected = projection.project(points)
     centre = projected.mean(axis=0)
     radius = size / 2 * projection.scale
-    silhouette = draw_path([outline(projected)], fill=hex_colour(colour))
+    silhouette = draw_path([convex_outline(projected)], fill=hex_colour(colour))
     first_end, second_end = slice(None, N_AROUND), slice(N_AROUND, 2 * N_AROUND)
     match kind:
         case Obstacle.box:
@@ -134,12 +134,12 @@ def _draw_obstacle(
             nearer_end = second_end if depth[first_end].mean() < depth[second_end].mean() else first_end
             return silhouette, draw_path([projected[nearer_end]], fill=hex_colour(HEARTWOOD_COLOUR))
         case Obstacle.rock:
-            top = centre + 0.62 * (outline(projected) - centre) - (0, 0.2 * radius)
+            top = centre + 0.62 * (convex_outline(projected) - centre) - (0, 0.2 * radius)
             return silhouette, draw_path([top], fill="#fff", fill_opacity=0.16, stroke="none")
         case _:
-            circle = draw_path([centre + radius * RING[:, :2]], fill=hex_colour(colour))
-            highlight = centre + radius * (0.25 * RING[:, :2] + (0.3, -0.4))
+            circle = draw_path([centre + radius * UNIT_RING[:, :2]], fill=hex_colour(colour))
+            highlight = centre + radius * (0.25 * UNIT_RING[:, :2] + (0.3, -0.4))
             return circle, draw_path([highlight], fill="#fff", fill_opacity=0.5, stroke="none")
 
 
-_CYLINDER_ENDS = np.concatenate([RING + np.array([0, 0, z]) for z in (1, -1)])
+_CYLINDER_ENDS = np.concatenate([UNIT_RING + np.array([0, 0, z]) for z in (1, -1)])

@@ -13,7 +13,7 @@ RAISED_VIEW = np.array([(1.0, 0.0), (DEPTH_SHIFT, 0.21), (0.0, 1.0)])
 """View from slightly above the ground, (3, 2); distant points are also drawn higher."""
 
 TO_SUN = np.array([0.36, -0.64, 0.68])  # direction to the sun, close to that of ``entities.scenery``
-AMBIENT = 0.6  # brightness of a face parallel to the sunlight
+AMBIENT_LIGHT = 0.6  # brightness of a face parallel to the sunlight
 BRIGHTNESS_RANGE = (0.45, 1.12)
 
 
@@ -47,5 +47,5 @@ def brightness(normals: Floats) -> Floats:
     Args:
         normals: Unit normals of the faces, shape (n, 3).
     """
-    diffuse = (1 - AMBIENT) * (normals @ TO_SUN) / TO_SUN[2]
-    return np.clip(AMBIENT + diffuse, *BRIGHTNESS_RANGE)[:, np.newaxis]
+    diffuse = (1 - AMBIENT_LIGHT) * (normals @ TO_SUN) / TO_SUN[2]
+    return np.clip(AMBIENT_LIGHT + diffuse, *BRIGHTNESS_RANGE)[:, np.newaxis]

@@ -11,7 +11,7 @@ from walkerlab.view.sketch.description import unusual_forces
 from walkerlab.view.sketch.projection import RAISED_VIEW
 from walkerlab.view.sketch.svg import blend, draw_dashes, draw_path, draw_text, hex_colour, pseudo_random
 from walkerlab.view.sketch.window import Window
-from walkerlab.world.entities.scenery import SKIES, Sky
+from walkerlab.world.entities.scenery import find_sky
 
 N_SKY_BANDS = 30  # from the zenith to the horizon
 N_STARS = 70
@@ -23,7 +23,7 @@ DARK_SKY_BRIGHTNESS = 0.2  # below, labels are white
 
 def draw_sky(terrain: Terrain, window: Window) -> Html:
     """Draw the sky of the moon, Mars, the earth or Jupiter, depending on the strength of gravity."""
-    sky = _sky_of(terrain)
+    sky = find_sky(terrain)
     width, height = window.size
     edges = np.round(np.linspace(0, height, N_SKY_BANDS + 1)).astype(int).tolist()
     shares = np.clip(np.linspace(0, 1.3, N_SKY_BANDS), 0, 1) ** 0.8
@@ -39,7 +39,7 @@ def draw_sky(terrain: Terrain, window: Window) -> Html:
 
 def draw_force_arrows(terrain: Terrain) -> Html:
     """Draw a labelled arrow for each force that differs from the earth on a calm day."""
-    text_colour = "#fff" if max(_sky_of(terrain).zenith) < DARK_SKY_BRIGHTNESS else "#1a1a1a"
+    text_colour = "#fff" if max(find_sky(terrain).zenith) < DARK_SKY_BRIGHTNESS else "#1a1a1a"
     drawn: list[Html] = []
     for row, force in enumerate(unusual_forces(terrain)):
         centre = np.array([26.0, 24.0 + FORCE_ROW_HEIGHT * row])
@@ -66,8 +66,3 @@ def _draw_arrow(centre: Floats, length: float, direction: Floats) -> Html:
         draw_path([shaft], closed=False, stroke="#b34700", stroke_width=2.4),
         draw_path([head], fill="#b34700"),
     )
-
-
-def _sky_of(terrain: Terrain) -> Sky:
-    gravity = math.hypot(*terrain.gravity)
-    return next(sky for max_gravity, sky in SKIES.items() if gravity <= max_gravity)

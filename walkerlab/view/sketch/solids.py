@@ -9,7 +9,7 @@ from walkerlab.ga.genes import Floats
 from walkerlab.text.html import Html, tag
 from walkerlab.view.sketch.projection import Projection, brightness
 from walkerlab.view.sketch.svg import draw_path, hex_colour
-from walkerlab.world.geometry import CUBE, ROPE_POINTS, outline
+from walkerlab.world.geometry import ROPE_POINTS, UNIT_CUBE, convex_outline
 
 EDGE_STYLE: dict[str, Any] = {"stroke": "#1a1a1a", "stroke_width": 0.6, "stroke_linejoin": "round"}
 
@@ -29,16 +29,16 @@ def draw_solids(parts: Sequence[tuple[Floats, Floats]], projection: Projection) 
 def _draw_solid(points: Floats, colour: Floats, projection: Projection) -> Html:
     if len(points) == ROPE_POINTS:
         return draw_path([projection.project(points)], closed=False, stroke=hex_colour(colour), stroke_width=1.5)
-    if len(points) == len(CUBE):
+    if len(points) == len(UNIT_CUBE):
         return draw_box(points, colour, projection)
-    return draw_path([outline(projection.project(points))], fill=hex_colour(colour))
+    return draw_path([convex_outline(projection.project(points))], fill=hex_colour(colour))
 
 
 def draw_box(corners: Floats, colour: Floats, projection: Projection) -> Html:
     """Draw the visible faces of a box.
 
     Args:
-        corners: Four corners of each face [m], in the order of ``CUBE``, shape (24, 3).
+        corners: Four corners of each face [m], in the order of ``UNIT_CUBE``, shape (24, 3).
         colour: Colour of a level face, shape (3,).
         projection: Projection of the drawing.
     """

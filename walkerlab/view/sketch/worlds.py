@@ -21,8 +21,8 @@ from walkerlab.view.sketch.svg import TEXT_COLOUR, draw_path, draw_text, svg_ima
 from walkerlab.view.sketch.window import DrawnItem, Window, back_to_front, ground_points
 from walkerlab.world.assembly import ROPE_LENGTH
 from walkerlab.world.entities.load import half_sledge_length
-from walkerlab.world.geometry import skins
-from walkerlab.world.heights import LANDING, ground_height
+from walkerlab.world.geometry import surface_points
+from walkerlab.world.heights import LANDING_LENGTH, ground_height
 from walkerlab.world.scene import Scene, scene_of
 
 SCALE_HEIGHT = 22.0  # pixels below the picture, for the distance scale
@@ -35,7 +35,7 @@ LENGTHS_AHEAD = 2.4  # visible distance ahead of the start, in lengths of the lo
 NEAR_SHARE = 0.13  # distance of the ground's near edge from y = 0, as a share of the visible width
 FAR_SHARE = 0.35  # distance of the ground's far edge from y = 0, as a share of the visible width
 
-Parts = list[tuple[Floats, Floats]]
+RobotParts = list[tuple[Floats, Floats]]
 
 
 def draw_world(
@@ -61,7 +61,7 @@ def draw_world(
         GenomeError: If ``genome`` is text but not a valid genome.
     """
     scene = None if genome is None else _scene_without_obstacles(Genome.of(genome), settings)
-    parts = skins(scene, scene.start) if scene else []
+    parts = surface_points(scene, scene.start) if scene else []
     window = _choose_window(settings, parts, (size[0], size[1] - SCALE_HEIGHT), width_m)
     terrain = settings.terrain
     items: list[DrawnItem] = [
@@ -94,12 +94,12 @@ def _scene_without_obstacles(genome: Genome, settings: Settings) -> Scene:
     return replace(level, settings=settings)
 
 
-def _choose_window(settings: Settings, parts: Parts, size: tuple[float, float], width_m: float | None) -> Window:
+def _choose_window(settings: Settings, parts: RobotParts, size: tuple[float, float], width_m: float | None) -> Window:
     """Choose a window with the whole robot, a stretch ahead of it and, if possible, the lowest visible ground.
 
     Args:
         settings: Settings with terrain and robot.
-        parts: Points and colour of each part of the robot, as returned by ``skins``; empty without a robot.
+        parts: Points and colour of each part of the robot, as returned by ``surface_points``; empty without a robot.
         size: Width and height of the picture [pixels].
         width_m: Visible width [m], as in ``draw_world``.
     """
@@ -109,7 +109,7 @@ def _choose_window(settings: Settings, parts: Parts, size: tuple[float, float], 
     robot_left, robot_bottom = corners.min(axis=0).tolist()
     robot_top = float(corners[:, 1].max())
     behind = MARGIN_BEHIND + robot.body_length[1] + _sledge_reach(robot)
-    width = width_m or _round_up_to_half(behind + max(LANDING + 1.5, LENGTHS_AHEAD * robot.body_length[1]))
+    width = width_m or _round_up_to_half(behind + max(LANDING_LENGTH + 1.5, LENGTHS_AHEAD * robot.body_length[1]))
     width = max(
         width,
         _round_up_to_half(1.3 * (MARGIN_BEHIND - robot_left)),

@@ -11,10 +11,16 @@ from walkerlab.settings.terrain import Terrain
 from walkerlab.world.materials import MATERIALS, RGB
 from walkerlab.world.placement import Layout
 
-DENSITIES = {Obstacle.box: 300, Obstacle.ball: 80, Obstacle.cylinder: 500, Obstacle.rock: 2000, Obstacle.log: 500}
+OBSTACLE_DENSITIES = {
+    Obstacle.box: 300,
+    Obstacle.ball: 80,
+    Obstacle.cylinder: 500,
+    Obstacle.rock: 2000,
+    Obstacle.log: 500,
+}
 """In kg/m³: those of a crate, a beach ball, a tin, a stone, dry wood."""
 
-COLOURS: dict[Obstacle, RGB] = {
+OBSTACLE_COLOURS: dict[Obstacle, RGB] = {
     Obstacle.box: (0.72, 0.53, 0.30),
     Obstacle.ball: (0.80, 0.47, 0.65),
     Obstacle.cylinder: (0.00, 0.62, 0.45),
@@ -34,15 +40,15 @@ def add_obstacles(root: Any, terrain: Terrain, layout: Layout) -> None:
         layout.obstacles, layout.obstacle_normals, layout.obstacle_angles, layout.obstacle_sizes, strict=True
     )
     for i, (spot, normal, angle, size) in enumerate(placements, start=1):
-        shape = _shape(root, kind, i, size)
+        shape = _obstacle_geom(root, kind, i, size)
         body = root.worldbody.add("body", name=f"obstacle{i}", pos=spot + shape.pop("centre_height") * normal)
         body.xyaxes = body_axes(normal, angle)
         body.sleep = "allowed" if any(terrain.wind) else "init"
         body.add("freejoint", name=f"obstacle{i}")
-        colour = np.clip(np.array(COLOURS[kind]) * (1 + 0.12 * math.sin(2.4 * i)), 0, 1)
+        colour = np.clip(np.array(OBSTACLE_COLOURS[kind]) * (1 + 0.12 * math.sin(2.4 * i)), 0, 1)
         body.add(
-            "geom", name=f"obstacle{i}", density=DENSITIES[kind], friction=material.friction(size / 2), condim=6,
-            rgba=(*colour, 1), **shape,
+            "geom", name=f"obstacle{i}", density=OBSTACLE_DENSITIES[kind],
+            friction=material.friction(size / 2), condim=6, rgba=(*colour, 1), **shape,
         )  # fmt: skip
 
 
@@ -54,7 +60,7 @@ def body_axes(normal: Floats, angle: float) -> Floats:
     return np.concatenate([x, np.cross(normal, x)])
 
 
-def _shape(root: Any, kind: Obstacle, number: int, size: float) -> dict[str, Any]:
+def _obstacle_geom(root: Any, kind: Obstacle, number: int, size: float) -> dict[str, Any]:
     """Return the geom attributes of an obstacle of a size [m], and the height of its centre over the ground [m]."""
     half = size / 2
     match kind:
@@ -66,7 +72,7 @@ def _shape(root: Any, kind: Obstacle, number: int, size: float) -> dict[str, Any
             size_of_log = [half, LOG_ASPECT * half]
             return {"type": "cylinder", "size": size_of_log, "euler": (0, math.pi / 2, 0), "centre_height": half}
         case Obstacle.rock:
-            corners = half * ROCKS[number % len(ROCKS)]
+            corners = half * ROCK_SHAPES[number % len(ROCK_SHAPES)]
             mesh = root.asset.add("mesh", name=f"rock{number}", vertex=corners.ravel())
             return {"type": "mesh", "mesh": mesh, "centre_height": -corners[:, 2].min()}
         case _:
@@ -83,5 +89,5 @@ def _rock_corners(number: int) -> Floats:
     return np.stack([ring * np.cos(angle), ring * np.sin(angle), 0.8 * z], axis=1) * radius[:, np.newaxis]
 
 
-ROCKS = [_rock_corners(number) for number in range(N_ROCK_SHAPES)]
+ROCK_SHAPES = [_rock_corners(number) for number in range(N_ROCK_SHAPES)]
 """Corners of each rock shape, (16, 3), for a rock of width 2."""

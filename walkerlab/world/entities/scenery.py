@@ -11,7 +11,7 @@ import numpy as np
 
 from walkerlab.settings.choices import Obstacle, Structure, Texture
 from walkerlab.settings.terrain import PLACEMENT_AREA, Terrain
-from walkerlab.world.heights import ARENA_LENGTH, ARENA_WIDTH, LANDING, TRENCH_DEPTH, ground_height
+from walkerlab.world.heights import ARENA_LENGTH, ARENA_WIDTH, LANDING_LENGTH, TRENCH_DEPTH, ground_height
 from walkerlab.world.materials import MATERIALS, RGB
 
 
@@ -32,7 +32,7 @@ class Pattern:
     reflectance: float = 0.0
 
 
-PATTERNS: dict[Texture, Pattern] = {
+GROUND_PATTERNS: dict[Texture, Pattern] = {
     Texture.rubber: Pattern(),
     Texture.marble: Pattern((256, 128), specular=0.5, reflectance=0.13),
     Texture.ice: Pattern((384, 24), specular=0.8, reflectance=0.2),  # scratches
@@ -90,7 +90,8 @@ STRAP_COLOUR = (0.20, 0.16, 0.14, 1)
 
 def add_ground_materials(root: Any, terrain: Terrain) -> dict[str, Any]:
     """Add the MuJoCo materials of the ground and return them by name: ``chequer``, ``light`` and ``dark``."""
-    material, pattern = MATERIALS[terrain.texture], PATTERNS[terrain.texture]
+    material = MATERIALS[terrain.texture]
+    pattern = GROUND_PATTERNS[terrain.texture]
 
     def add_material(name: str, builtin: str, first: RGB, second: RGB) -> Any:
         texture = root.asset.add(
@@ -109,10 +110,15 @@ def add_ground_materials(root: Any, terrain: Terrain) -> dict[str, Any]:
     }
 
 
+def find_sky(terrain: Terrain) -> Sky:
+    """Return the sky of the moon, Mars, the earth or Jupiter, depending on the strength of gravity."""
+    gravity = math.hypot(*terrain.gravity)
+    return next(sky for max_gravity, sky in SKIES.items() if gravity <= max_gravity)
+
+
 def add_scenery(root: Any, terrain: Terrain) -> None:
     """Add sky, sun and windsocks, and the visible details of gaps, obstacles and loads."""
-    gravity = math.hypot(*terrain.gravity)
-    _add_light(root, next(sky for limit, sky in SKIES.items() if gravity <= limit))
+    _add_light(root, find_sky(terrain))
     if terrain.structure == Structure.gaps:
         _darken_gaps(root)
     if any(terrain.wind):
@@ -158,7 +164,7 @@ def _darken_gaps(root: Any) -> None:
     for depth in (0.2, 0.4, 0.6, 0.8, 0.99):  # share of the depth of a gap
         root.worldbody.add(
             "site", name=f"dusk{depth:g}", type="box", size=size, rgba=(0.05, 0.04, 0.05, 0.35),
-            pos=(LANDING + ARENA_LENGTH / 2, 0, -depth * TRENCH_DEPTH),
+            pos=(LANDING_LENGTH + ARENA_LENGTH / 2, 0, -depth * TRENCH_DEPTH),
         )  # fmt: skip
 
 

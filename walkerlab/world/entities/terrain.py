@@ -15,10 +15,10 @@ from walkerlab.world.entities.scenery import add_ground_materials, add_scenery
 from walkerlab.world.heights import (
     ARENA_LENGTH,
     ARENA_WIDTH,
-    LANDING,
+    LANDING_LENGTH,
     PLATEAU_LENGTH,
     TRENCH_DEPTH,
-    gaps,
+    gap_ranges,
     hill_heights,
     slope,
 )
@@ -97,26 +97,26 @@ class Ground(composer.Arena):
         rise, depth = terrain.step_height, terrain.step_depth
         count = math.ceil(ARENA_LENGTH / depth)
         for i in range(1, count + 1):
-            start = LANDING + (i - 1) * depth
+            start = LANDING_LENGTH + (i - 1) * depth
             self._add_slab(i, start, start + (depth if i < count else PLATEAU_LENGTH), i * rise, rise + 0.02, material)
 
     def _add_gaps(self, terrain: Terrain, material: Material) -> None:
         """Add the slabs before, between and after the gaps."""
-        edges = [-LENGTH_BEHIND, *gaps(terrain).ravel().tolist(), LANDING + ARENA_LENGTH + PLATEAU_LENGTH]
+        edges = [-LENGTH_BEHIND, *gap_ranges(terrain).ravel().tolist(), LANDING_LENGTH + ARENA_LENGTH + PLATEAU_LENGTH]
         for i, (start, end) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
             self._add_slab(i, start, end, 0.0, TRENCH_DEPTH, material)
 
     def _add_hills(self, terrain: Terrain, material: Material) -> None:
         """Add the height field, from the landing on, and level slabs before and after it."""
         heights = hill_heights(terrain)
-        end = LANDING + ARENA_LENGTH
-        self._add_slab(0, -LENGTH_BEHIND, LANDING, 0.0, BASE_DEPTH, material)
+        end = LANDING_LENGTH + ARENA_LENGTH
+        self._add_slab(0, -LENGTH_BEHIND, LANDING_LENGTH, 0.0, BASE_DEPTH, material)
         self._add_slab(2, end, end + PLATEAU_LENGTH, 0.0, BASE_DEPTH, material)
         field = self._mjcf_root.asset.add(
             "hfield", name="hills", nrow=len(heights), ncol=heights.shape[1], elevation=heights[::-1].ravel(),
             size=(ARENA_LENGTH / 2, ARENA_WIDTH / 2, max(heights.max(), MIN_HFIELD_HEIGHT), BASE_DEPTH),
         )  # fmt: skip
-        centre = (LANDING + ARENA_LENGTH / 2, 0, 0)
+        centre = (LANDING_LENGTH + ARENA_LENGTH / 2, 0, 0)
         self._add_ground_geom("hills", material.light, "chequer", type="hfield", hfield=field, pos=centre)
 
 
