@@ -83,9 +83,13 @@ def fake_evaluation(values) -> Evaluation:
     """Return an evaluation without a walk, with values of the same kinds as those of real walks."""
     score = float(values[1] - values[2:].std())
     if values[3] % 1 > 0.02:
-        fitness, verdict, reason = score, "ok", ""
+        fitness = score
+        verdict = "ok"
+        reason = ""
     else:
-        fitness, verdict, reason = -np.inf, "airborne", "no foot on the ground for 1.23 s"
+        fitness = -np.inf
+        verdict = "airborne"
+        reason = "no foot on the ground for 1.23 s"
     body = (int(values[0]), 4, float(values[3]), float(values[2]))
     return Evaluation(wl.Genome(values), fitness, verdict, reason, score * 8.123, score * 1.0173, *body)
 

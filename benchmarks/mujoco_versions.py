@@ -32,7 +32,7 @@ WALK_SCRIPT = Path(__file__).with_name("plain_walk.py")
 
 def export_champions(n_champions, folder):
     """Evolve and export champions; return a row for each file, with the distance of ``wl.simulate``."""
-    rows = []
+    rows: list[list[str]] = []
     for seed in range(n_champions):
         settings = wl.Settings().with_(
             population_size=12, generations=3, duration=2, seed=seed, fitness=list(wl.Fitness)[seed % len(wl.Fitness)]
@@ -64,7 +64,7 @@ def main():
     arguments = parser.parse_args()
 
     files = export_champions(arguments.champions, arguments.folder / "files")
-    tables = []
+    tables: list[str] = []
     for version in arguments.version or VERSIONS:
         command = [install(version, arguments.folder), WALK_SCRIPT, str(DURATION), *files.file]
         lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()

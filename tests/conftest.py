@@ -1,6 +1,6 @@
-"""How hypothesis draws: the same examples on every machine, unless asked: pytest --hypothesis-profile explore.
+"""Fixtures for a browser and a Jupyter server, and the profiles of hypothesis.
 
-And a browser for the tests that look at a page, and a Jupyter for those that look at a notebook.
+By default, hypothesis draws the same examples on every machine; ``--hypothesis-profile explore`` draws others.
 """
 
 import importlib.util
@@ -19,22 +19,23 @@ settings.register_profile("repeatable", derandomize=True, database=None, print_b
 settings.register_profile("explore", max_examples=1000, **on_shared_machines)
 settings.load_profile("repeatable")
 
-# A shell that starts something in the background has it ignore Ctrl-C; the tests of Ctrl-C must hold there too.
+# A process that a shell starts in the background ignores Ctrl-C; the tests of Ctrl-C must pass there too.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def lacking(what):
-    """Skip a test for want of a part of the system; where everything is to be tested, that is a failure."""
+def skip_without(what):
+    """Skip a test that needs a part of the system that is missing here; fail it if the variable CI is set."""
     (pytest.fail if os.environ.get("CI") else pytest.skip)(f"no {what} on this machine")
 
 
 @pytest.fixture(scope="session")
 def browser():
-    """A Chromium that draws WebGL in software."""
-    playwright, chromium = pytest.importorskip("playwright.sync_api"), shutil.which("chromium")
+    """Start a Chromium that renders WebGL in software."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    chromium = shutil.which("chromium")
     if not chromium:
-        lacking("chromium")
+        skip_without("chromium")
     flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
     with playwright.sync_playwright() as running:
         started = running.chromium.launch(executable_path=chromium, args=flags)
@@ -44,52 +45,53 @@ def browser():
 
 @pytest.fixture
 def page(browser):
-    """A new page of 900 × 500 pixels, of which the console must not complain of anything."""
+    """Open a page of 900 × 500 pixels; errors and warnings in its console fail the test."""
     context = browser.new_context(viewport={"width": 900, "height": 500})
-    opened, complaints = context.new_page(), []
+    opened = context.new_page()
+    console_errors = []
 
-    def hear(complaint):
-        if is_ours(complaint, opened.url):
-            complaints.append(complaint)
+    def add_error(text):
+        if is_ours(text, opened.url):
+            console_errors.append(text)
 
-    def hear_console(message):
+    def check_message(message):
         if message.type in ("error", "warning"):
-            hear(f"{message.text} {message.location.get('url', '')}")
+            add_error(f"{message.text} {message.location.get('url', '')}")
 
-    opened.on("console", hear_console)
-    opened.on("pageerror", lambda error: hear(str(error)))
+    opened.on("console", check_message)
+    opened.on("pageerror", lambda error: add_error(str(error)))
     yield opened
     context.close()
-    assert not complaints
+    assert not console_errors
 
 
 @pytest.fixture(scope="session")
 def server(tmp_path_factory):
-    """A Jupyter server, started once."""
+    """Start a Jupyter server, once for all tests."""
     if not importlib.util.find_spec("jupyterlab"):
-        lacking("jupyterlab")
+        skip_without("jupyterlab")
     with serving(tmp_path_factory.mktemp("jupyter")) as started:
         yield started
 
 
 @pytest.fixture
 def jupyter(server):
-    """A Jupyter server on which nothing runs or lies: jupyter.put(book("1 + 1")) is the address of a notebook."""
+    """Return the Jupyter server, empty; jupyter.put(book("1 + 1")) returns the address of a notebook."""
     server.clear()
     return server
 
 
 @pytest.fixture(params=PACKAGES)
 def frontend(request):
-    """The name of a front end: a test that asks for it is made in each."""
+    """Return the name of a front end; a test with this fixture runs in each of them."""
     if not importlib.util.find_spec(PACKAGES[request.param]):
-        lacking(request.param)
+        skip_without(request.param)
     return request.param
 
 
 @pytest.fixture(autouse=True)
 def close_figures():
-    """Close the pyplot figures that a test has left open."""
+    """Close all pyplot figures after each test."""
     yield
     if pyplot := sys.modules.get("matplotlib.pyplot"):
         pyplot.close("all")

@@ -133,7 +133,8 @@ def test_parents_that_do_not_count_are_crossed_with_fitness_0_as_in_a_run(crosso
 
 
 def test_wrong_arguments_of_the_steps_are_explained():
-    algorithm, other = wl.Algorithm(), wl.Robot(segments=(1, 5))
+    algorithm = wl.Algorithm()
+    other = wl.Robot(segments=(1, 5))
     cross = partial(wl.crossover_population, n_children=4, robot=ROBOT, algorithm=algorithm, generation=1)
     mutate = partial(wl.mutate_population, robot=ROBOT, algorithm=algorithm, generation=1)
     longer = wl.generate_robot_population(other, 2, seed=0)

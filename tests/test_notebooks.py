@@ -14,7 +14,7 @@ import nbformat
 import pytest
 from nbclient import NotebookClient
 
-from tests.conftest import lacking
+from tests.conftest import skip_without
 from tests.frontends import picture_cells, run_all
 
 NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
@@ -65,7 +65,7 @@ def test_a_question_precedes_every_code_cell(path):
 
 def shorten(path: Path) -> nbformat.NotebookNode:
     if path.stem == "05_cluster" and not importlib.util.find_spec("dask_jobqueue"):
-        lacking("dask_jobqueue")
+        skip_without("dask_jobqueue")
     notebook = read_notebook(path)
     [parameters] = [cell for cell in notebook.cells if "parameters" in cell.metadata.get("tags", [])]
     parameters.source, replaced = re.subn(r"^generations = \d+$", SHORT_RUN, parameters.source, flags=re.MULTILINE)

@@ -18,7 +18,8 @@ from walkerlab.view import opengl
 @pytest.fixture
 def versions(monkeypatch):
     """Installed versions by name, and requirements of walkerlab; tests fill them."""
-    installed, needed = {"walkerlab": "1.0"}, []
+    installed = {"walkerlab": "1.0"}
+    needed = []
     monkeypatch.setattr(software, "requires", lambda _: needed)
     monkeypatch.setattr(software, "_version", installed.get)
     monkeypatch.setattr(fixes, "allows_packages", lambda: True)

@@ -246,7 +246,8 @@ class TestNeverLost:
         self, name, threads, tmp_path, monkeypatch
     ):
         monkeypatch.chdir(tmp_path)
-        calls, path = itertools.count(), tmp_path / name if name else None
+        calls = itertools.count()
+        path = tmp_path / name if name else None
 
         def shake(genomes, genes, *, rng):
             """Fail in generation 2, after two trials and generation 1."""
@@ -257,7 +258,8 @@ class TestNeverLost:
         settings = SETTINGS.with_(mutation=shake)
         with pytest.raises(wl.OperatorError) as caught:
             wl.evolve(settings, path, threads, progress=False)
-        note, kept = caught.value.__notes__[-1], path or tmp_path / "kept.walk"
+        note = caught.value.__notes__[-1]
+        kept = path or tmp_path / "kept.walk"
         assert note.startswith(f"The run is saved in {kept.name}, with 2 generations.")
         assert caught.value.saved_path == kept
         before = wl.load(kept)

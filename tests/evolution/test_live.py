@@ -22,7 +22,8 @@ class Listener:
     """Records the states of a run, and waits for a condition."""
 
     def __init__(self):
-        self.news, self.states = threading.Condition(), []
+        self.news = threading.Condition()
+        self.states = []
 
     def record(self, live):
         with self.news:
@@ -114,7 +115,9 @@ def test_stop_keeps_the_generations_that_are_done(make_live, expected):
 @pytest.mark.parametrize("press", [LiveRun.stop, LiveRun.resume])
 def test_stop_and_resume_during_a_pause_take_effect(make_live, monkeypatch, press):
     live, _ = make_live()
-    pause, begun, pressed = live._pausable.pause, threading.Event(), threading.Event()
+    pause = live._pausable.pause
+    begun = threading.Event()
+    pressed = threading.Event()
     monkeypatch.setattr(live._pausable, "pause", lambda: (begun.set(), pressed.wait(0.2), pause()))
     live.resume(1)
     assert begun.wait(PATIENCE)
@@ -169,7 +172,8 @@ def test_the_remaining_time_ignores_the_time_before_the_first_results(make_live)
 
 
 def test_closing_the_last_run_shuts_the_default_executor_down(monkeypatch):
-    workers, lives = ThreadPoolExecutor(2), []
+    workers = ThreadPoolExecutor(2)
+    lives = []
     monkeypatch.setattr(live_module, "default_executor", lambda: workers)
     monkeypatch.setattr(live_module, "_RUNS", weakref.WeakSet())
     for _ in range(2):
@@ -217,7 +221,8 @@ class TestInsertedGenome:
     def test_the_code_of_the_report_reproduces_the_run(self):
         with ThreadPoolExecutor(2) as pool:
             run = self.evolve(pool)
-        code, place = as_python(run.settings, run.records), {}
+        code = as_python(run.settings, run.records)
+        place = {}
         exec(code, place)
         pd.testing.assert_frame_equal(place["run"].records, run.records)
 

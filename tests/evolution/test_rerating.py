@@ -69,8 +69,10 @@ def begin(threads, tmp_path):
     (lambda walk: walk.distance, lambda walk: 100 * walk.distance),
 ], ids=["source", "closure", "object", "method", "lambda"])  # fmt: skip
 def test_a_changed_fitness_raises_and_the_file_is_unchanged(first, second, begin, tmp_path):
-    resume, path = begin(first), tmp_path / "m.walk"
-    before, run = path.read_bytes(), wl.load(path)
+    resume = begin(first)
+    path = tmp_path / "m.walk"
+    before = path.read_bytes()
+    run = wl.load(path)
     with pytest.raises(
         wl.RunFileError, match="is not resumed, because its fitness function may have changed"
     ) as caught:
@@ -148,7 +150,8 @@ def test_an_error_while_rerating_names_the_robot_and_leaves_the_file_unchanged(b
 
 @pytest.mark.filterwarnings("ignore:.* was made with mujoco")
 def test_with_other_versions_the_recorded_source_decides(begin, monkeypatch):
-    resume, here = begin(times(1)), provenance.current_facts()
+    resume = begin(times(1))
+    here = provenance.current_facts()
     monkeypatch.setattr(provenance, "current_facts", lambda: {**here, "mujoco": "9.9"})
     with pytest.raises(wl.RunFileError, match="other versions or on another processor"):
         resume(fitness=times(2))

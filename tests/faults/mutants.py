@@ -13,7 +13,7 @@ from walkerlab.settings.model import SettingsError
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 
-ROOMY = [Robot(segments=(n, n), body_length=(0.05, 8.0), legs=(2, 16)) for n in range(1, 9)]
+WIDE_LIMITS = [Robot(segments=(n, n), body_length=(0.05, 8.0), legs=(2, 16)) for n in range(1, 9)]
 
 NUMBERS = [
     *(
@@ -34,13 +34,13 @@ NUMBERS = [
     *("NaN", "nan", "Infinity", "-Infinity", "inf", "true", "null", "١٢", "１２", "²"),
     *("9" * 4000, "9" * 4301, "0." + "1" * 4000, "1" + "0" * 400),
 ]
-SIGNS = [
+SPECIAL_TEXTS = [
     *"\0\a\b\t\n\r\x1b\x1c\x7f\x85\xa0\u2028\u2029\u200b\u200e\u202e\u2066\ufeff\ufffe\ud800\udfff\u0301",
     *" |=-\\\"'{}[],:<&é😀１ｗ",
     *("\x1b[31m", "\x1b]0;title\a", "\x1b[2J", "\r\n", "\\u0000", "\\ud800", "\\u202e", "\\x", "//", "/*"),
     *("<script>alert(1)</script>", "%s", "{0}", "{0.__class__}", "__import__('os').system('false')"),
 ]
-WRONG = [
+WRONG_VALUES = [
     *(None, True, False, 0, -1, 1e308, float("nan"), float("inf"), 10**400),
     *("", "x", "rank", "moon", "1e5", "٣", "A" * 5000, "\x1b[31m", "\u202e", "\ud800"),
     *([], [[]], [None] * 3, [1, 2, 3], [0.1, 0.2], [2, 1], ["rank", "rank"], ["rank"] * 2000),
@@ -49,12 +49,13 @@ WRONG = [
     {"function": "walkerlab.ga.selection.rank", "with": {}},
     {"function": "builtins.eval", "with": {}, "args": ["1/0"]},
 ]
-HUGE, VAST = 10**6, 4 * 10**7  # characters
+HUGE = 10**6  # characters
+VAST = 4 * 10**7  # characters
 
 
-def gene(rng):
+def genome_text(rng):
     """Return the text of a valid genome of 1 to 8 segments."""
-    return str(Genome.random(ROOMY[rng.integers(8)], rng=rng))
+    return str(Genome.random(WIDE_LIMITS[rng.integers(8)], rng=rng))
 
 
 def settings(rng):
@@ -89,47 +90,56 @@ def _value(declared, rng):
 
 def mutated(text, other, rng):
     """Apply 1 to 20 mutations to a text, mostly few, some with pieces of another text."""
-    for _ in range(_n_faults(rng)):
+    for _ in range(_draw_count(rng)):
         text = TEXT_MUTATIONS[rng.integers(len(TEXT_MUTATIONS))](text, other, rng)
     return text
 
 
-def _n_faults(rng):
+def _draw_count(rng):
     return rng.integers(1, 3 if rng.random() < 0.7 else 21)
 
 
-def stretched(text, size, rng):
+def with_long_piece(text, size, rng):
     """Insert a very long piece into a text."""
-    place = rng.integers(len(text) + 1)
+    start = rng.integers(len(text) + 1)
     piece = ["A", "9", " ", "[", '"', "|", "a=1 "][rng.integers(7)]
-    return "".join([text[:place], piece * (size // len(piece)), text[place:]])
+    return "".join([text[:start], piece * (size // len(piece)), text[start:]])
 
 
-def disarranged(plain, rng):
+def with_wrong_values(plain, rng):
     """Replace 1 to 20 values or names in plain data by wrong ones, mostly few."""
     plain = deepcopy(plain)
-    for _ in range(_n_faults(rng)):
-        wrong, places = deepcopy(WRONG[rng.integers(len(WRONG))]), list(_places(plain))
-        if not places or rng.random() < 0.02:
+    for _ in range(_draw_count(rng)):
+        wrong = deepcopy(WRONG_VALUES[rng.integers(len(WRONG_VALUES))])
+        locations = list(_locations(plain))
+        if not locations or rng.random() < 0.02:
             return wrong
-        home, key = places[rng.integers(len(places))]
-        if isinstance(home, dict) and rng.random() < 0.3:
-            home[_misspelt(key, rng)] = home.pop(key)
+        container, key = locations[rng.integers(len(locations))]
+        if isinstance(container, dict) and rng.random() < 0.3:
+            container[_misspell(key, rng)] = container.pop(key)
         else:
-            home[key] = wrong
+            container[key] = wrong
     return plain
 
 
-def _places(plain):
+def _locations(plain):
     """Yield each dict and list in plain data with each of its keys."""
     for key in plain if isinstance(plain, dict) else range(len(plain)) if isinstance(plain, list) else ():
         yield plain, key
-        yield from _places(plain[key])
+        yield from _locations(plain[key])
 
 
-def _misspelt(name, rng):
-    ways = [name + "s", name[:-1], name.upper(), name + "\x1b[1m", "A" * 3000, "", SIGNS[rng.integers(len(SIGNS))]]
-    return ways[rng.integers(len(ways))]
+def _misspell(name, rng):
+    misspelt = [
+        name + "s",
+        name[:-1],
+        name.upper(),
+        name + "\x1b[1m",
+        "A" * 3000,
+        "",
+        SPECIAL_TEXTS[rng.integers(len(SPECIAL_TEXTS))],
+    ]
+    return misspelt[rng.integers(len(misspelt))]
 
 
 def _span(text, rng, longest=40):
@@ -144,7 +154,7 @@ def _flip(text, _, rng):
 
 def _insert(text, _, rng):
     start, _ = _span(text, rng)
-    return text[:start] + SIGNS[rng.integers(len(SIGNS))] + text[start:]
+    return text[:start] + SPECIAL_TEXTS[rng.integers(len(SPECIAL_TEXTS))] + text[start:]
 
 
 def _delete(text, _, rng):
@@ -158,7 +168,8 @@ def _duplicate(text, _, rng):
 
 
 def _swap(text, other, rng):
-    (start, end), (first, last) = _span(text, rng, 200), _span(other, rng, 200)
+    start, end = _span(text, rng, 200)
+    first, last = _span(other, rng, 200)
     return text[:start] + other[first:last] + text[end:]
 
 
@@ -178,11 +189,11 @@ def _tokens(text, _, rng):
 
 
 def _number(text, _, rng):
-    places = list(re.finditer(r"-?\d+(\.\d+)?", text))
-    if not places:
+    numbers = list(re.finditer(r"-?\d+(\.\d+)?", text))
+    if not numbers:
         return text
-    place = places[rng.integers(len(places))]
-    return text[: place.start()] + NUMBERS[rng.integers(len(NUMBERS))] + text[place.end() :]
+    match = numbers[rng.integers(len(numbers))]
+    return text[: match.start()] + NUMBERS[rng.integers(len(NUMBERS))] + text[match.end() :]
 
 
 def _nest(text, _, rng):

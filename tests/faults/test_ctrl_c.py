@@ -29,7 +29,8 @@ class Command:
     """``walkerlab evolve`` in a new process group, as a shell starts it, or on a new terminal."""
 
     def __init__(self, folder, *, on_terminal=False, quiet=False):
-        self.folder, self.said = folder, folder.with_suffix(".txt")
+        self.folder = folder
+        self.said = folder.with_suffix(".txt")
         words = [word for name, value in FLAGS.items() for word in (f"--{name.replace('_', '-')}", str(value))]
         words = ["evolve", "--out", str(folder), *words, *(["--quiet"] if quiet else [])]
         self.terminal = None
@@ -117,7 +118,8 @@ def test_ctrl_c_at_any_moment_stops_the_run_and_it_can_be_resumed(n, tmp_path, w
     for _ in range(rng.integers(3)):
         time.sleep(rng.uniform(0.05, 1))
         command.send(alone=where == "alone")
-    code, text = command.end(), command.text
+    code = command.end()
+    text = command.text
     assert "Traceback" not in text
     assert "leaked" not in text
     assert code in (0, 130)

@@ -32,7 +32,8 @@ def standing_in(monkeypatch):
 @pytest.fixture(scope="module")
 def whole(tmp_path_factory):
     """A run that nothing happened to: its file, and its table as text."""
-    path, patch = tmp_path_factory.mktemp("whole") / "run.walk", pytest.MonkeyPatch()
+    path = tmp_path_factory.mktemp("whole") / "run.walk"
+    patch = pytest.MonkeyPatch()
     with patch.context() as patched:
         patched.setattr(evolution, "evaluate", evaluate)
         run = wl.evolve(SETTINGS, path, progress=False)
@@ -62,7 +63,9 @@ def what_is_left(path, truth):
 
 def test_a_file_with_flipped_bytes_is_the_run_or_an_error(whole, tmp_path):
     path, truth = whole
-    rng, found, intact = np.random.default_rng(3), [], path.read_bytes()
+    rng = np.random.default_rng(3)
+    found = []
+    intact = path.read_bytes()
     copy = tmp_path / "copy.walk"
     for _ in range(number(20, 200)):
         hurt = bytearray(intact)
@@ -77,7 +80,9 @@ def test_a_file_with_flipped_bytes_is_the_run_or_an_error(whole, tmp_path):
 
 def test_a_file_that_is_cut_off_is_an_error_and_what_is_before_the_cut_is_saved(whole, tmp_path):
     path, truth = whole
-    copy, intact, found = tmp_path / "copy.walk", path.read_bytes(), []
+    copy = tmp_path / "copy.walk"
+    intact = path.read_bytes()
+    found = []
     for share in np.linspace(0, 1, number(12, 100), endpoint=False):
         copy.write_bytes(intact[: int(share * len(intact))])
         found.append(what_is_left(copy, truth))
@@ -90,7 +95,9 @@ def test_a_file_that_is_cut_off_is_an_error_and_what_is_before_the_cut_is_saved(
 def test_a_file_that_is_copied_while_it_is_written_is_the_run_so_far_or_an_error(whole, tmp_path):
     """As a machine that is switched off leaves it, and worse: file and journal are not of one moment."""
     _, truth = whole
-    path, copy, found = tmp_path / "run.walk", tmp_path / "copy.walk", []
+    path = tmp_path / "run.walk"
+    copy = tmp_path / "copy.walk"
+    found = []
     journal = path.with_name(f"{path.name}-journal")
     while len(found) < number(20, 1000):
         path.unlink(missing_ok=True)

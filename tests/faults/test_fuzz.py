@@ -26,7 +26,7 @@ from walkerlab.settings.settings import Settings
 
 ROBOTS = [
     Robot(),
-    *mutants.ROOMY,
+    *mutants.WIDE_LIMITS,
     Robot(weight=(0.1, 0.1), body_length=(0.05, 0.05), segments=(1, 8), segment_length=(0.05, 2.0)),
     Robot(weight=(200, 200), body_length=(8, 8), segments=(1, 8), segment_length=(0.05, 2.0), legs=(16, 16)),
     Robot(weight=(1.23456789, 1.23456789), body_length=(1 / 3, 2 / 3), segment_length=(0.1, 1 / 7)),
@@ -108,18 +108,19 @@ def settings_are_the_same_every_way(text, _=None):
 
 
 def genes(case, rng):
-    text, other = mutants.gene(rng), mutants.gene(rng)
+    text = mutants.genome_text(rng)
+    other = mutants.genome_text(rng)
     if case % 1000:
         return mutants.mutated(text, other, rng)
-    return mutants.stretched(text, mutants.HUGE if case % 25_000 else mutants.VAST, rng)
+    return mutants.with_long_piece(text, mutants.HUGE if case % 25_000 else mutants.VAST, rng)
 
 
 def settings_texts(case, rng):
     plain = mutants.settings(rng)
     if case % 1000 == 0:
-        return mutants.stretched(json.dumps(plain), mutants.HUGE if case % 5000 else mutants.VAST, rng)
+        return mutants.with_long_piece(json.dumps(plain), mutants.HUGE if case % 5000 else mutants.VAST, rng)
     if rng.random() < 0.6:
-        plain = mutants.disarranged(plain, rng)
+        plain = mutants.with_wrong_values(plain, rng)
     text = json.dumps(plain, ensure_ascii=bool(rng.integers(2)))
     return text if rng.random() < 0.5 else mutants.mutated(text, json.dumps(mutants.settings(rng)), rng)
 
@@ -127,7 +128,9 @@ def settings_texts(case, rng):
 def ordeal(make, holds, n):
     """Send that many; say how many were accepted, the longest that one took [s], which, and how memory grew [MB]."""
     warnings.simplefilter("error")
-    accepted, slowest, before = 0, (0.0, 0), _peak()
+    accepted = 0
+    slowest = (0.0, 0)
+    before = _peak()
     for case in range(n):
         rng = np.random.default_rng([7, case])
         text = make(case, rng)
@@ -203,12 +206,12 @@ def test_settings_may_be_any_bytes(data):
 
 @given(st.text(max_size=20), st.integers(0, 60))
 def test_any_signs_within_a_gene_are_read_or_refused(signs, place):
-    text = mutants.gene(np.random.default_rng(place))
+    text = mutants.genome_text(np.random.default_rng(place))
     gene_is_read_or_refused(text[:place] + signs + text[place:], np.random.default_rng(0))
 
 
 def test_a_text_too_long_to_be_one_is_not_even_read():
-    gene = mutants.gene(np.random.default_rng(0))
+    gene = mutants.genome_text(np.random.default_rng(0))
     with pytest.raises(GenomeError, match=r"has at most 20000 characters; this one has 20001"):
         Genome.parse(gene.ljust(20_001))
     assert Genome.parse(gene.ljust(20_000)) == Genome.parse(gene)

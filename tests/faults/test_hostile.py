@@ -1,4 +1,4 @@
-"""Run files made to do harm, with every seal in its place: they are refused, or what is in them is text."""
+"""Malicious run files with valid seals are rejected, or their contents are shown as plain text."""
 
 import json
 import sqlite3
@@ -27,21 +27,21 @@ FUNCTION = {"function": f"../../../{SCRIPT}.mine", "with": {"text": WORSE, "name
 
 
 @pytest.fixture(scope="module")
-def honest(tmp_path_factory):
-    """A small run that nobody has touched."""
-    path = tmp_path_factory.mktemp("honest") / "run.walk"
+def unmodified(tmp_path_factory):
+    """Return the path of a small, unmodified run."""
+    path = tmp_path_factory.mktemp("unmodified") / "run.walk"
     settings = wl.Settings().with_(population_size=6, generations=2, n_elites=1, duration=1, seed=2)
     with ThreadPoolExecutor(2) as pool:
         return wl.evolve(settings, path, executor=pool, progress=False).path
 
 
 @pytest.fixture
-def forge(honest, tmp_path):
-    """Return a function that copies the run, changes it, and seals it anew: forge("UPDATE …", ["UPDATE … ?", text])."""
+def forge(unmodified, tmp_path):
+    """Return a function that copies the run, changes it, and seals it: forge("UPDATE …", ["UPDATE … ?", text])."""
 
     def forged(*statements, settings=lambda plain: plain):
         path = tmp_path / "run.walk"
-        path.write_bytes(honest.read_bytes())
+        path.write_bytes(unmodified.read_bytes())
         with closing(sqlite3.connect(path)) as db, db:
             for statement in statements:
                 db.execute(*([statement] if isinstance(statement, str) else [statement[0], statement[1:]]))
@@ -56,7 +56,7 @@ def forge(honest, tmp_path):
 
 
 def with_functions(plain):
-    """Put hostile texts where functions are named."""
+    """Return settings with hostile texts as names of functions."""
     return {**plain, "algorithm": {**plain["algorithm"], "mutation": FUNCTION, "selection": ["gradient", FUNCTION]}}
 
 
@@ -68,18 +68,18 @@ TEXTS = (
 )
 
 
-def test_a_forged_file_that_is_honest_is_read(forge, honest):
-    assert wl.load(forge()).records.equals(wl.load(honest).records)
+def test_a_forged_file_with_the_same_contents_is_read(forge, unmodified):
+    assert wl.load(forge()).records.equals(wl.load(unmodified).records)
 
 
-REFUSED = {
+REJECTED = {
     "a verdict that moves the cursor": ["UPDATE records SET verdict = ?", "ok\x1b[2J\x1b]52;c;aGFja2Vk\x07"],
-    "a verdict that is no word": ["UPDATE records SET verdict = ?", SCRIPT],
+    "an unknown verdict": ["UPDATE records SET verdict = ?", SCRIPT],
     "operators that move the cursor": ["UPDATE records SET operators = ?", "\x9b2J"],
-    "parents that are none": ["UPDATE records SET parents = ?", SQL],
+    "parents that are not numbers": ["UPDATE records SET parents = ?", SQL],
     "a parent with a million digits": ["UPDATE records SET parents = ?", "9" * 10**6],
-    "a fitness without end": "UPDATE records SET fitness = 9e999",
-    "a fitness that is none": "UPDATE records SET fitness = NULL",
+    "an infinite fitness": "UPDATE records SET fitness = 9e999",
+    "a missing fitness": "UPDATE records SET fitness = NULL",
     "a fitness that is a text": ["UPDATE records SET fitness = ?", SCRIPT],
     "a number that is a blob": "UPDATE records SET n_legs = zeroblob(90)",
     "a negative number": "UPDATE records SET individual = -individual - 1",
@@ -92,25 +92,25 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("statement", REFUSED.values(), ids=REFUSED)
-def test_what_no_run_has_in_it_is_refused_in_words(forge, statement, capsys):
+@pytest.mark.parametrize("statement", REJECTED.values(), ids=REJECTED)
+def test_values_that_no_run_writes_are_rejected_with_a_message(forge, statement, capsys):
     path = forge(statement)
-    with pytest.raises(wl.RunFileError) as refused:
+    with pytest.raises(wl.RunFileError) as caught:
         wl.load(path)
-    assert str(path) in str(refused.value)
-    assert len(str(refused.value)) < 800
+    assert str(path) in str(caught.value)
+    assert len(str(caught.value)) < 800
     for words in (["show", str(path)], ["resume", str(path), "--quiet"], ["evolve", "--out", str(path.parent)]):
         assert main(words) == 2
-        told = capsys.readouterr()
-        assert (told.out + told.err).replace("\n", "").isprintable()
+        printed = capsys.readouterr()
+        assert (printed.out + printed.err).replace("\n", "").isprintable()
 
 
 @pytest.mark.parametrize(
     "name", ["\n__import__('os')", SCRIPT, "a b", "", "\x1b[2J", "9", "\ud800", "eval", "ｅｖａｌ", "exit"]
 )
-def test_a_function_that_has_no_name_is_refused(forge, name):
-    """Or its name would be a line of the code that repeats the run."""
-    functions = [{"function": f"home.{name}", "with": {}}, {"function": "home.mine", "with": {name: 1}}]
+def test_a_function_without_a_valid_name_is_rejected(forge, name):
+    """Otherwise its name would become a line of the code that repeats the run."""
+    functions = [{"function": f"module.{name}", "with": {}}, {"function": "module.mine", "with": {name: 1}}]
     for function in functions[: 1 if name in ("eval", "exit") else 2]:
         path = forge(
             settings=lambda plain, given=function: {**plain, "algorithm": {**plain["algorithm"], "fitness": given}}
@@ -123,7 +123,7 @@ def test_a_function_that_has_no_name_is_refused(forge, name):
     {}, [], 7, "settings", {"algorithm": {}}, {"algorithm": 7}, {"terrain": {"structure": SCRIPT}},
     {"algorithm": {"population_size": 10**30}}, {"robot": {"segments": [1, 10**400]}},
 ])  # fmt: skip
-def test_settings_that_cannot_be_are_refused_in_words(forge, settings, capsys):
+def test_invalid_settings_are_rejected_with_a_message(forge, settings, capsys):
     path = forge(settings=lambda plain: {**plain, **settings} if isinstance(settings, dict) and settings else settings)
     with pytest.raises(wl.RunFileError, match="damaged"):
         wl.load(path)
@@ -131,7 +131,7 @@ def test_settings_that_cannot_be_are_refused_in_words(forge, settings, capsys):
     assert "Traceback" not in capsys.readouterr().err
 
 
-def test_a_genome_that_is_none_is_told_where_it_is_needed(forge, capsys):
+def test_an_invalid_genome_is_reported_where_it_is_used(forge, capsys):
     path = forge(["UPDATE records SET genome = ?", SCRIPT])
     with pytest.raises(wl.GenomeError):
         wl.load(path).champion  # noqa: B018
@@ -140,7 +140,7 @@ def test_a_genome_that_is_none_is_told_where_it_is_needed(forge, capsys):
         wl.resume(path, 3, progress=False)
 
 
-GREEDY = """
+MEMORY_TEST = """
 import resource, sys, walkerlab as wl
 from walkerlab.runfile import paths, store
 before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -155,8 +155,8 @@ print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no module resource there")
-def test_a_text_that_says_it_is_a_gigabyte_takes_no_memory(forge):
-    """The file is cut off behind the text's beginning, and its header made to agree."""
+def test_a_text_with_a_declared_size_of_a_gigabyte_uses_no_memory(forge):
+    """The file is truncated after the start of the text, and its header adapted."""
     path = forge()
     size = path.stat().st_size
     with closing(sqlite3.connect(path)) as db, db:
@@ -166,13 +166,15 @@ def test_a_text_that_says_it_is_a_gigabyte_takes_no_memory(forge):
         file.truncate(size)
         file.seek(28)
         file.write((size // 8192).to_bytes(4, "big"))
-    told = subprocess.run([sys.executable, "-c", GREEDY, path], capture_output=True, text=True, check=True).stdout
-    *refusals, grown = told.splitlines()
-    assert refusals
-    assert int(grown) < 50_000, "kB"
+    output = subprocess.run(
+        [sys.executable, "-c", MEMORY_TEST, path], capture_output=True, text=True, check=True
+    ).stdout
+    *errors, growth = output.splitlines()
+    assert errors
+    assert int(growth) < 50_000, "kB"
 
 
-def test_nothing_but_the_folder_is_written_to(forge, tmp_path):
+def test_only_the_given_folder_is_written_to(forge, tmp_path):
     path = forge(*TEXTS, settings=with_functions)
     before = {one.name for one in tmp_path.iterdir()}
     run = wl.load(path)
@@ -183,20 +185,20 @@ def test_nothing_but_the_folder_is_written_to(forge, tmp_path):
         wl.resume(path, progress=False)
 
 
-def test_in_a_terminal_it_is_text(forge, capsys):
+def test_hostile_texts_are_plain_text_in_a_terminal(forge, capsys):
     path = forge(*TEXTS, settings=with_functions)
     assert main(["show", str(path)]) == 0
-    told = capsys.readouterr().out
-    assert SCRIPT in told
-    assert told.replace("\n", "").isprintable()
+    output = capsys.readouterr().out
+    assert SCRIPT in output
+    assert output.replace("\n", "").isprintable()
 
 
-def unharmed(page):
-    """Say whether nothing of the stranger's has run in a page, nor in any frame of it."""
+def ran_no_script(page):
+    """Return whether no script of the file has run in a page or in one of its frames."""
     return all(frame.evaluate("window.hacked") is None for frame in page.frames)
 
 
-def test_in_a_browser_it_is_text(forge, page, tmp_path):
+def test_hostile_texts_are_plain_text_in_a_browser(forge, page, tmp_path):
     run = wl.load(forge(*TEXTS, settings=with_functions))
     report = run.save_report(tmp_path / "report")
     card = tmp_path / "card.html"
@@ -204,13 +206,13 @@ def test_in_a_browser_it_is_text(forge, page, tmp_path):
     for shown in (report, report.with_name("replay.html"), card):
         page.goto(shown.as_uri())
         page.wait_for_load_state("networkidle")
-        assert unharmed(page)
+        assert ran_no_script(page)
     page.goto(report.as_uri())
     page.get_by_text(SCRIPT).first.scroll_into_view_if_needed()
     picture(page, "hostile-report")
 
 
-def test_in_the_panel_it_is_text(forge, page, jupyter):
+def test_hostile_texts_are_plain_text_in_the_panel(forge, page, jupyter):
     path = forge(*TEXTS, settings=with_functions)
     page.set_viewport_size({"width": 1280, "height": 800})
     cells = f"import walkerlab as wl\nwl.load({str(path)!r})", "lab = wl.Lab()\nlab"
@@ -221,19 +223,19 @@ def test_in_the_panel_it_is_text(forge, page, jupyter):
     curve_says(page, "generations:")
     button(page, "Copy as code", ".wl-drawer").click()
     page.wait_for_timeout(1000)
-    assert unharmed(page)
+    assert ran_no_script(page)
     picture(page, "hostile-panel")
 
 
 @pytest.mark.parametrize("bomb", [bombs.endless_schema, bombs.endless_index])
-def test_a_file_without_an_end_is_refused_before_long(forge, bomb, tmp_path):
+def test_a_practically_endless_file_is_rejected_within_seconds(forge, bomb, tmp_path):
     path = forge()
     bomb(path)
     before = time.process_time()
     with pytest.raises(wl.RunFileError):
         wl.load(path)
-    rescued, refusal = attempt(wl.rescue, path, tmp_path / "rescued.walk")
-    assert refusal or not rescued.n_generations, "the settings at most"
+    rescued, error = attempt(wl.rescue, path, tmp_path / "rescued.walk")
+    assert error or not rescued.n_generations, "the settings at most"
     assert time.process_time() - before < 10
 
 
@@ -249,17 +251,17 @@ def test_an_old_file_that_is_mostly_empty_is_not_copied(tmp_path):
 
 
 @pytest.mark.filterwarnings("default")
-def test_a_text_of_a_run_is_no_line_of_the_next(forge, capsys):
+def test_texts_of_a_run_cannot_add_lines_to_the_output(forge, capsys):
     path = forge(["UPDATE provenance SET made_with = ?", json.dumps({"mujoco": "1\x1b[2J\nok   all is well"})])
     main(["show", str(path)])
     main(["resume", str(path), "--generations", "3", "--quiet"])
-    told = capsys.readouterr()
-    assert "\x1b" not in told.out + told.err
-    assert "\nok " not in told.out + told.err
-    assert "Note: " in told.err
+    printed = capsys.readouterr()
+    assert "\x1b" not in printed.out + printed.err
+    assert "\nok " not in printed.out + printed.err
+    assert "Note: " in printed.err
 
 
-def test_what_points_elsewhere_is_not_written_through(forge, tmp_path):
+def test_symbolic_links_are_not_followed_when_writing(forge, tmp_path):
     path = forge()
     precious = tmp_path / "precious"
     precious.write_text("three years of work")

@@ -63,9 +63,11 @@ def test_a_run_killed_several_times_has_the_same_table(kind, tmp_path, request, 
         whole = text(wl.evolve(SETTINGS, progress=False).records)
     began = time.monotonic()
     wl.evolve(REAL if kind == "walks" else SETTINGS, tmp_path / "uninterrupted.walk", progress=False)
-    longest, root = time.monotonic() - began, request.config.rootpath
+    longest = time.monotonic() - began
+    root = request.config.rootpath
 
-    rng, found = np.random.default_rng(7), []
+    rng = np.random.default_rng(7)
+    found = []
     for run in range(number(1, 50)):
         path = tmp_path / f"{run}.walk"
         while run_process(kind, path, root, rng.uniform(0, longest)):  # it was complete before it was killed

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.conftest import lacking
+from tests.conftest import skip_without
 from tests.faults import number
 from tests.simulation.test_cluster import until
 
@@ -139,7 +139,7 @@ def test_a_run_on_all_cores_does_not_listen(tmp_path):
 
 def test_the_cluster_of_the_notebook_is_local(tmp_path):
     if not importlib.util.find_spec("distributed"):
-        lacking("distributed")
+        skip_without("distributed")
     book = json.loads((NOTEBOOKS / "05_cluster.ipynb").read_text(encoding="utf-8"))
     cells = ["".join(cell["source"]) for cell in book["cells"] if cell["cell_type"] == "code"]
     with walking(tmp_path, "\n".join(cells[:2]), "executor") as pid:

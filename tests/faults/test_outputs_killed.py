@@ -76,7 +76,9 @@ def times(folder, names):
 
 @pytest.mark.parametrize("writer", WRITERS)
 def test_all_files_show_one_state_after_a_kill(writer, states, tmp_path, request):
-    names, root, found = names_of(writer), request.config.rootpath, []
+    names = names_of(writer)
+    root = request.config.rootpath
+    found = []
     shutil.copytree(states, tmp_path / "timed", copy_function=shutil.copy2)
     longest = go(writer, tmp_path / "timed", root)
     rng = np.random.default_rng([2026, len(writer)])

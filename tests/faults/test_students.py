@@ -162,7 +162,9 @@ def test_a_fault_is_reported_before_any_simulation(fault, slot, tmp_path, monkey
 def test_a_late_fault_is_reported_with_its_generation_and_the_run_can_be_resumed(
     late, fault, slot, pool, tmp_path, monkeypatch
 ):
-    path, done, walked = tmp_path / "run.walk", [], []
+    path = tmp_path / "run.walk"
+    done = []
+    walked = []
 
     def is_due(walk):
         """Return whether the fault is due: in one generation, and for a fitness only in its third walk."""
@@ -196,7 +198,8 @@ def test_a_late_fault_is_reported_with_its_generation_and_the_run_can_be_resumed
 
 
 def test_the_individual_is_named_if_earlier_ones_are_not_simulated_again(pool, tmp_path):
-    path, walked = tmp_path / "run.walk", []
+    path = tmp_path / "run.walk"
+    walked = []
 
     def later_half(genomes, genes, *, rng):
         changed = genomes.copy()
@@ -255,7 +258,8 @@ def test_walks_from_other_processes_are_read_only(tmp_path):
 
 
 def test_a_live_run_reports_a_fault_and_keeps_complete_generations(monkeypatch):
-    over, lives = threading.Event(), []
+    over = threading.Event()
+    lives = []
 
     def hear(run):
         if run.n_generations:

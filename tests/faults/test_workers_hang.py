@@ -39,7 +39,8 @@ def test_workers_that_hang_are_replaced_and_the_records_do_not_change(n_stopped,
         is_hanging = stopped and {*stopped} & processes(workers)
         return wait_for(future, seconds / 1000 if is_hanging else seconds)
 
-    walks, stopped = [], []
+    walks = []
+    stopped = []
     evolution = wl.Evolution(SETTINGS, on_walks=on_walks)
     monkeypatch.setattr(timeouts, "wait_for", wait_briefly)
     monkeypatch.setattr(
@@ -72,7 +73,8 @@ def test_a_thread_that_hangs_ends_the_run_and_keeps_its_generations(monkeypatch,
             assert released.wait(60)
         return walk(*args)
 
-    released, path = threading.Event(), tmp_path / "run.walk"
+    released = threading.Event()
+    path = tmp_path / "run.walk"
     monkeypatch.setattr(evaluation, "_simulate_task", walk)
     monkeypatch.setattr(timeouts, "MIN_TIME_LIMIT", 3)
     monkeypatch.setenv("WALKERLAB_PATIENCE", "3")
@@ -88,7 +90,8 @@ def test_a_thread_that_hangs_ends_the_run_and_keeps_its_generations(monkeypatch,
 
 def test_a_live_run_continues_after_a_pause_longer_than_the_time_limit(waits, monkeypatch):
     monkeypatch.setenv("WALKERLAB_PATIENCE", "1000")
-    over, settings = threading.Event(), SETTINGS.with_(population_size=200, generations=1, duration=1)
+    over = threading.Event()
+    settings = SETTINGS.with_(population_size=200, generations=1, duration=1)
     with ThreadPoolExecutor(1) as threads:
         live = LiveRun(settings, executor=threads, on_change=lambda live: live.is_over and over.set())
         live.resume()

@@ -59,7 +59,9 @@ def evolve(ops, genes, n, generations, evaluate=ones, *, n_elites=1, seed=5, gen
 
 @pytest.mark.parametrize("mutate", [mutation.randomized, mutation.favored, mutation.macro, mutation.gaussian])
 def test_onemax_is_solved(mutate):
-    n_bits, n, generations = 48, 40, 60
+    n_bits = 48
+    n = 40
+    generations = 60
     if mutate is mutation.favored:
         mutate = partial(mutate, favored="g0")
     selections = (selection.gradient, selection.top_half, selection.tournament, selection.rank)

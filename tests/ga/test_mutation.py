@@ -36,7 +36,8 @@ def test_the_number_of_changed_genes_is_binomial(mutate, rate):
 
 def test_the_number_of_changes_agrees_with_deap(monkeypatch):
     monkeypatch.setattr("deap.tools.mutation.random", random.Random(2))
-    table, n = reals(20, -50, 50), 2000
+    table = reals(20, -50, 50)
+    n = 2000
     genomes = np.zeros((n, 20))
     theirs = np.array([tools.mutGaussian([0.0] * 20, 0, 1.0, 0.1)[0] for _ in range(n)])
     ours = gaussian(genomes, table, rate=0.1, scale=0.01, rng=rng())
@@ -95,7 +96,8 @@ def test_a_cyclic_gene_wraps_around():
 
 
 def test_the_favored_feature_changes_more_often():
-    table, rate = body(), 0.03
+    table = body()
+    rate = 0.03
     genomes = random_genomes(table, 4000)
     changed = np.mean(favored(genomes, table, favored="length", rate=rate, rng=rng()) != genomes, axis=0)
     expected = np.full(len(table), rate)
@@ -116,7 +118,8 @@ def test_macro_draws_from_the_whole_range():
 
 
 def test_macro_draws_a_count_from_the_whole_range_except_its_old_value():
-    table, n = genes_of(["count"], [1], [9]), 9000
+    table = genes_of(["count"], [1], [9])
+    n = 9000
     mutated = macro(np.full((n, 1), 5.0), table, rate=1.0, rng=rng())[:, 0].astype(int)
     expected = np.full(9, n / 9)
     expected[[3, 4, 5]] = n / 6, 0, n / 6  # where 5 is drawn, the count changes by one
@@ -164,7 +167,9 @@ def test_all_parts_are_duplicated_and_dropped_equally_often():
 
 
 def test_macro_duplicates_or_drops_parts_at_the_stated_rate():
-    table, rate, n = body(5), 0.04, 4000
+    table = body(5)
+    rate = 0.04
+    n = 4000
     genomes = random_genomes(table, n)
     genomes[:, 0] = 3
     lengths = table.find("length")

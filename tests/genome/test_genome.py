@@ -213,7 +213,8 @@ def test_a_single_genome_is_rejected_where_several_are_expected():
 
 @given(robots(), st.integers(0, 2**32 - 1))
 def test_a_random_genome_depends_on_rng_only_and_obeys_the_limits(robot, seed):
-    state, numpys = random.getstate(), np.random.get_state()[1].tolist()  # noqa: NPY002
+    state = random.getstate()
+    numpys = np.random.get_state()[1].tolist()  # noqa: NPY002
     genome = Genome.random(robot, rng=rng(seed))
     assert genome == Genome.random(robot, rng=rng(seed))
     assert (random.getstate(), np.random.get_state()[1].tolist()) == (state, numpys)  # noqa: NPY002

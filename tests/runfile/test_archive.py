@@ -73,7 +73,8 @@ def test_the_table_has_all_generations_that_were_added(path):
 
 
 def test_generations_are_read_once(path, monkeypatch):
-    read, store_reads = [], store.read_generations
+    read = []
+    store_reads = store.read_generations
     monkeypatch.setattr(
         store, "read_generations", lambda path, *span: (read.append(span[1:]), store_reads(path, *span))[1]
     )
@@ -109,7 +110,8 @@ def test_a_temporary_file_is_deleted_with_the_archive(tmp_path, monkeypatch):
 
 
 def test_threads_can_read_a_temporary_file_while_another_adds():
-    archive, n = filled(n=1), 60
+    archive = filled(n=1)
+    n = 60
     with ThreadPoolExecutor(3) as pool:
         readers = [pool.submit(lambda: [len(archive.table(archive.table(n).generation.max() + 1)) for _ in range(n)])]
         readers += [pool.submit(lambda: [archive.find(["wl1 0"])["wl1 0"].genome for _ in range(n)])]
@@ -129,7 +131,8 @@ def walked(table):
 
 
 def test_find_returns_stored_evaluations_only(path):
-    archive, born = filled(path, 9), concatenate_tables([generation(number) for number in range(9)])
+    archive = filled(path, 9)
+    born = concatenate_tables([generation(number) for number in range(9)])
     some = born.genome[::3].tolist()
     found = archive.find([*some, "wl1 unknown"])
     assert found.keys() == set(some)
@@ -150,7 +153,8 @@ def test_genomes_with_equal_hashes_are_not_confused(path, monkeypatch):
 @hypothesis_settings(max_examples=50)
 @given(sizes=st.lists(st.integers(2, 5), max_size=40))
 def test_the_index_has_all_genomes_in_few_blocks(sizes):
-    archive, texts = Archive.create(PLAIN), []
+    archive = Archive.create(PLAIN)
+    texts = []
     for number, n in enumerate(sizes):
         archive._add_to_index(generation(number, n, genome=f"{number}-{{individual}}"))
         texts += [f"{number}-{i + number * (n - 1)}" for i in range(1 if number else 0, n)]
@@ -165,7 +169,8 @@ def test_the_index_has_all_genomes_in_few_blocks(sizes):
 
 def measured(values):
     """Return the evaluation of a replaced walk: repeatable, with the same types of values."""
-    genome, fitness = Genome(values), float(values[1:].sum() % 7)
+    genome = Genome(values)
+    fitness = float(values[1:].sum() % 7)
     counts = fitness > 1
     return Evaluation(
         genome, fitness if counts else -np.inf, "ok" if counts else "airborne", "" if counts else "too long",
@@ -246,7 +251,8 @@ def test_evaluations_of_inserted_genomes_are_reused(seen):
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
 def test_reported_progress_adds_up_to_all_walks(share, seen):
-    settings, reported = COPIES.with_(mutation=partial(often_copies, share=share)), []
+    settings = COPIES.with_(mutation=partial(often_copies, share=share))
+    reported = []
     for _ in wl.Evolution(settings, on_walks=reported.append):
         pass
     assert sum(reported) == n_walks(settings)
@@ -254,7 +260,8 @@ def test_reported_progress_adds_up_to_all_walks(share, seen):
 
 
 def test_the_text_of_a_genome_is_written_once(seen, monkeypatch):
-    written, write = [], Genome.__str__
+    written = []
+    write = Genome.__str__
     monkeypatch.setattr(Genome, "__str__", lambda genome: (written.append(genome), write(genome))[1])
     records = wl.evolve(SETTINGS, progress=False).records
     assert len(written) - len(seen) == records.individual.nunique()  # the replaced walks write them too
@@ -286,7 +293,8 @@ def test_reusing_real_walks_does_not_change_the_table(without_reuse):
 
 
 def test_memory_does_not_grow_with_the_number_of_generations(path, seen):
-    size, held = 100, {}
+    size = 100
+    held = {}
     tracemalloc.start()
     try:
         for generation in wl.Evolution(SETTINGS.with_(population_size=size, generations=30), path):
@@ -299,7 +307,8 @@ def test_memory_does_not_grow_with_the_number_of_generations(path, seen):
 
 
 def test_the_table_of_a_run_is_read_once_on_first_use(path, seen, monkeypatch):
-    reads, read = [], store.read_generations
+    reads = []
+    read = store.read_generations
     monkeypatch.setattr(store, "read_generations", lambda *span: (reads.append(span), read(*span))[1])
     run = wl.evolve(SETTINGS, path, progress=False)
     assert not reads
@@ -331,7 +340,8 @@ def test_a_temporary_file_lasts_until_its_run_is_read(seen):
     evolution = wl.Evolution(SETTINGS)
     for _ in evolution:
         pass
-    run, file = evolution.run, evolution._archive._file
+    run = evolution.run
+    file = evolution._archive._file
     del evolution
     gc.collect()
     assert is_open(file)

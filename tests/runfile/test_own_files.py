@@ -160,7 +160,9 @@ def test_ctrl_c_before_generation_0_reports_what_is_saved_and_how_to_resume(path
 @pytest.mark.parametrize("wrong", ["fitness", "executor", "patience", "path", "settings"])
 def test_invalid_arguments_leave_no_file(tmp_path, wrong, monkeypatch):
     monkeypatch.undo()
-    settings, path, executor = SETTINGS, tmp_path / "run.walk", ThreadPoolExecutor(1)
+    settings = SETTINGS
+    path = tmp_path / "run.walk"
+    executor = ThreadPoolExecutor(1)
     match wrong:
         case "fitness":
             settings = settings.with_(fitness=lambda rollout: "far")

@@ -164,7 +164,8 @@ add(Path(sys.argv[1]), half)
 @pytest.mark.skipif(sys.platform == "win32", reason="nothing there kills like SIGKILL")
 def test_a_generation_whose_writer_was_killed_is_absent(path, request):
     add(path, generation(0))
-    size, before = path.stat().st_size, table_of(path)
+    size = path.stat().st_size
+    before = table_of(path)
     killed = subprocess.run([sys.executable, "-c", KILLED_DURING_APPEND, path, request.config.rootpath], check=False)
     assert killed.returncode == -9
     assert path.stat().st_size > 10 * size
@@ -191,7 +192,9 @@ def without_links(*_):
 def test_one_of_several_concurrent_creators_succeeds_and_readers_see_no_incomplete_file(tmp_path, links, monkeypatch):
     if not links:
         monkeypatch.setattr(os, "link", without_links)
-    n, seen, rejections = 6, [], []
+    n = 6
+    seen = []
+    rejections = []
 
     def create(path, barrier):
         barrier.wait()
@@ -206,7 +209,9 @@ def test_one_of_several_concurrent_creators_succeeds_and_readers_see_no_incomple
                 seen.append(store.read(path)[0] == Settings().model_dump())
 
     for number in range(5):
-        path, barrier, stop = tmp_path / f"{number}.wl", threading.Barrier(n), threading.Event()
+        path = tmp_path / f"{number}.wl"
+        barrier = threading.Barrier(n)
+        stop = threading.Event()
         with ThreadPoolExecutor(n + 1) as pool:
             watching = pool.submit(watch, path, stop)
             made = [one.result() for one in [pool.submit(create, path, barrier) for _ in range(n)]]
@@ -398,7 +403,9 @@ def test_a_file_is_never_overwritten(path, tmp_path):
 
 
 def test_other_files_are_rejected_and_not_changed(tmp_path):
-    text, empty, foreign = tmp_path / "a.txt", tmp_path / "empty", tmp_path / "foreign.db"
+    text = tmp_path / "a.txt"
+    empty = tmp_path / "empty"
+    foreign = tmp_path / "foreign.db"
     text.write_text("generation,individual\n0,1\n" * 100)
     empty.touch()
     broken(foreign, "CREATE TABLE records (generation)", "CREATE TABLE run (fact, value)")
@@ -479,7 +486,8 @@ def test_a_run_is_one_file_and_its_folder_is_created(tmp_path):
 
 def test_reading_does_not_change_the_file(path):
     add(path, generation(0))
-    before, when = path.read_bytes(), path.stat().st_mtime_ns
+    before = path.read_bytes()
+    when = path.stat().st_mtime_ns
     store.read(path)
     assert (path.read_bytes(), path.stat().st_mtime_ns) == (before, when)
     assert list(path.parent.iterdir()) == [path]

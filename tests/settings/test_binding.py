@@ -97,7 +97,8 @@ def test_a_list_that_contains_itself_is_rejected():
 
 
 def test_bound_values_do_not_change_with_the_objects_they_were_copied_from():
-    numbers, table = [1.0], np.ones(2)
+    numbers = [1.0]
+    table = np.ones(2)
     bound = partial(scaled, k=numbers, table=table)
     fitness = SETTINGS.with_(fitness=bound).algorithm.fitness
     before = binding.arguments_key(fitness)

@@ -121,7 +121,9 @@ def test_json_has_choices_by_name_and_functions_by_module_name_and_arguments():
 
 @every_field
 def test_settings_cannot_be_assigned(domain, name):
-    settings, whole, keyword = domain(), Settings(), domain.__name__.lower()
+    settings = domain()
+    whole = Settings()
+    keyword = domain.__name__.lower()
     for changed, attribute, value in ((settings, name, default(domain, name)), (whole, keyword, settings)):
         message = error_message(setattr, changed, attribute, value)
         assert f"{type(changed).__name__}.{attribute} cannot be assigned: settings never change" in message

@@ -35,7 +35,8 @@ def test_each_setting_has_a_unique_name_and_the_algorithm_has_the_shared_one():
 
 @pytest.mark.parametrize("keyword", DOMAINS)
 def test_a_wrong_domain_is_reported_together_with_all_other_errors(keyword):
-    kind, other = DOMAINS[keyword], DOMAINS["robot" if keyword == "terrain" else "terrain"]()
+    kind = DOMAINS[keyword]
+    other = DOMAINS["robot" if keyword == "terrain" else "terrain"]()
     for bad in ("stairs", None, [], 3, kind, other, {1}):
         expected = f"Settings.{keyword} is {bad!r}; it must be a {kind.__name__}, or a dict of its settings."
         assert error_message(Settings, **{keyword: bad}).startswith(expected)

@@ -157,7 +157,8 @@ def test_equal_tasks_of_two_calls_differ_and_tasks_are_cancelled_after_an_error(
 
     executors = Recording(), Recording()
     for executor in executors:
-        futures, submit = [], executor.submit
+        futures = []
+        submit = executor.submit
         executor.submit = lambda *args, futures=futures, submit=submit: futures.append(submit(*args)) or futures[-1]
         with pytest.raises(wl.OperatorError, match="Wrong"):
             wl.evaluate(GENOMES, SETTINGS.with_(fitness=wrong), executor)

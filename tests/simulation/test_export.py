@@ -86,7 +86,8 @@ def test_the_file_holds_the_start_the_gait_and_the_genome(tmp_path):
 
 def test_older_versions_know_every_attribute(tmp_path):
     """``python benchmarks/mujoco_versions.py`` loads the file in each version."""
-    known, element = {"worldbody": set()}, ""
+    known = {"worldbody": set()}
+    element = ""
     for line in SCHEMA.read_text(encoding="utf-8").splitlines():
         if name := line[:30].split():
             element = name[0].removeprefix("(world)")

@@ -24,7 +24,8 @@ def lowest_height(scene, pose, foot):
 @pytest.mark.parametrize("genome", ROBOTS)
 def test_on_level_ground_a_foot_is_down_if_its_lowest_point_is_below_0(genome):
     settings = wl.Settings().with_(duration=2)
-    scene, poses = wl.compile_scene(genome, settings), wl.simulate(genome, settings).poses[::5]
+    scene = wl.compile_scene(genome, settings)
+    poses = wl.simulate(genome, settings).poses[::5]
     heights = np.array([[lowest_height(scene, pose, foot) for foot in foot_names(scene)] for pose in poses])
     is_clear = np.abs(heights) > 1e-9
     assert (find_footfalls(scene, poses) == (heights < 0))[is_clear].all()

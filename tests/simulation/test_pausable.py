@@ -35,7 +35,9 @@ def test_results_and_errors_are_passed_on(pool):
 
 
 def test_no_more_tasks_run_at_once_than_there_are_workers(pool):
-    n_running, most, lock = 0, 0, threading.Lock()
+    n_running = 0
+    most = 0
+    lock = threading.Lock()
 
     def work():
         nonlocal n_running, most
@@ -53,7 +55,8 @@ def test_no_more_tasks_run_at_once_than_there_are_workers(pool):
 
 
 def test_tasks_are_held_back_during_a_pause_and_run_in_order_afterwards(pool):
-    executor, done = pausable(lambda: pool, 1), []
+    executor = pausable(lambda: pool, 1)
+    done = []
     executor.pause()
     futures = [executor.submit(done.append, n) for n in range(5)]
     assert not futures[0].done()
@@ -65,7 +68,8 @@ def test_tasks_are_held_back_during_a_pause_and_run_in_order_afterwards(pool):
 
 
 def test_stop_fails_all_pending_tasks_at_once(pool):
-    executor, hold = pausable(lambda: pool, 1), threading.Event()
+    executor = pausable(lambda: pool, 1)
+    hold = threading.Event()
     futures = [executor.submit(hold.wait), *(executor.submit(int) for _ in range(3))]
     executor.stop()
     for future in futures:
@@ -78,7 +82,8 @@ def test_stop_fails_all_pending_tasks_at_once(pool):
 
 
 def test_a_task_cancelled_while_waiting_does_not_run(pool):
-    executor, ran = pausable(lambda: pool, 1), []
+    executor = pausable(lambda: pool, 1)
+    ran = []
     executor.pause()
     cancelled, other = executor.submit(ran.append, "no"), executor.submit(ran.append, "yes")
     assert cancelled.cancel()
@@ -123,7 +128,8 @@ def test_a_changed_number_of_workers_is_used_from_then_on(pool):
     executor = PausableExecutor(lambda: pool, lambda wrapped: next(numbers) if wrapped is pool else 0)
     assert [executor.n_workers(), executor.n_workers()] == [1, 3]
     executor.pause()
-    started, finish = threading.Semaphore(0), threading.Event()
+    started = threading.Semaphore(0)
+    finish = threading.Event()
     futures = [executor.submit(lambda: (started.release(), finish.wait(5))) for _ in range(6)]
     executor.resume()
     assert all(started.acquire(timeout=5) for _ in range(3))
@@ -166,7 +172,8 @@ def test_an_executor_that_completes_futures_under_its_lock_does_not_deadlock():
 
 def test_each_worker_has_one_task_in_work_and_one_queued(pool, monkeypatch):
     monkeypatch.undo()
-    executor, hold = pausable(lambda: pool, 1), threading.Event()
+    executor = pausable(lambda: pool, 1)
+    hold = threading.Event()
     futures = [executor.submit(hold.wait, 5) for _ in range(5)]
     assert len(executor._submitted) == 2
     hold.set()

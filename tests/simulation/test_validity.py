@@ -45,7 +45,8 @@ def grown(*segments, **changes):
         Segment(length, mass, Legs(leg, force, Swing(0.0, 0.0, hip), Swing(0.0, 0.0, knee), stride=0.0))
         for length, mass, leg, force, hip, knee in segments
     ]
-    robot, settings = Phenotype(tuple(still), frequency=1.0), wl.Settings().with_(**changes)
+    robot = Phenotype(tuple(still), frequency=1.0)
+    settings = wl.Settings().with_(**changes)
     return Scene(assemble(robot, settings), wl.Genome.parse(WALKER), robot, settings)
 
 
@@ -243,7 +244,8 @@ def robot_that_rides_on_an_obstacle():
     board = {"obstacle": "box", "obstacle_size": 1, "obstacle_density": 0.05}
     scene = scene_of(wl.Terrain(structure="incline", incline=-20, texture="ice", **board))
     start, board = body(scene, "obstacle1")
-    scene.model.geom_priority[scene.is_robot_geom], scene.model.geom_friction[scene.is_robot_geom] = 2, (1, 0.01, 0.001)
+    scene.model.geom_priority[scene.is_robot_geom] = 2
+    scene.model.geom_friction[scene.is_robot_geom] = (1, 0.01, 0.001)
 
     def mount(model, data):
         down = math.radians(20)
@@ -274,7 +276,8 @@ def robot_with_an_elastic_rope():
 def sledge_that_slides_ahead_downhill():
     scene = scene_of(wl.Terrain(structure="incline", incline=-10), drag_weight=2)
     _, sledge = body(scene, "sledge/")
-    scene.model.geom_priority[sledge], scene.model.geom_friction[sledge] = 2, (0.05, 0.0005, 0.0005)
+    scene.model.geom_priority[sledge] = 2
+    scene.model.geom_friction[sledge] = (0.05, 0.0005, 0.0005)
     return simulate_walk(held(scene))
 
 
@@ -397,7 +400,8 @@ PLAIN = Trace(  # at 0.5 m/s, with a sledge 1 m behind
 
 def peak(name, value, axis=None, when=2.0):
     """Return changes in which one quantity of the plain trace rises to a value within 1 s and returns."""
-    record, share = getattr(PLAIN, name).copy(), np.maximum(0.0, 1 - np.abs(TIME - when))
+    record = getattr(PLAIN, name).copy()
+    share = np.maximum(0.0, 1 - np.abs(TIME - when))
     column = record if axis is None else record[:, axis]
     column[:] = column * (1 - share) + value * share
     return {name: record}
@@ -507,7 +511,8 @@ def test_the_first_violated_guard_gives_the_verdict():
     all_violations = PLAIN
     for guard in GUARD_FUNCTIONS:
         for name, change in violation(guard).items():
-            plain, so_far = getattr(PLAIN, name), getattr(all_violations, name)
+            plain = getattr(PLAIN, name)
+            so_far = getattr(all_violations, name)
             all_violations = replace(all_violations, **{name: np.where(change == plain, so_far, change)[()]})
     verdicts = [
         judge(all_violations, with_forgiven(*list(GUARD_FUNCTIONS)[:count]))[0]

@@ -53,7 +53,8 @@ def kill_one(workers):
 @pytest.fixture
 def lost(workers, monkeypatch):
     """The pools that were lost, once for each task that was in them."""
-    pools, resubmit = [], type(workers)._resubmit
+    pools = []
+    resubmit = type(workers)._resubmit
     monkeypatch.setattr(type(workers), "_resubmit", lambda self, *args: pools.append(args[-1]) or resubmit(self, *args))
     return pools
 

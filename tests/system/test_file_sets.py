@@ -117,7 +117,8 @@ def test_a_failed_part_with_an_up_to_date_file_does_not_block_the_others(folder)
 @pytest.mark.parametrize("broken", range(len(NEW)))
 def test_a_file_that_cannot_be_replaced_is_named_and_the_old_set_restored(folder, broken, monkeypatch):
     """As on Windows for a table that is open in a spreadsheet program."""
-    rename, calls = os.replace, iter(range(99))
+    rename = os.replace
+    calls = iter(range(99))
 
     def replaced(source, target):
         is_swap = f"{HIDDEN_FOLDER}{os.sep}new" in str(source) and HIDDEN_FOLDER not in str(target)

@@ -161,7 +161,8 @@ def test_an_error_of_renaming_names_the_file_and_leaves_it_unchanged(tmp_path, m
 
 @posix
 def test_a_symbolic_link_is_replaced_and_not_followed(tmp_path):
-    precious, link = tmp_path / "precious", tmp_path / "link"
+    precious = tmp_path / "precious"
+    link = tmp_path / "link"
     precious.write_text("three years of work")
     link.symlink_to(precious)
     write_text(link, "new")

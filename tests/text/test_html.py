@@ -18,7 +18,9 @@ class Seen(HTMLParser):
 
     def __init__(self, html):
         super().__init__()
-        self.elements, self.texts, self._open = [], [], []
+        self.elements = []
+        self.texts = []
+        self._open = []
         self.feed(html)
         self.close()
         assert not self._open, f"not closed: {self._open}"

@@ -140,7 +140,8 @@ def progress(run):
         def __iter__(self):
             return iter([Generation(0, run.records)])
 
-    done, words = Finished(), []
+    done = Finished()
+    words = []
     done.run = run
     running._run_to_end(done, SimpleNamespace(set_postfix_str=words.append))
     return words[0]
@@ -275,7 +276,8 @@ def test_no_fitness_is_formatted_anywhere_else():
     for path in Path(wl.__file__).parent.rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.FormattedValue) and node.format_spec:
-                shown, how = ast.unparse(node.value), ast.unparse(node.format_spec)
+                shown = ast.unparse(node.value)
+                how = ast.unparse(node.format_spec)
                 is_number = re.search(r"[.\d}][fge]'?$", how)
                 assert not (is_number and re.search(r"fitness|best|score|median", shown)), (path.name, shown)
 

@@ -150,13 +150,15 @@ def test_scenery_does_not_change_the_bodies_joints_and_geoms_of_a_model(changes)
 
 
 def test_at_25_frames_per_second_every_second_recorded_pose_is_shown_unchanged():
-    scene, rollout = compile_scene(GENOME, SHORT), simulate(GENOME, SHORT)
+    scene = compile_scene(GENOME, SHORT)
+    rollout = simulate(GENOME, SHORT)
     shown = [interpolate_pose(scene.model, rollout.time, rollout.poses, k / 25) for k in range(25)]
     np.testing.assert_array_equal(shown, rollout.poses[:50:2])
 
 
 def test_poses_between_two_recorded_ones_are_interpolated():
-    scene, rollout = compile_scene(GENOME, SHORT), simulate(GENOME, SHORT)
+    scene = compile_scene(GENOME, SHORT)
+    rollout = simulate(GENOME, SHORT)
     first, second = rollout.poses[20:22]
     for share in (0.25, 0.5):
         pose = interpolate_pose(scene.model, rollout.time, rollout.poses, rollout.time[20] + 0.02 * share)
@@ -220,7 +222,9 @@ def test_a_film_shows_the_poorest_walk_of_several_starts(rendered_states, second
 
 def diverge(rollout, index, value):
     """Return a rollout whose positions along x have a bad value from an index on."""
-    poses, com, load = rollout.poses.copy(), rollout.com.copy(), rollout.load.copy()
+    poses = rollout.poses.copy()
+    com = rollout.com.copy()
+    load = rollout.load.copy()
     poses[index:, 0] = value
     com[index:, 0] = value
     if len(load):
@@ -231,7 +235,8 @@ def diverge(rollout, index, value):
 @pytest.mark.parametrize("value", [np.nan, np.inf, 1e9])
 @pytest.mark.parametrize("loads", [{}, {"drag_weight": 3}])
 def test_a_diverged_walk_is_frozen_at_its_last_valid_pose(value, loads):
-    scene, rollout = compile_scene(GENOME, SHORT.with_(**loads)), simulate(GENOME, SHORT.with_(**loads))
+    scene = compile_scene(GENOME, SHORT.with_(**loads))
+    rollout = simulate(GENOME, SHORT.with_(**loads))
     assert freeze_when_diverged(scene, rollout) is rollout
     frozen = freeze_when_diverged(scene, diverge(rollout, 20, value))
     for name in ("poses", "com", *(["load"] if loads else [])):
@@ -244,7 +249,8 @@ def test_a_diverged_walk_is_frozen_at_its_last_valid_pose(value, loads):
 @pytest.mark.parametrize("loads", [{}, {"drag_weight": 3}])
 def test_a_walk_without_valid_poses_is_frozen_at_its_start(loads):
     settings = SHORT.with_(**loads)
-    scene, rollout = compile_scene(GENOME, settings), simulate(GENOME, settings)
+    scene = compile_scene(GENOME, settings)
+    rollout = simulate(GENOME, settings)
     frozen = freeze_when_diverged(scene, diverge(rollout, 0, np.nan))
     assert (frozen.poses == scene.start).all()
     for name in ("com", *(["load"] if loads else [])):
@@ -267,7 +273,8 @@ def test_robot_and_camera_stay_close_when_a_walk_diverges(rendered_states, monke
 
 @pytest.mark.parametrize("timestep", [0.0005, 0.0013, 0.003, 0.007, 0.009, 0.01])
 def test_the_camera_does_not_depend_on_the_timestep(timestep):
-    scene, rollout = compile_scene(GENOME, SHORT), simulate(GENOME, SHORT)
+    scene = compile_scene(GENOME, SHORT)
+    rollout = simulate(GENOME, SHORT)
     frame_times = np.arange(0, 2, 0.04)
 
     def camera_path(step):
@@ -285,7 +292,8 @@ def test_the_camera_shows_the_sledge_and_is_farther_away_for_narrow_pictures():
     with_sledge = SHORT.with_(drag_weight=3)
 
     def first_camera(settings, aspect_ratio):
-        scene, rollout = compile_scene(GENOME, settings), simulate(GENOME, settings)
+        scene = compile_scene(GENOME, settings)
+        rollout = simulate(GENOME, settings)
         return cameras_at(np.array([0.0, 0.5]), scene, rollout, aspect_ratio)[0]
 
     alone = first_camera(SHORT, 4 / 3)
@@ -297,7 +305,8 @@ def test_the_camera_shows_the_sledge_and_is_farther_away_for_narrow_pictures():
 
 def test_visible_texture_pieces_are_drawn_and_those_behind_the_camera_are_hidden():
     settings = SHORT.with_(texture="gravel", texture_density=0.1, texture_size=0.1, camera="side")
-    scene, rollout = compile_scene(GENOME, settings), simulate(GENOME, settings)
+    scene = compile_scene(GENOME, settings)
+    rollout = simulate(GENOME, settings)
     [camera] = cameras_at(np.array([0.5]), scene, rollout, 4 / 3)
     pieces = TexturePieces(scene, 4 / 3, software=True)
     assert len(pieces) > 100
@@ -492,7 +501,8 @@ def test_a_time_lapse_of_an_empty_run_is_rejected():
 
 
 def test_numpy_numbers_are_accepted(jobs):
-    size, fps = (np.int64(128), np.int32(96)), np.int16(10)
+    size = (np.int64(128), np.int32(96))
+    fps = np.int16(10)
     film(GENOME, SHORT, "walk.mp4", size=size, fps=fps)
     run = run_with_champions([1, 2])
     timelapse(run, "lapse.mp4", size=size, fps=fps, seconds=np.float32(0.5), at_most=np.int64(2))

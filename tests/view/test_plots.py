@@ -157,7 +157,8 @@ def test_without_axes_every_plot_creates_one_white_figure(records):
 @pytest.mark.parametrize("kind", ["svg", "pdf", "png"])
 def test_every_saved_file_contains_the_alternative_text(records, tmp_path, kind):
     for name, draw in all_plots(records).items():
-        axes, path = draw(Figure().add_subplot()), tmp_path / f"{name}.{kind}"
+        axes = draw(Figure().add_subplot())
+        path = tmp_path / f"{name}.{kind}"
         wl.plots.save(axes, path)
         assert wl.plots.alt_text(axes) in read_description(path), name
 
@@ -172,7 +173,8 @@ def read_description(path):
         texts = []
         place = 8  # after the signature
         while place < len(data):
-            (length,), kind = struct.unpack(">I", data[place : place + 4]), data[place + 4 : place + 8]
+            (length,) = struct.unpack(">I", data[place : place + 4])
+            kind = data[place + 4 : place + 8]
             chunk = data[place + 8 : place + 8 + length]
             texts += [chunk.decode("latin-1" if kind == b"tEXt" else "utf-8")] if kind in (b"tEXt", b"iTXt") else []
             place += 12 + length
@@ -518,7 +520,8 @@ def genomes(records):
 
 def test_diversity_is_the_root_mean_square_distance_over_all_pairs(records, ax):
     wl.plots.diversity(records, ax)
-    table, values = build_genes(wl.Robot()), genomes(records)
+    table = build_genes(wl.Robot())
+    values = genomes(records)
     span = np.where(table.is_cyclic, table.high, np.ptp(values, axis=0))
     for generation, diversity in zip(*ax.lines[0].get_data(), strict=True):
         squares = []
@@ -564,14 +567,16 @@ def test_clones_have_zero_diversity_and_the_order_of_rows_does_not_matter(record
 
 def test_the_colour_of_a_gene_is_its_position_in_the_range_if_it_is_grown(records, ax):
     wl.plots.genes(records, ax, generation=2)
-    table, values = build_genes(wl.Robot()), genomes(records)
+    table = build_genes(wl.Robot())
+    values = genomes(records)
     picture = next(child for child in ax.get_children() if isinstance(child, QuadMesh)).get_array()
     rows = records[records.generation == 2].sort_values(["fitness", "individual"], ascending=[False, True])
     assert picture.shape == (len(rows), len(table))
     low = np.where(table.is_cyclic, 0, values.min(axis=0))
     high = np.where(table.is_cyclic, table.high, values.max(axis=0))
     for colours, text in zip(picture, rows.genome, strict=True):
-        robot, own = wl.express(wl.Genome.parse(text)), wl.Genome.parse(text).values
+        robot = wl.express(wl.Genome.parse(text))
+        own = wl.Genome.parse(text).values
         for i, name in enumerate(table.names):
             part, _, feature = name.rpartition(".")
             place = int(part[3:] or 0) - 1 if part else None
@@ -686,7 +691,8 @@ def test_the_line_of_descent_ends_at_a_robot_that_is_its_own_parent(records):
 def test_descent_reaches_as_far_back_as_the_table(crossover, tmp_path):
     records = evolved_table(8, 8, crossover=crossover)
     for name, table in user_tables(records, tmp_path).items():
-        axes, best = Figure().add_subplot(), wl.Run(wl.Settings(), table).champion
+        axes = Figure().add_subplot()
+        best = wl.Run(wl.Settings(), table).champion
         wl.plots.family_tree(table, axes)
         render(axes)
         own = table.drop_duplicates("individual").set_index("individual")
@@ -738,7 +744,8 @@ def test_a_walk_that_does_not_count_is_labelled_with_the_reason(ax):
 
 def test_the_bars_of_a_gait_are_its_footfalls(ax):
     wl.plots.gait(GENOME, SETTINGS, ax)
-    scene, rollout = wl.compile_scene(GENOME, SETTINGS), wl.simulate(GENOME, SETTINGS)
+    scene = wl.compile_scene(GENOME, SETTINGS)
+    rollout = wl.simulate(GENOME, SETTINGS)
     down = find_footfalls(scene, rollout.poses)
     rows = {child.get_gid(): child for child in ax.collections if child.get_gid()}
     assert set(rows) == set(foot_names(scene))
@@ -798,7 +805,8 @@ def test_a_body_is_drawn_to_scale_on_the_ground_with_its_dimensions(seed, ax):
 @pytest.mark.parametrize("seed", range(3))
 def test_the_scale_bar_of_a_body_has_the_length_of_its_label(seed, ax):
     wl.plots.body(wl.Genome.random(wl.Robot(), rng=np.random.default_rng(seed)), ax)
-    bar, label = ax.lines[-1], ax.texts[-1]
+    bar = ax.lines[-1]
+    label = ax.texts[-1]
     assert label.get_text().endswith(" m")
     assert [np.ptp(bar.get_xdata())] == pytest.approx(numbers_in(label.get_text()))
 
@@ -897,8 +905,10 @@ class TestStride:
     @pytest.mark.parametrize("obstacle", [kind for kind in Obstacle if kind])
     def test_skins_have_the_extent_of_the_geoms_in_every_direction(self, obstacle):
         settings = self.settings.with_(obstacle=obstacle, carry_weight=2, drag_weight=2)
-        scene, rollout = wl.compile_scene(self.genome, settings), wl.simulate(self.genome, settings)
-        model, data = scene.model, mujoco.MjData(scene.model)
+        scene = wl.compile_scene(self.genome, settings)
+        rollout = wl.simulate(self.genome, settings)
+        model = scene.model
+        data = mujoco.MjData(scene.model)
         data.qpos[:] = rollout.poses[-1]
         mujoco.mj_kinematics(model, data)
         *parts, rope = surface_points(scene, rollout.poses[-1])

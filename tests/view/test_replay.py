@@ -220,7 +220,8 @@ class Links(HTMLParser):
 
     def __init__(self, text):
         super().__init__()
-        self.loads, self.scripts = [], 0
+        self.loads = []
+        self.scripts = 0
         self.feed(text)
 
     def handle_starttag(self, tag, attrs):

@@ -206,7 +206,8 @@ def test_an_earlier_report_stays_if_the_new_one_cannot_be_written(run, path, tmp
 
 def test_hostile_texts_stay_texts(run, tmp_path):
     records = run.records.copy()
-    records["reason"], records["operators"] = HOSTILE, HOSTILE
+    records["reason"] = HOSTILE
+    records["operators"] = HOSTILE
     records.loc[records.index[3], "verdict"] = "<script>x()</script>"
     settings = run.settings.with_(fitness=hostile_function, mutation=hostile_function)
     page = wl.Run(settings, records).save_report(tmp_path / HOSTILE.replace("/", " "))

@@ -118,9 +118,11 @@ def test_the_whole_robot_is_visible_in_every_world(genome_and_limits, terrain, c
 @few_examples
 @given(terrains)
 def test_the_ground_is_drawn_to_scale(terrain):
-    width, near = 6.0, -NEAR_SHARE * 6.0
+    width = 6.0
+    near = -NEAR_SHARE * 6.0
     root = parse_drawing(sketch.draw_world(wl.Settings(terrain=terrain), width_m=width))
-    edge, scale = near_edge(root), 720 / width
+    edge = near_edge(root)
+    scale = 720 / width
     labels = {element.text: float(element.get("x")) for element in root.iter(f"{SVG}text")}
     x_pixels = np.linspace(edge[0, 0] + 1, edge[-1, 0] - 1, 60)
     x = (x_pixels - labels["start"]) / scale + SHIFT * near

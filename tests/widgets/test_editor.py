@@ -160,7 +160,9 @@ def test_setting_the_genome_changes_the_text_once():
 
 
 def test_the_buttons_pass_a_valid_genome_to_the_callbacks():
-    editor, walked, inserted = Editor(G), [], []
+    editor = Editor(G)
+    walked = []
+    inserted = []
     editor.on_walk(walked.append)
     editor.on_insert(inserted.append)
     for message in ({"press": "walk"}, {"press": "insert"}, {"press": "fly"}, {"press": []}, None, 3, "walk"):

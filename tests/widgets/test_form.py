@@ -68,7 +68,8 @@ def test_every_control_agrees_with_the_declaration_of_its_setting(kind):
 def test_a_slider_covers_its_range_in_visible_steps_and_stops_at_the_default(kind):
     for control in make_controls(kind):
         if "stops" in control:
-            stops, default = control["stops"], control["default"]
+            stops = control["stops"]
+            default = control["default"]
             assert stops == sorted(set(stops))
             assert (stops[0], stops[-1]) == (control["low"], control["high"])
             assert set(default if isinstance(default, list) else [default]) <= set(stops)
@@ -127,7 +128,8 @@ def test_settings_survive_a_round_trip_through_the_controls(expected_settings):
 
 
 def test_a_changed_control_notifies_once():
-    form, notified = Form(), []
+    form = Form()
+    notified = []
     form.observe(lambda change: notified.append(change.new), "settings")
     send(form, terrain__step_height=0.2)
     send(form, terrain__step_height=0.2)
@@ -135,7 +137,8 @@ def test_a_changed_control_notifies_once():
 
 
 def test_setting_settings_changes_the_controls_and_notifies_once():
-    form, notified = Form(), []
+    form = Form()
+    notified = []
     form.observe(lambda change: notified.append(change.new), "settings")
     form.settings = Settings().with_(structure="stairs")
     assert form.values["terrain"]["structure"] == "stairs"
@@ -266,7 +269,8 @@ garbage = st.recursive(
 @given(place=st.sampled_from(sorted(Settings.field_locations().values())), sent=garbage)
 @settings(deadline=None)
 def test_an_invalid_value_is_reported_at_its_setting_and_raises_nothing(place, sent):
-    form, (domain, field) = Form(), place
+    form = Form()
+    (domain, field) = place
     form.set_state({"values": form.values | {domain: form.values[domain] | {field: sent}}})
     if form.settings is None:
         assert f"{domain}.{field}" in form.faults
@@ -278,7 +282,8 @@ def test_an_invalid_value_is_reported_at_its_setting_and_raises_nothing(place, s
 @settings(deadline=None)
 def test_the_form_stays_consistent_for_any_message(state, values):
     form = Form()
-    tabs, presets = form.tabs, form.presets
+    tabs = form.tabs
+    presets = form.presets
     form.set_state(state)
     form.set_state({"values": values, "preset": values})
     assert {domain: list(fields) for domain, fields in form.values.items()} == {

@@ -256,7 +256,8 @@ def test_the_settings_of_a_run_are_copied_to_the_form(lab):
 
 def test_a_closed_panel_leaves_no_widget_and_no_thread(pool, tmp_path):
     registry = ipywidgets.widgets.widget._instances
-    before, threads = set(registry), set(threading.enumerate())
+    before = set(registry)
+    threads = set(threading.enumerate())
     lab = wl.Lab(SMALL, tmp_path / "lab", executor=pool)
     press(lab, "start")
     lab.close()

@@ -133,7 +133,8 @@ def test_only_visible_robots_are_drawn(monkeypatch):
 
 def test_a_generation_is_sent_to_the_browser_once(monkeypatch):
     monkeypatch.setattr(population.sketch, "draw_robot", lambda *_, **__: "<svg/>")
-    widget, sent = Population(), []
+    widget = Population()
+    sent = []
     widget.visible = [0, 10]
     monkeypatch.setattr(widget, "send_state", lambda names: sent.append(set(names)))
     widget.show(generation())

@@ -39,7 +39,8 @@ def test_random_robots_are_those_of_generation_0(drawings):
 
 
 def test_it_is_drawn_once_for_each_change(drawings):
-    world, stairs = World(), wl.Settings().with_(structure="stairs")
+    world = World()
+    stairs = wl.Settings().with_(structure="stairs")
     world.settings = stairs
     world.genome = wl.Genome.parse(GENOME)
     world.draw(wl.Settings())
@@ -80,7 +81,8 @@ def test_invalid_messages_are_ignored(message, drawings):
 
 
 def test_another_thread_can_drive_it():
-    world, wanted = World(), [wl.Settings().with_(step_height=0.05 + 0.01 * i, structure="stairs") for i in range(5)]
+    world = World()
+    wanted = [wl.Settings().with_(step_height=0.05 + 0.01 * i, structure="stairs") for i in range(5)]
     thread = threading.Thread(target=lambda: [world.draw(one) for one in wanted])
     thread.start()
     for _ in range(5):

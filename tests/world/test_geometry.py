@@ -53,8 +53,10 @@ def test_drawn_hills_have_the_computed_height():
 
 def test_placements_and_rope_ends_agree_with_mujoco():
     settings = wl.Settings().with_(drag_weight=2, obstacle="ball", duration=2)
-    scene, poses = wl.compile_scene(GENOME, settings), wl.simulate(GENOME, settings).poses[::20]
-    placed, data = body_placements(scene, poses), mujoco.MjData(scene.model)
+    scene = wl.compile_scene(GENOME, settings)
+    poses = wl.simulate(GENOME, settings).poses[::20]
+    placed = body_placements(scene, poses)
+    data = mujoco.MjData(scene.model)
     for pose, place, ends in zip(poses, placed, rope_ends(scene, placed), strict=True):
         data.qpos[:] = pose
         mujoco.mj_forward(scene.model, data)
@@ -65,7 +67,8 @@ def test_placements_and_rope_ends_agree_with_mujoco():
 def test_rotate_agrees_with_mujoco():
     rng = np.random.default_rng(0)
     expected = np.empty(3)
-    quaternions, vector = rng.normal(size=(20, 4)), rng.normal(size=3)
+    quaternions = rng.normal(size=(20, 4))
+    vector = rng.normal(size=3)
     quaternions /= np.linalg.norm(quaternions, axis=1, keepdims=True)
     for quaternion, rotated in zip(quaternions, rotate(quaternions, vector), strict=True):
         mujoco.mju_rotVecQuat(expected, vector, quaternion)

@@ -23,7 +23,8 @@ def scene_with(load, **changes):
 
 def simulate_steps(scene, seconds, *, rest=3):
     """Yield the data after each step of settling for ``rest`` seconds and walking for ``seconds``, without sleep."""
-    model, timestep = scene.model, scene.settings.simulation.timestep
+    model = scene.model
+    timestep = scene.settings.simulation.timestep
     model.opt.enableflags &= ~int(mujoco.mjtEnableBit.mjENBL_SLEEP)
     data = mujoco.MjData(model)
     scene.place(data)
@@ -87,7 +88,8 @@ def test_the_rope_pulls_only_when_it_is_taut(weight):
 def test_the_ground_supports_the_robot_with_its_pack_and_the_sledge_separately(planet, load):
     """Measured at rest, over the last half second."""
     scene = scene_with(load, gravity=planet)
-    model, force = scene.model, np.empty(6)
+    model = scene.model
+    force = np.empty(6)
     forces = {root: [] for root in scene.roots}
     for data in simulate_steps(scene, 0, rest=6):
         if data.time < 5.5:
@@ -101,7 +103,8 @@ def test_the_ground_supports_the_robot_with_its_pack_and_the_sledge_separately(p
             upward_force[first or second] += upward if first == 0 else -upward
         for root, values in forces.items():
             values.append(upward_force[root])
-    robot, g = scene.settings.robot, -model.opt.gravity[2]
+    robot = scene.settings.robot
+    g = -model.opt.gravity[2]
     weights = [scene.phenotype.weight + robot.carry_weight, robot.drag_weight]
     for values, weight in zip(forces.values(), weights, strict=False):
         assert np.mean(values) == pytest.approx(weight * g, rel=0.02)
@@ -123,8 +126,10 @@ def test_loads_do_not_count_towards_the_robot_limits(load):
 
 
 def test_the_pack_is_fixed_on_the_back():
-    rollout, scene = wl.simulate(WALKER, wl.Settings().with_(carry_weight=3)), scene_with({"carry_weight": 3})
-    model, data = scene.model, mujoco.MjData(scene.model)
+    rollout = wl.simulate(WALKER, wl.Settings().with_(carry_weight=3))
+    scene = scene_with({"carry_weight": 3})
+    model = scene.model
+    data = mujoco.MjData(scene.model)
     pack = model.body("walker/pack/").id
     segment = model.body_parentid[pack]
     relative_poses = []

@@ -57,7 +57,8 @@ def deceleration(texture, spin):
         spec.delete(spec.bodies[-1])
     spec.bodies[1].sleep = AWAKE
     model = spec.compile()
-    data, radius = mujoco.MjData(model), float(model.geom_size[-1, 0])
+    data = mujoco.MjData(model)
+    radius = float(model.geom_size[-1, 0])
     data.qpos[3:7] = [1, 0, 0, 0]  # because angular velocity is given in the frame of the body
     data.qvel[:] = [0, 0, 0, 0, 0, spin] if spin else [4, 0, 0, 0, 4 / radius, 0]
     mujoco.mj_step(model, data, round(2 / model.opt.timestep))

@@ -64,7 +64,8 @@ def crowded_terrains(draw):
     for name, value in values.items():  # MuJoCo fails to parse subnormal numbers such as 1e-310
         if isinstance(value, tuple | float):
             values[name] = np.round(value, 9).tolist()
-    width, kind = draw(st.floats(0.03, 0.6)), draw(st.sampled_from(Obstacle))
+    width = draw(st.floats(0.03, 0.6))
+    kind = draw(st.sampled_from(Obstacle))
     area = math.pi * (placement.OBSTACLE_REACH[kind] * width + 0.01) ** 2
     share = draw(st.sampled_from([0.1, 0.1, 0.1, 1.0]))
     obstacles = {"obstacle": kind, "obstacle_size": width, "obstacle_density": share * min(2.0, 0.25 / area)}
@@ -114,7 +115,9 @@ def test_ground_and_layout_are_determined_by_the_seed(structure):
 def test_pieces_cover_the_requested_share_of_the_ground(structure, size, density):
     terrain = wl.Terrain(structure=structure, incline=20, texture_size=size, texture_density=density)
     model, data = compiled(world_spec(terrain))
-    rng, pitch, sample = np.random.default_rng(1), slope(terrain), 6000
+    rng = np.random.default_rng(1)
+    pitch = slope(terrain)
+    sample = 6000
     # One random point in each of many stripes, to reduce the variance of the measured share.
     along = FIELD_START + PLACEMENT_AREA[0] * (rng.permutation(sample) + rng.random(sample)) / sample
     on_ground = [any(start < place < end for start, end in level_stretches(terrain)) for place in along]
@@ -130,7 +133,8 @@ def test_pieces_cover_the_requested_share_of_the_ground(structure, size, density
 def test_pieces_are_fixed_and_lie_completely_on_one_stretch(structure):
     terrain = wl.Terrain(structure=structure, texture_density=0.1)
     model, _ = compiled(world_spec(terrain))
-    x, half = compute_layout(terrain).pieces[:, 0], terrain.texture_size / 2
+    x = compute_layout(terrain).pieces[:, 0]
+    half = terrain.texture_size / 2
     n_on = [((start + half - 1e-9 <= x) & (x <= end - half + 1e-9)).sum() for start, end in level_stretches(terrain)]
     assert min(n_on) > 0
     assert sum(n_on) == len(x) == (model.geom_type == int(mujoco.mjtGeom.mjGEOM_SPHERE)).sum()
@@ -168,7 +172,8 @@ def test_no_obstacle_overlaps_anything_or_is_on_the_landing(terrain):
 def test_obstacles_sleep_until_touched_and_fall_asleep_again():
     spec = world_spec(wl.Terrain(obstacle="box"))
     placed = compute_layout(wl.Terrain(obstacle="box"))
-    spot, half = placed.obstacles[0], placed.obstacle_sizes[0] / 2
+    spot = placed.obstacles[0]
+    half = placed.obstacle_sizes[0] / 2
     hammer = spec.worldbody.add_body(pos=[*spot[:2], 2 * half + 0.3], sleep=mujoco.mjtSleepPolicy.mjSLEEP_INIT)
     hammer.add_freejoint()
     hammer.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[half / 2, 0, 0], mass=0.1)
@@ -198,7 +203,8 @@ def test_no_robot_or_sledge_starts_inside_anything(terrain, limits, carried, dra
     robot = wl.Robot(**limits.model_dump() | {"carry_weight": carried, "drag_weight": dragged})
     genome = wl.Genome.random(robot, rng=random_stream(1, "check", number))
     scene = compile_scene(genome, wl.Settings(terrain=terrain, robot=robot))
-    model, data = scene.model, mujoco.MjData(scene.model)
+    model = scene.model
+    data = mujoco.MjData(scene.model)
     scene.place(data)
     mujoco.mj_forward(model, data)
     roots = model.body_rootid[model.geom_bodyid[data.contact.geom]].reshape(-1, 2)

@@ -21,7 +21,8 @@ def random_genomes(n, robot=None):
 
 @pytest.mark.parametrize("genome", random_genomes(12), ids=range(12))
 def test_weight_and_length_of_the_model_are_those_of_the_genome(genome):
-    scene, robot = wl.compile_scene(genome, wl.Settings()), express(genome)
+    scene = wl.compile_scene(genome, wl.Settings())
+    robot = express(genome)
     model = scene.model
     data = mujoco.MjData(model)
     scene.place(data)
@@ -81,7 +82,8 @@ def test_the_right_leg_lags_the_left_one_by_the_stride_gene():
     genome = random_genomes(1, robot)[0]
     values = genome.values.copy()
     names = list(wl.gene_table(robot).gene)
-    values[names.index("frequency")], values[names.index("seg1.stride")] = 1.0, math.pi
+    values[names.index("frequency")] = 1.0
+    values[names.index("seg1.stride")] = math.pi
     scene = wl.compile_scene(wl.Genome(values), wl.Settings(robot=robot))
     controls = scene.controls(800)  # 4 s
     left, right = controls[:, :2], controls[:, 2:]

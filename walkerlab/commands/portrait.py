@@ -31,7 +31,8 @@ def render_moments(run: Run) -> NDArray[np.uint8]:
     Returns:
         The image, shape (height, width, 3).
     """
-    genome, settings = run.champion.genome, run.settings
+    genome = run.champion.genome
+    settings = run.settings
     scene = compile_scene(genome, settings, scenery=True)
     rollout = simulate(genome, settings)
     model = scene.model

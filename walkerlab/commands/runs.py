@@ -56,7 +56,8 @@ def resume(arguments: argparse.Namespace) -> int:
         from walkerlab.view import summary
 
     run = restore_user_functions(load(arguments.path), {})
-    done, wanted = run.n_generations, arguments.generations
+    done = run.n_generations
+    wanted = arguments.generations
     wanted = run.settings.algorithm.generations if wanted is None else wanted
     if done == wanted and run.path:
         if not outputs.are_there(run.path):  # the run was stopped before they were written
@@ -75,7 +76,8 @@ def resume(arguments: argparse.Namespace) -> int:
 
 def _resume_words(run: Run) -> str:
     """Return the arguments that resume a run; if it is complete, with twice as many generations."""
-    done, wanted = run.n_generations, run.settings.algorithm.generations
+    done = run.n_generations
+    wanted = run.settings.algorithm.generations
     return f"resume {_run_path(run)}" + (f" --generations {2 * done}" if done == wanted else "")
 
 
@@ -94,7 +96,8 @@ def _finish(run: Run, *, quiet: bool) -> int:
         from walkerlab.view import summary
 
     assert run.path
-    folder, wanted = run.path.parent, run.settings.algorithm.generations
+    folder = run.path.parent
+    wanted = run.settings.algorithm.generations
     is_stopped = run.n_generations < wanted
     if is_stopped:
         print(f"\n{_describe_stopped_run(run)}", file=sys.stderr if quiet else sys.stdout)
@@ -138,8 +141,10 @@ def show(arguments: argparse.Namespace) -> int:
     from walkerlab.runfile import paths, store
     from walkerlab.view import summary
 
-    run, path = load(arguments.path), paths.locate_run_file(arguments.path)
-    settings, records = run.settings.model_dump(), run.records
+    run = load(arguments.path)
+    path = paths.locate_run_file(arguments.path)
+    settings = run.settings.model_dump()
+    records = run.records
     print_safely(f"{display_path(path)}: {run.n_generations} of {run.settings.algorithm.generations} generations")
     run_facts, versions = store.read_facts(path)
     for title, facts in (("it has", run_facts), ("made with", versions)):
@@ -172,7 +177,8 @@ def rescue(arguments: argparse.Namespace) -> int:
     if (arguments.out / RUN_FILE).exists():
         raise RunFileError(f"{out} already holds a run. Choose another folder for the saved one: --out ANOTHER-FOLDER")
     run = loading.rescue(arguments.path, arguments.out / RUN_FILE)
-    done, wanted = run.n_generations, run.settings.algorithm.generations
+    done = run.n_generations
+    wanted = run.settings.algorithm.generations
     saved = f"{done} of {wanted} intact generations are" if done else "No generation is intact; the settings are"
     print(f"{saved} saved in {out}; {display_path(arguments.path)} was not changed.")
     print(f"Resume the run: walkerlab {_resume_words(run)}")
@@ -194,7 +200,8 @@ def describe_stop(arguments: argparse.Namespace) -> str:
 
 def _describe_stopped_run(run: Run) -> str:
     """Return the message for a run that was stopped: what is saved, and how to resume it."""
-    done, wanted = run.n_generations, run.settings.algorithm.generations
+    done = run.n_generations
+    wanted = run.settings.algorithm.generations
     progress = f"after {done} of {wanted} generations, which are saved"
     if not done:
         progress = "before the first generation was complete; the settings are saved"

@@ -30,7 +30,7 @@ def randomized(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: floa
     Args:
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
-        rate: Probability of each gene to change, 0 to 1.
+        rate: Probability that a gene changes, 0 to 1.
         scale: Standard deviation of a step, relative to the value (or to a tenth of the range, if larger).
         rng: Random generator.
 
@@ -58,7 +58,7 @@ def favored(
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
         favored: Name of a gene, or of a feature of every part.
-        rate: Probability of each other gene to change, 0 to 1.
+        rate: Probability that any other gene changes, 0 to 1.
         scale: Standard deviation of a step, relative to the value (or to a tenth of the range, if larger).
         rng: Random generator.
 
@@ -79,7 +79,7 @@ def micro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0
     Args:
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
-        rate: Probability of each gene that is not a count to change, 0 to 1.
+        rate: Probability that a gene that is not a count changes, 0 to 1.
         scale: Standard deviation of a step of ``randomized``, of which these steps are a fifth.
         rng: Random generator.
 
@@ -130,7 +130,7 @@ def gaussian(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float 
     Args:
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
-        rate: Probability of each gene to change, 0 to 1.
+        rate: Probability that a gene changes, 0 to 1.
         scale: Standard deviation of a step, relative to the range.
         rng: Random generator.
 
@@ -152,7 +152,7 @@ def _relative_step(genomes: Floats, genes: Genes, scale: float, rng: Generator) 
 def _apply_steps(genomes: Floats, genes: Genes, step: Floats, *, rate: float | Floats, rng: Generator) -> Floats:
     """Add each gene's step with the probability ``rate``, and bring the result into its range."""
     if not np.all((np.asarray(rate) >= 0) & (np.asarray(rate) <= 1)):
-        raise ValueError(f"rate is {np.max(rate)}; it must be 0 to 1. It is the probability of each gene to change.")
+        raise ValueError(f"rate is {np.max(rate)}; it must be 0 to 1. It is the probability that a gene changes.")
     is_mutated = rng.random(genomes.shape) < rate
     moved = np.where(
         genes.is_cyclic,

@@ -232,7 +232,7 @@ class Individual:
                 "fitness",
                 format_significant(self.fitness) if self.verdict == "ok" else "none, because its walk does not count",
             ),
-            ("verdict", f"{self.verdict}: {meaning}{f' That is, {self.reason}.' if self.reason else ''}"),
+            ("verdict", f"{self.verdict}: {meaning}{f' Details: {self.reason}.' if self.reason else ''}"),
             ("generation", f"{self.generation}, in which it was born"),
             ("parents", ", ".join(map(str, self.parents)) or "none: it was generated at random"),
         )

@@ -69,7 +69,7 @@ def describe_champion(records: pd.DataFrame, settings: PlainSettings) -> str:
     if best.verdict != "ok":
         return (
             f"No walk counted, so there is no champion. The verdict on robot {best.individual} is {best.verdict}. "
-            f"{_verdict_meaning(best.verdict)}\nReason: {best.reason}."
+            f"{_verdict_meaning(best.verdict)}\nDetails: {best.reason}."
         )
     return (
         f"The champion is robot {best.individual}, born in generation {best.generation}.\n"

@@ -87,7 +87,8 @@ class Scene:
             data: Data of the model; its positions are overwritten.
             nudge: Small displacements of the start in the model's degrees of freedom, shape (nv,).
         """
-        model, terrain = self.model, self.settings.terrain
+        model = self.model
+        terrain = self.settings.terrain
         pitch = slope(terrain)
         data.qpos[model.jnt_qposadr[model.actuator_trnid[:, 0]]] = self.rest
         along_slope = [math.cos(pitch / 2), 0, -math.sin(pitch / 2), 0]

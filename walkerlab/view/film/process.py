@@ -37,7 +37,8 @@ def render_film(job: Job, path: Path, *, progress: bool) -> None:
     except FileNotFoundError as error:
         raise FilmError(str(error)) from error
     except OSError as error:
-        where, what = display_path(path.parent), error.strerror or error
+        where = display_path(path.parent)
+        what = error.strerror or error
         raise FilmError(
             f"the film {path.name} cannot be written to {where}: {what}. Close programs that play it, or use another "
             "path."

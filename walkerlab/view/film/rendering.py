@@ -143,7 +143,8 @@ def cameras_at(times: Floats, scene: Scene, rollout: Rollout, aspect_ratio: floa
         An ``mjvCamera`` for each time.
     """
     paths = [rollout.com, *([rollout.load] if len(rollout.load) else [])]
-    simulation, pitch = scene.settings.simulation, slope(scene.settings.terrain)
+    simulation = scene.settings.simulation
+    pitch = slope(scene.settings.terrain)
     shot = aim_camera(simulation.camera, rollout.time, np.array(paths), scene.phenotype.body_length, pitch)
     recorded = np.column_stack([shot.target, shot.distance, shot.azimuth, shot.elevation])
     at_frames = np.column_stack([np.interp(times, rollout.time, column) for column in recorded.T])

@@ -59,5 +59,5 @@ def _draw_race_result(axes: Axes, walks: Sequence[Walk]) -> None:
     axes.set_aspect("equal")
     axes.set_yticks(tick_positions, tick_labels)
     axes.tick_params(axis="y", length=0)
-    axes.set_xlabel("way forward [m]")
+    axes.set_xlabel("distance forward [m]")
     axes.spines[["top", "right", "left"]].set_visible(False)

@@ -103,7 +103,8 @@ def _choose_window(settings: Settings, parts: RobotParts, size: tuple[float, flo
         size: Width and height of the picture [pixels].
         width_m: Visible width [m], as in ``draw_world``.
     """
-    terrain, robot = settings.terrain, settings.robot
+    terrain = settings.terrain
+    robot = settings.robot
     width_px, height_px = size
     corners = np.concatenate([np.zeros((1, 2)), *(points @ RAISED_VIEW for points, _ in parts)])
     robot_left, robot_bottom = corners.min(axis=0).tolist()
