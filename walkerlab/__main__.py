@@ -34,7 +34,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if words == ["doctor"]:  # must run even if the parser cannot be imported
             from walkerlab.commands import doctor
 
-            return doctor.run()
+            return doctor.run_doctor()
         return _run_command(words)
     except KeyboardInterrupt:
         return print_error("\nStopped.", EXIT_INTERRUPTED)
@@ -80,7 +80,7 @@ def _run_command(words: Sequence[str]) -> int:
     if words[0] not in commands and not words[0].startswith("-"):
         return print_error(describe_unknown_command(words[0], commands), INVALID_REQUEST)
     arguments, unknown_words = parser.parse_known_args(words)
-    if unknown_words and arguments.run is not runs.evolve:
+    if unknown_words and arguments.run is not runs.evolve_command:
         parser.error(f"unknown arguments of {arguments.command}: {' '.join(unknown_words)}")
     arguments.unknown_words = unknown_words
     with warnings.catch_warnings():

@@ -21,7 +21,7 @@ def versions(monkeypatch):
     installed = {"walkerlab": "1.0"}
     needed = []
     monkeypatch.setattr(software, "requires", lambda _: needed)
-    monkeypatch.setattr(software, "_version", installed.get)
+    monkeypatch.setattr(software, "_installed_version", installed.get)
     monkeypatch.setattr(fixes, "allows_packages", lambda: True)
     return installed, needed
 

@@ -39,7 +39,7 @@ def empty_outputs(monkeypatch: pytest.MonkeyPatch) -> None:
             (folder / name).touch()
         run.records.to_csv(folder / "records.csv", index=False)
 
-    monkeypatch.setattr(outputs, "write", write)
+    monkeypatch.setattr(outputs, "write_outputs", write)
 
 
 @pytest.fixture(scope="module")

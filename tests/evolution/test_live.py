@@ -175,7 +175,7 @@ def test_closing_the_last_run_shuts_the_default_executor_down(monkeypatch):
     workers = ThreadPoolExecutor(2)
     lives = []
     monkeypatch.setattr(live_module, "default_executor", lambda: workers)
-    monkeypatch.setattr(live_module, "_RUNS", weakref.WeakSet())
+    monkeypatch.setattr(live_module, "_live_runs", weakref.WeakSet())
     for _ in range(2):
         listener = Listener()
         lives.append(LiveRun(SMALL, on_change=listener.record))

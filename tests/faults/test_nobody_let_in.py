@@ -16,7 +16,7 @@ import pytest
 
 from tests.conftest import skip_without
 from tests.faults import number
-from tests.simulation.test_cluster import until
+from tests.simulation.test_cluster import wait_until
 
 psutil = pytest.importorskip("psutil")
 
@@ -98,7 +98,7 @@ def test_lab_is_local_and_requires_the_token_for_any_configuration_of_jupyter(tm
     with lab(tmp_path, config) as (pid, address, token):
         at_first = len(listening(pid))
         assert ask(address, "/api/kernels", token, "POST")
-        until(lambda: len(listening(pid)) >= at_first + N_KERNEL_PORTS)
+        wait_until(lambda: len(listening(pid)) >= at_first + N_KERNEL_PORTS)
         assert is_only_here(pid), listening(pid)
         for path in ("/api/kernels", "/api/contents", "/api/terminals"):
             assert ask(address, path) is None

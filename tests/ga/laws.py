@@ -1,4 +1,4 @@
-"""Laws that every operator must obey, as functions that assert them; ``test_operators`` shows that each can fail."""
+"""Laws that every operator must obey, as functions that assert them; each is shown to fail for a broken operator."""
 
 import numpy as np
 from scipy.stats import binom, chisquare

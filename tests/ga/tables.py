@@ -13,18 +13,18 @@ def rng(*address):
     return random_stream(11, "check", *address)
 
 
-def genes_of(kinds, low, high, names=None, **body):
+def make_genes(kinds, low, high, names=None, **body):
     n = len(kinds)
     names = tuple(f"g{i}" for i in range(n)) if names is None else names
     return Genes(names, ("",) * n, tuple(kinds), ("",) * n, np.array(low, float), np.array(high, float), **body)
 
 
 def bits(n):
-    return genes_of(["count"] * n, [0] * n, [1] * n)
+    return make_genes(["count"] * n, [0] * n, [1] * n)
 
 
 def reals(n, low=0.0, high=1.0):
-    return genes_of(["real"] * n, [low] * n, [high] * n)
+    return make_genes(["real"] * n, [low] * n, [high] * n)
 
 
 def body(n_parts=5, min_parts=1):
@@ -34,7 +34,7 @@ def body(n_parts=5, min_parts=1):
     kinds = ["count", "real", "cyclic"] + ["real", "cyclic", "count"] * n_parts
     low = [min_parts, 0.5, 0.0] + [-1.0, -np.pi, 2] * n_parts
     high = [n_parts, 3.0, 2 * np.pi] + [1.0, np.pi, 9] * n_parts
-    return genes_of(kinds, low, high, names, n_parts=n_parts, n_whole=3, count=0)
+    return make_genes(kinds, low, high, names, n_parts=n_parts, n_whole=3, count=0)
 
 
 def random_genomes(genes, n, *address):

@@ -34,7 +34,7 @@ def without_rng(fitness, n_parents):
 
 
 @named
-def with_extra_parameter(fitness, n_parents, selection_pressure, *, rng):
+def with_extra_parameter(fitness, n_parents, pressure, *, rng):
     return np.zeros(n_parents, int)
 
 

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from walkerlab.ga.crossover import none, one_point, paired, randomized, uniform, weighted
 
 from .laws import linkage, links_genes_by_distance
-from .tables import body, genes_of, random_genomes, reals, rng
+from .tables import body, make_genes, random_genomes, reals, rng
 
 N_PARTS = 5
 BODY = body(N_PARTS)
@@ -153,7 +153,7 @@ def test_weighted_does_not_change_equals():
 
 
 def test_weighted_takes_the_shorter_way_for_cyclic_genes_and_rounds_counts():
-    table = genes_of(["cyclic", "cyclic", "count", "real"], [0, -180, 1, 0], [360, 180, 9, 1])
+    table = make_genes(["cyclic", "cyclic", "count", "real"], [0, -180, 1, 0], [360, 180, 9, 1])
     parents = np.array([[350.0, -170.0, 2.0, 0.2], [20.0, 160.0, 5.0, 0.4], [0.0, 0.0, 1.0, 0.0]])
     child = weighted(parents, np.array([1.0, 2.0, 0.0]), 1, rng=rng(), genes=table).genomes[0]
     assert np.allclose(child, [5.0, 175.0, 4.0, 0.3])

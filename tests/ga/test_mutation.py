@@ -22,14 +22,14 @@ from walkerlab.ga.mutation import (
 )
 
 from .laws import MIN_P_VALUE, changes_binomially
-from .tables import bits, body, genes_of, random_genomes, reals, rng
+from .tables import bits, body, make_genes, random_genomes, reals, rng
 
 
 @pytest.mark.parametrize("mutate", [randomized, gaussian, macro])
 @pytest.mark.parametrize("rate", [0.02, 0.08, 0.5])
 def test_the_number_of_changed_genes_is_binomial(mutate, rate):
     kinds = ["real", "count", "cyclic"] * 8
-    table = genes_of(kinds, [0, 0, -np.pi] * 8, [5, 1, np.pi] * 8)
+    table = make_genes(kinds, [0, 0, -np.pi] * 8, [5, 1, np.pi] * 8)
     genomes = random_genomes(table, 3000)
     changes_binomially(partial(mutate, rate=rate), genomes, table, rate)
 
@@ -71,7 +71,7 @@ def test_micro_never_changes_a_count():
 @settings(max_examples=100)
 @pytest.mark.parametrize("mutate", [randomized, gaussian, macro])
 def test_a_mutated_count_always_changes(mutate, low, width, scale, seed):
-    table = genes_of(["count"], [low], [low + width])
+    table = make_genes(["count"], [low], [low + width])
     genomes = np.repeat(np.arange(low, low + width + 1.0), 20)[:, None]
     mutated = mutate(genomes, table, rate=1.0, scale=scale, rng=rng(seed))
     assert np.all(mutated != genomes)
@@ -80,14 +80,14 @@ def test_a_mutated_count_always_changes(mutate, low, width, scale, seed):
 
 
 def test_a_gene_with_an_empty_range_does_not_change():
-    table = genes_of(["real", "count", "cyclic"], [2, 2, 2], [2, 2, 2])
+    table = make_genes(["real", "count", "cyclic"], [2, 2, 2], [2, 2, 2])
     genomes = np.full((50, 3), 2.0)
     for mutate in (randomized, micro, macro, gaussian):
         assert np.array_equal(mutate(genomes, table, rate=1.0, rng=rng()), genomes)
 
 
 def test_a_cyclic_gene_wraps_around():
-    table = genes_of(["cyclic"], [-np.pi], [np.pi])
+    table = make_genes(["cyclic"], [-np.pi], [np.pi])
     at_the_end = np.full((2000, 1), np.pi - 1e-3)
     mutated = gaussian(at_the_end, table, rate=1.0, scale=0.02, rng=rng())
     turned = np.angle(np.exp(1j * (mutated - at_the_end))) / (0.02 * 2 * np.pi)
@@ -118,7 +118,7 @@ def test_macro_draws_from_the_whole_range():
 
 
 def test_macro_draws_a_count_from_the_whole_range_except_its_old_value():
-    table = genes_of(["count"], [1], [9])
+    table = make_genes(["count"], [1], [9])
     n = 9000
     mutated = macro(np.full((n, 1), 5.0), table, rate=1.0, rng=rng())[:, 0].astype(int)
     expected = np.full(9, n / 9)

@@ -23,9 +23,9 @@ from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.records import RECORD_COLUMNS, tidy_table
 from walkerlab.settings.settings import Settings
 
-WHOLE = st.integers(-(2**63), 2**63 - 1)
+INTEGERS = st.integers(-(2**63), 2**63 - 1)
 EMPTY = tidy_table(pd.DataFrame(columns=list(RECORD_COLUMNS)))
-CELLS = {int: WHOLE, float: st.floats(), str: st.text(st.characters(codec="utf-8", exclude_characters="\0"))}
+CELLS = {int: INTEGERS, float: st.floats(), str: st.text(st.characters(codec="utf-8", exclude_characters="\0"))}
 
 
 @pytest.fixture
@@ -102,12 +102,12 @@ def test_single_generations_and_individuals_can_be_read(path):
     tables = [generation(number) for number in range(4)]
     for table in tables:
         add(path, table)
-    me = store.read_facts(path)[0]["id"]
-    assert same(store.read_generations(path, me, 1, 3), tidy_table(pd.concat(tables[1:3], ignore_index=True)))
-    assert same(store.read_generations(path, me, 3, 99), tables[3])
-    assert same(store.read_generations(path, me, 4, 4), EMPTY)
+    run_id = store.read_facts(path)[0]["id"]
+    assert same(store.read_generations(path, run_id, 1, 3), tidy_table(pd.concat(tables[1:3], ignore_index=True)))
+    assert same(store.read_generations(path, run_id, 3, 99), tables[3])
+    assert same(store.read_generations(path, run_id, 4, 4), EMPTY)
     born = [(2, 203), (0, 0), (1, 203), (9, 900)]  # the last two do not exist
-    found = store.read_births(path, me, ["generation", "individual", "genome"], born)
+    found = store.read_births(path, run_id, ["generation", "individual", "genome"], born)
     assert found == [(2, 203, tables[2].genome[3]), (0, 0, tables[0].genome[0])]
 
 
@@ -115,8 +115,10 @@ def test_a_robot_takes_less_than_a_kilobyte(path):
     settings = Settings()
     genomes = [str(Genome(values)) for values in generate_robot_population(settings.robot, 500, seed=0)]
     for number in range(4):
-        made = generation(number, 500).assign(genome=genomes, operators="gradient > paired > randomized", parents="7 9")
-        add(path, made.assign(reason="", verdict="ok"))
+        created = generation(number, 500).assign(
+            genome=genomes, operators="gradient > paired > randomized", parents="7 9"
+        )
+        add(path, created.assign(reason="", verdict="ok"))
     assert path.stat().st_size / 2000 < 1000
 
 
@@ -213,12 +215,12 @@ def test_one_of_several_concurrent_creators_succeeds_and_readers_see_no_incomple
         barrier = threading.Barrier(n)
         stop = threading.Event()
         with ThreadPoolExecutor(n + 1) as pool:
-            watching = pool.submit(watch, path, stop)
-            made = [one.result() for one in [pool.submit(create, path, barrier) for _ in range(n)]]
+            watcher = pool.submit(watch, path, stop)
+            created = [one.result() for one in [pool.submit(create, path, barrier) for _ in range(n)]]
             stop.set()
-            watching.result()
-        assert made.count(None) == n - 1
-        assert store.read_facts(path)[0]["id"] in made
+            watcher.result()
+        assert created.count(None) == n - 1
+        assert store.read_facts(path)[0]["id"] in created
     assert all(seen)
     assert all("exists already" in message for message in rejections)
     assert len(list(tmp_path.iterdir())) == 5, "no drafts are left"
@@ -254,12 +256,12 @@ def test_a_file_is_created_complete_or_not_at_all(tmp_path, monkeypatch):
 
 def test_another_run_at_the_same_path_is_not_changed(path):
     add(path, generation(0))
-    mine = store.read_facts(path)[0]["id"]
+    run_id = store.read_facts(path)[0]["id"]
     path.unlink()
     store.create(path, Settings().model_dump())
     before = path.read_bytes()
     with pytest.raises(RunFileError, match="replaced by another run"):
-        store.append(path, generation(1), mine)
+        store.append(path, generation(1), run_id)
     assert path.read_bytes() == before
 
 
@@ -284,13 +286,13 @@ def test_an_older_copy_at_the_same_path_is_not_continued(path):
 
 def test_reading_with_the_id_of_another_run_raises(path):
     add(path, generation(0))
-    for ask in (
+    for read in (
         lambda: store.read_generations(path, "another", 0, 1),
         lambda: store.read_births(path, "another", ["genome"], [(0, 0)]),
         lambda: store.require_run(path, "another"),
     ):
         with pytest.raises(RunFileError, match="replaced by another run"):
-            ask()
+            read()
 
 
 def test_rescue_ends_at_a_missing_generation_and_at_invalid_rows(path, tmp_path):
@@ -310,10 +312,10 @@ def test_rescue_ends_at_a_missing_generation_and_at_invalid_rows(path, tmp_path)
 def test_the_step_limit_grows_with_the_file_when_it_is_rescued_or_upgraded(path, tmp_path, monkeypatch):
     monkeypatch.setattr(opening, "MAX_STEPS", 2_000)
     for number in range(2):
-        made = generation(number, 300).assign(
+        created = generation(number, 300).assign(
             fitness=1.0, parents="", verdict="ok", born=0, reason="", genome="x" * 600
         )
-        add(path, made)
+        add(path, created)
     whole = table_of(path)
     assert store.rescue(path, tmp_path / "rescued.walk") == 2
     assert same(table_of(tmp_path / "rescued.walk"), whole)
@@ -362,7 +364,7 @@ def test_the_file_records_what_each_generation_was_made_with(path, monkeypatch, 
     "UPDATE generations SET seal = (SELECT seal FROM generations WHERE generation = 0) WHERE generation = 1",
     "UPDATE provenance SET made_with = '{}'",
     "DELETE FROM provenance",
-    "UPDATE run SET value = 'me' WHERE fact = 'id'",
+    "UPDATE run SET value = 'another' WHERE fact = 'id'",
     """UPDATE run SET value = replace(value, '"seed": 0', '"seed": 1') WHERE fact = 'settings'""",
 ])  # fmt: skip
 def test_every_change_by_another_program_is_detected(path, change):
@@ -380,8 +382,8 @@ def rejections(path):
     """Yield the message with which each function rejects a run file."""
     for use in (
         lambda: store.read(path),
-        lambda: store.read_generations(path, "me", 0, 1),
-        lambda: store.read_births(path, "me", ["genome"], [(0, 0)]),
+        lambda: store.read_generations(path, "another", 0, 1),
+        lambda: store.read_births(path, "another", ["genome"], [(0, 0)]),
         lambda: store.append(path, generation(9), "another"),
         lambda: store.prepare_resume(path, {}),
     ):

@@ -16,9 +16,9 @@ from walkerlab.simulation import validity
 from walkerlab.simulation.fitness import distance, score
 from walkerlab.simulation.rollout import simulate_walk
 from walkerlab.simulation.validity import GUARD_FUNCTIONS, REJECTED, VERDICTS, Trace, judge
-from walkerlab.world.compilation import assemble
+from walkerlab.world.compilation import assemble_model
 from walkerlab.world.geometry import surface_points
-from walkerlab.world.scene import Scene, compile_scene
+from walkerlab.world.scene import ORIENTATION, POSITION, Scene, compile_scene
 
 WALKER = (  # the champion of wl.evolve(wl.Settings().with_(generations=15, seed=1))
     "wl1 segments=4 | seg length=0.233 mass=2.368 legs length=0.277 force=13.136 "
@@ -47,7 +47,7 @@ def grown(*segments, **changes):
     ]
     robot = Phenotype(tuple(still), frequency=1.0)
     settings = wl.Settings().with_(**changes)
-    return Scene(assemble(robot, settings), wl.Genome.parse(WALKER), robot, settings)
+    return Scene(assemble_model(robot, settings), wl.Genome.parse(WALKER), robot, settings)
 
 
 def driven(scene, law):
@@ -159,7 +159,7 @@ def robot_that_presses_a_foot_into_the_ground():
 @expect("bad start", r"at the start it was 0\.04\d m deep in another body; 0.001 is allowed")
 def start_in_the_ground():
     def lower(model, data):
-        data.qpos[2] -= 0.05
+        data.qpos[POSITION][2] -= 0.05
 
     return simulate_walk(placed(scene_of(), lower))
 
@@ -170,7 +170,7 @@ def start_inside_an_obstacle():
     start, _ = body(scene, "obstacle1")
 
     def overlap(model, data):
-        data.qpos[start : start + 2] = -0.2, 0.0
+        data.qpos[start:][POSITION][:2] = -0.2, 0.0
 
     return simulate_walk(placed(scene, overlap))
 
@@ -251,9 +251,9 @@ def robot_that_rides_on_an_obstacle():
         down = math.radians(20)
         along, up = np.array([math.cos(down), 0, -math.sin(down)]), np.array([math.sin(down), 0, math.cos(down)])
         half = model.geom_size[board][0, 0]
-        data.qpos[start : start + 3] = -0.5 * along + (half + 0.001) * up
-        data.qpos[start + 3 : start + 7] = data.qpos[3:7]
-        data.qpos[:3] += (2 * half + 0.005) * up
+        data.qpos[start:][POSITION] = -0.5 * along + (half + 0.001) * up
+        data.qpos[start:][ORIENTATION] = data.qpos[ORIENTATION]
+        data.qpos[POSITION] += (2 * half + 0.005) * up
 
     return simulate_walk(placed(scene, mount))
 

@@ -178,7 +178,7 @@ PLACES = {
     ],
     "report": lambda run, _: of_report(run),
     "list of runs": lambda run, _: [best_result(run)],
-    "film": lambda run, _: [film._caption(film.ChampionPeriod(run.champion, 0, 1), "").split(" · ")[-1]],
+    "film": lambda run, _: [film._write_caption(film.ChampionPeriod(run.champion, 0, 1), "").split(" · ")[-1]],
     "card": lambda run, _: found(r">Fitness</th><td>(.*?)<", robot_card(run.records, run.champion.individual)),
     "roster": lambda run, _: of_roster(run),
     "progress": lambda run, _: found(r"best (\S+)$", progress(run)),
@@ -263,7 +263,7 @@ def test_where_no_walk_counts_no_number_is_shown():
         wl.plots.alt_text(wl.plots.fitness_curve(run, Figure().add_subplot())),
         wl.plots.alt_text(tree),
         str(describe_generation(run.records)["rows"]),
-        film._caption(film.ChampionPeriod(run.champion, 0, 1), ""),
+        film._write_caption(film.ChampionPeriod(run.champion, 0, 1), ""),
     ]
     for text in texts:
         assert not re.search(r"\b(inf|nan)\b", text), text

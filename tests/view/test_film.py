@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from walkerlab.commands.worlds import GENOME
+from walkerlab.commands.worlds import WALKER_GENOME as GENOME
 from walkerlab.evolution.run import Run
 from walkerlab.runfile import records
 from walkerlab.settings.choices import Camera
@@ -616,7 +616,7 @@ class _InterruptingBar:
 def test_when_the_kernel_is_killed_rendering_ends_and_the_temporary_file_is_removed(backend, tmp_path):
     code = (
         "from walkerlab.view.film import film; from walkerlab.settings.settings import Settings; "
-        "from walkerlab.commands.worlds import GENOME; "
+        "from walkerlab.commands.worlds import WALKER_GENOME as GENOME; "
         f"film(GENOME, Settings(), {str(tmp_path / 'walk.mp4')!r}, size=(128, 96), fps=60)"
     )
     with subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True) as kernel:

@@ -17,7 +17,7 @@ from PIL import Image
 import walkerlab as wl
 from tests.frontends import book, open_notebook, start_all
 from tests.text.test_html import assert_harmless
-from walkerlab.commands.worlds import GENOME
+from walkerlab.commands.worlds import WALKER_GENOME as GENOME
 from walkerlab.settings.choices import Camera
 from walkerlab.view.replay.animation import build_animation, lateral_extent, shadow_transforms
 from walkerlab.view.replay.page import Frame
@@ -388,7 +388,8 @@ N_REPLAYS = 17  # one more than the WebGL contexts that a browser keeps
 
 def many_replays():
     setting = (
-        "import walkerlab as wl\nfrom walkerlab.commands.worlds import GENOME\ns = wl.Settings().with_(duration=2)"
+        "import walkerlab as wl\nfrom walkerlab.commands.worlds import WALKER_GENOME as GENOME\n"
+        "s = wl.Settings().with_(duration=2)"
     )
     return book(setting, *(f"wl.replay({{'walk {i}': GENOME}}, s)" for i in range(N_REPLAYS)))
 

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 import walkerlab as wl
 from tests.strategies import robots, terrains
 from tests.text.test_html import HOSTILE, Seen
-from walkerlab.commands.worlds import GENOME, WORLDS
+from walkerlab.commands.worlds import WALKER_GENOME as GENOME
+from walkerlab.commands.worlds import WORLDS
 from walkerlab.genome.phenotype import express
 from walkerlab.genome.text import GenomeError
 from walkerlab.settings.choices import Obstacle, Texture

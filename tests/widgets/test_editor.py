@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import walkerlab as wl
 from tests.strategies import genomes, robots
 from tests.text.test_html import HOSTILE
-from walkerlab.commands.worlds import GENOME
+from walkerlab.commands.worlds import WALKER_GENOME as GENOME
 from walkerlab.genome.text import GenomeError
 from walkerlab.view import sketch
 from walkerlab.widgets.editor import MAX_NOTES, PICTURE_SIZE, Editor

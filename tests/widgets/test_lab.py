@@ -319,7 +319,7 @@ def test_no_forecast_is_made_during_a_run(lab, monkeypatch):
     press(lab, "start")
     forecasts = []
     monkeypatch.setattr("walkerlab.widgets.lab.estimate_seconds", forecasts.append)
-    lab._forecast()
+    lab._show_forecast()
     assert forecasts == []
 
 

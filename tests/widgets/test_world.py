@@ -5,7 +5,7 @@ import threading
 import pytest
 
 import walkerlab as wl
-from walkerlab.commands.worlds import GENOME
+from walkerlab.commands.worlds import WALKER_GENOME as GENOME
 from walkerlab.view import sketch
 from walkerlab.widgets.world import World
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.commands.worlds import GENOME
+from walkerlab.commands.worlds import WALKER_GENOME as GENOME
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.world.geometry import body_placements, material_image, rope_ends, rotate, visible_surfaces
 from walkerlab.world.heights import ground_height

@@ -10,6 +10,7 @@ import walkerlab as wl
 from walkerlab.settings.choices import Texture
 from walkerlab.world.entities import generate_terrain
 from walkerlab.world.materials import MATERIALS
+from walkerlab.world.scene import ORIENTATION, POSITION
 
 G = 9.81
 AWAKE = mujoco.mjtSleepPolicy.mjSLEEP_NEVER
@@ -37,9 +38,9 @@ def sliding_distance(texture, angle):
     block.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[0.1, 0.1, 0.02], mass=1)
     model = spec.compile()
     data = mujoco.MjData(model)
-    start = data.qpos[:3].copy()
+    start = data.qpos[POSITION].copy()
     mujoco.mj_step(model, data, round(1 / model.opt.timestep))
-    return float((start - data.qpos[:3]) @ [math.cos(pitch), 0, math.sin(pitch)])
+    return float((start - data.qpos[POSITION]) @ [math.cos(pitch), 0, math.sin(pitch)])
 
 
 def deceleration(texture, spin):
@@ -59,7 +60,7 @@ def deceleration(texture, spin):
     model = spec.compile()
     data = mujoco.MjData(model)
     radius = float(model.geom_size[-1, 0])
-    data.qpos[3:7] = [1, 0, 0, 0]  # because angular velocity is given in the frame of the body
+    data.qpos[ORIENTATION] = [1, 0, 0, 0]  # because angular velocity is given in the frame of the body
     data.qvel[:] = [0, 0, 0, 0, 0, spin] if spin else [4, 0, 0, 0, 4 / radius, 0]
     mujoco.mj_step(model, data, round(2 / model.opt.timestep))
     before = data.qvel.copy()

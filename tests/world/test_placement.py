@@ -21,7 +21,7 @@ from walkerlab.world.assembly import _add_pieces
 from walkerlab.world.entities import generate_terrain
 from walkerlab.world.heights import FIELD_START, LANDING_LENGTH, ground_height, hill_heights, level_stretches, slope
 from walkerlab.world.placement import compute_layout
-from walkerlab.world.scene import compile_scene
+from walkerlab.world.scene import POSITION, compile_scene
 
 AWAKE = mujoco.mjtSleepPolicy.mjSLEEP_NEVER
 DOWN = np.array([0.0, 0.0, -1.0])
@@ -234,7 +234,7 @@ def displacement(seconds, **forces):
     ball.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.15, 0, 0], mass=1)
     model, data = compiled(spec)
     mujoco.mj_step(model, data, round(seconds / model.opt.timestep))
-    return data.qpos[:3] - [0, 0, 100]
+    return data.qpos[POSITION] - [0, 0, 100]
 
 
 gravities = st.tuples(*[st.floats(-30, 30)] * 3) | st.sampled_from(list(PLANET_GRAVITY.values()))

@@ -66,7 +66,7 @@ def open_lab(folder: Path, options: Sequence[str] = ()) -> None:
     server.start()
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run_lab(arguments: argparse.Namespace) -> int:
     """Copy the notebooks and open JupyterLab on them; return the exit code."""
     folder = Path(NOTEBOOKS_FOLDER)
     try:

@@ -31,7 +31,7 @@ def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.Argu
 
     evolve = add_command(
         "evolve",
-        runs.evolve,
+        runs.evolve_command,
         "evolve robots and write the run into a new folder",
         "[--out FOLDER] [--quiet] [--SETTING VALUE ...]",
     )
@@ -41,24 +41,26 @@ def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.Argu
     evolve.add_argument("--quiet", action="store_true", help="print only errors")
     flags.add_flags(evolve)
 
-    resume = add_command("resume", runs.resume, "resume a run", "PATH [--generations N] [--quiet]")
+    resume = add_command("resume", runs.resume_command, "resume a run", "PATH [--generations N] [--quiet]")
     resume.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")
     resume.add_argument("--generations", type=int, metavar="N", help="total number of generations")
     resume.add_argument("--quiet", action="store_true", help="print only errors")
 
-    show = add_command("show", runs.show, "print a summary of a run", "PATH")
+    show = add_command("show", runs.show_command, "print a summary of a run", "PATH")
     show.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")
 
-    rescue = add_command("rescue", runs.rescue, "save the intact generations of a damaged run", "PATH [--out FOLDER]")
+    rescue = add_command(
+        "rescue", runs.rescue_command, "save the intact generations of a damaged run", "PATH [--out FOLDER]"
+    )
     rescue.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")
     rescue.add_argument(
         "--out", type=flags.parse_path, default="rescued", metavar="FOLDER", help="folder of the new run [rescued]"
     )
 
-    add_command("doctor", doctor.run, "check this computer and print how to fix each fault", "")
+    add_command("doctor", doctor.run_doctor, "check this computer and print how to fix each fault", "")
 
     lab_command = add_command(
-        "lab", lab.run, "open JupyterLab on copies of the notebooks", "[--no-browser] [--port N] [--allow-root]"
+        "lab", lab.run_lab, "open JupyterLab on copies of the notebooks", "[--no-browser] [--port N] [--allow-root]"
     )
     lab_command.add_argument("--no-browser", action="store_true", help="print the address without opening a browser")
     lab_command.add_argument("--port", type=int, metavar="N", help="port of the server on this computer")

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from walkerlab.evolution.run import Run
 
 
-def evolve(arguments: argparse.Namespace) -> int:
+def evolve_command(arguments: argparse.Namespace) -> int:
     """Run an evolution and write it into a new folder; return the exit code."""
     with interrupts_held():
         from walkerlab.commands import flags
@@ -46,7 +46,7 @@ def evolve(arguments: argparse.Namespace) -> int:
     return _finish(run, quiet=arguments.quiet)
 
 
-def resume(arguments: argparse.Namespace) -> int:
+def resume_command(arguments: argparse.Namespace) -> int:
     """Resume a run; if it is complete, write missing output files. Return the exit code."""
     with interrupts_held():
         from walkerlab.evolution import outputs
@@ -135,7 +135,7 @@ def _write_outputs(run: Run) -> None:
         ) from error
 
 
-def show(arguments: argparse.Namespace) -> int:
+def show_command(arguments: argparse.Namespace) -> int:
     """Print a summary of a run; return the exit code."""
     from walkerlab.evolution.loading import load
     from walkerlab.runfile import paths, store
@@ -167,7 +167,7 @@ def show(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def rescue(arguments: argparse.Namespace) -> int:
+def rescue_command(arguments: argparse.Namespace) -> int:
     """Save the intact generations of a damaged run in a new folder; return the exit code."""
     from walkerlab.evolution import loading
     from walkerlab.runfile.opening import RunFileError
@@ -187,13 +187,13 @@ def rescue(arguments: argparse.Namespace) -> int:
 
 def describe_stop(arguments: argparse.Namespace) -> str:
     """Return the message for a command that was stopped: what is saved, and how to resume."""
-    if arguments.run not in (evolve, resume):
+    if arguments.run not in (evolve_command, resume_command):
         return "Stopped."
     from walkerlab.evolution.loading import load
     from walkerlab.runfile.opening import RunFileError
 
     try:
-        return _describe_stopped_run(load(arguments.path if arguments.run is resume else arguments.out))
+        return _describe_stopped_run(load(arguments.path if arguments.run is resume_command else arguments.out))
     except RunFileError:
         return "Stopped before the first walk; there is no run file."
 

@@ -21,7 +21,7 @@ from walkerlab.settings.settings import Settings
 from walkerlab.system.files import file_path, replace_atomically
 from walkerlab.world.assembly import ROBOT_BODY
 from walkerlab.world.heights import ground_height, slope
-from walkerlab.world.scene import Scene, compile_scene
+from walkerlab.world.scene import POSITION, Scene, compile_scene
 
 WALKER_GENOME = (
     "wl1 segments=3"
@@ -79,7 +79,7 @@ def simulate_in_world(scene: Scene) -> mujoco.MjData:
     for root in scene.roots:
         start = model.jnt_qposadr[model.body_jntadr[root]]
         rise = np.max(ground_height(terrain, offsets + START_SHIFT) - ground_height(terrain, offsets))
-        data.qpos[start : start + 3] += (START_SHIFT, 0, rise)
+        data.qpos[start:][POSITION] += (START_SHIFT, 0, rise)
     for control in scene.controls(round(WALK_TIME / model.opt.timestep)):
         data.ctrl[:] = control
         mujoco.mj_step(model, data)

@@ -52,7 +52,8 @@ def rescue(path: str | Path, to: str | Path) -> Run:
     Raises:
         RunFileError: If nothing can be saved, or the new file exists already or cannot be created.
     """
-    path, to = paths.locate_run_file(path), paths.new_path(to, "to")
+    path = paths.locate_run_file(path)
+    to = paths.new_path(to, "to")
     store.rescue(path, to)
     try:
         return load(to)

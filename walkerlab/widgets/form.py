@@ -67,7 +67,7 @@ class Form(Component):
         self._presets = available_presets({domain for domain in DOMAINS if self._shown[domain] == _fields(domain)})
         self._last_valid = settings or Settings()
         super().__init__(presets=[{"name": name, "about": PRESETS[name].about} for name in self._presets])
-        self._show(self._last_valid)
+        self._show_settings(self._last_valid)
 
     def set_state(self, sync_data: NamedValues) -> None:
         """Accept only values and the name of a preset from the browser."""
@@ -106,13 +106,13 @@ class Form(Component):
     @traitlets.observe("settings")
     def _update_controls(self, change: Any) -> None:
         """Update the controls to settings that were set from outside."""
-        if change.new is not None and change.new != self._read()[0]:
-            self._show(change.new)
+        if change.new is not None and change.new != self._read_controls()[0]:
+            self._show_settings(change.new)
 
     @traitlets.observe("values")
     def _update_settings(self, _change: object = None) -> None:
         """Update settings and messages to the values of the controls, valid or not."""
-        settings, fault = self._read()
+        settings, fault = self._read_controls()
         self._last_valid = settings or self._last_valid
         self.faults = _faults_by_setting(fault)
         self.unused = unused_settings(self.values)
@@ -138,7 +138,7 @@ class Form(Component):
         )
         return next(equal, "")
 
-    def _show(self, settings: Settings) -> None:
+    def _show_settings(self, settings: Settings) -> None:
         """Update all controls to settings."""
         values = settings.model_dump()
         for domain, field, value in _all_values(settings):
@@ -150,7 +150,7 @@ class Form(Component):
             self._update_settings()
         self.values = values
 
-    def _read(self) -> tuple[Settings | None, str]:
+    def _read_controls(self) -> tuple[Settings | None, str]:
         """Return the settings of the controls and "", or None and the error message."""
         values = {
             domain: {field: self._replace_names(domain, field, value) for field, value in fields.items()}

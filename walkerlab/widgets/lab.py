@@ -77,10 +77,10 @@ class Lab(HasSnapshot, ipywidgets.Box):
         self.population = Population()
         self.robot = RobotArea(settings, self._insert)
         areas = [
-            _area("wide", self.transport),
-            _area("left", self.form, self.world),
-            _area("right", self.runs),
-            _area("wide", self.population, self.robot),
+            _make_area("wide", self.transport),
+            _make_area("left", self.form, self.world),
+            _make_area("right", self.runs),
+            _make_area("wide", self.population, self.robot),
         ]
         super().__init__([ipywidgets.Box(areas).add_class("wl-areas")])
         check_executor(executor)  # last, so that the panel can be closed if this raises
@@ -137,11 +137,11 @@ class Lab(HasSnapshot, ipywidgets.Box):
         self.transport.fault = f"Cannot start. {faults}" if faults else ""
         if settings:
             self._drawing.request("world", partial(self.world.draw, settings))
-            self._drawing.request("forecast", self._forecast)
+            self._drawing.request("forecast", self._show_forecast)
             if not self.run:  # edited genes walk in the world of the selected run, if there is one
                 self.robot.set_settings(settings)
 
-    def _forecast(self) -> None:
+    def _show_forecast(self) -> None:
         """Show how long a run with the form's settings takes; not during a run, which would distort the timing."""
         if (settings := self.settings) and not self._is_running():
             algorithm = settings.algorithm
@@ -215,7 +215,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         if live is self._active:
             self._show_status(live)
         if live.state != State.running:
-            self._drawing.request("forecast", self._forecast)
+            self._drawing.request("forecast", self._show_forecast)
             self._drawing.end_pause()
 
     def _show_status(self, live: LiveRun) -> None:
@@ -295,6 +295,6 @@ def _world_of(settings: Settings) -> tuple[object, ...]:
     return settings.terrain, settings.robot, settings.simulation
 
 
-def _area(name: str, *components: ipywidgets.Widget) -> ipywidgets.Box:
+def _make_area(name: str, *components: ipywidgets.Widget) -> ipywidgets.Box:
     """Stack components in an area of the panel."""
     return ipywidgets.Box(components).add_class("wl-area").add_class(f"wl-{name}")

@@ -56,8 +56,8 @@ class Population(Component):
         self._lock = threading.RLock()
         self._settings = settings
         self._shown = concatenate_tables([])
-        self.observe(self._list, "sort")
-        self.observe(self._draw, "visible")
+        self.observe(self._list_robots, "sort")
+        self.observe(self._draw_pictures, "visible")
         if records is not None:
             self.show(records, settings)
 
@@ -74,16 +74,16 @@ class Population(Component):
             self._shown = table.loc[table.generation == table.generation.max()]
             if self.selected not in self._shown.individual.tolist():
                 self.selected = -1
-            self._list()
+            self._list_robots()
 
-    def _list(self, _: object = None) -> None:
+    def _list_robots(self, _: object = None) -> None:
         """Sort the robots, and send their descriptions together with the visible pictures."""
         with self._lock, self.hold_sync():
             self._shown = sort_robots(self._shown, self.sort)
-            self._draw()
+            self._draw_pictures()
             self.generation = describe_generation(self._shown) if len(self._shown) else {}
 
-    def _draw(self, _: object = None) -> None:
+    def _draw_pictures(self, _: object = None) -> None:
         """Draw the visible robots; ``sketch`` caches recent pictures."""
         with self._lock:
             first, end = self.visible if len(self.visible) == 2 else (0, 0)

@@ -108,11 +108,11 @@ def _describe_gene(
     elif given < low:
         why = f"is under the limit {low_text}"
     elif feature == Feature.length:
-        why = f"does not fit, because the body must be {_range(robot.body_length)} m long"
+        why = f"does not fit, because the body must be {_format_range(robot.body_length)} m long"
     elif feature == Feature.mass:
-        why = f"does not fit, because the robot must weigh {_range(robot.weight)} kg"
+        why = f"does not fit, because the robot must weigh {_format_range(robot.weight)} kg"
     elif feature == Feature.legs and given in (0, 1):
-        why = f"does not fit, because the robot must have {_range(robot.legs)} legs"
+        why = f"does not fit, because the robot must have {_format_range(robot.legs)} legs"
     else:
         why = "is not a whole number"
     yield f"{feature.name.replace('_', ' ')} {given_text} {why}: {used_text} is used."
@@ -122,5 +122,5 @@ def _with_unit(value: float, feature: Feature) -> str:
     return f"{value:.4g} {FEATURE_UNITS.get(feature, '')}".rstrip()
 
 
-def _range(limits: tuple[float, float]) -> str:
+def _format_range(limits: tuple[float, float]) -> str:
     return f"{limits[0]:g} to {limits[1]:g}"

@@ -46,11 +46,11 @@ class RunList(Component):
             **changes: As for ``update``.
         """
         with self._lock:
-            if self._has(key):
+            if self._has_run(key):
                 self.update(key, **changes)
                 return
             new = {"key": key, **self._next_look(), "differs": "", "best": "", "state": "", "shown": True}
-            self.runs = [*self.runs, new | self._clean(key, {"name": key} | changes)]
+            self.runs = [*self.runs, new | self._clean_changes(key, {"name": key} | changes)]
 
     def update(self, key: str, **changes: Any) -> None:
         """Change the entry of a run; do nothing if the run is not in the list.
@@ -60,7 +60,7 @@ class RunList(Component):
             **changes: Any of ``name``, ``differs``, ``best``, ``state``, ``shown``.
         """
         with self._lock:
-            changes = self._clean(key, changes)
+            changes = self._clean_changes(key, changes)
             self.runs = [run | changes if run["key"] == key else run for run in self.runs]
 
     def remove(self, key: str) -> None:
@@ -88,7 +88,7 @@ class RunList(Component):
         index = min(range(len(RUN_COLOURS)), key=lambda i: used[RUN_COLOURS[i]])
         return {"colour": RUN_COLOURS[index], "mark": RUN_MARKERS[index]}
 
-    def _clean(self, key: str, changes: Mapping[str, Any]) -> dict[str, Any]:
+    def _clean_changes(self, key: str, changes: Mapping[str, Any]) -> dict[str, Any]:
         """Return changes with a name that is unique, on one line and not too long; without it if it is blank."""
         cleaned = {field: value for field, value in changes.items() if field != "name"}
         if name := " ".join(str(changes.get("name", "")).split())[:MAX_NAME_LENGTH]:
@@ -107,10 +107,10 @@ class RunList(Component):
                     self.update(key, name=name)
                 case {"shown": bool(shown), "of": str(key)}:
                     self.update(key, shown=shown)
-                case {"select": str(key)} if self._has(key):
+                case {"select": str(key)} if self._has_run(key):
                     self.selected = key
                 case _:
                     pass
 
-    def _has(self, key: str) -> bool:
+    def _has_run(self, key: str) -> bool:
         return any(run["key"] == key for run in self.runs)

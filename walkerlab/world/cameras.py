@@ -71,8 +71,8 @@ def aim_camera(camera: Camera, time: Floats, paths: Floats, size: float, slope: 
     """
     azimuth, elevation, relative_distance = CAMERA_VIEWS[camera]
     low, high = paths.min(axis=0), paths.max(axis=0)
-    target = _smooth(time, (low + high) / 2)
-    spread = _smooth(time, (high - low).max(axis=1))
+    target = _smooth_track(time, (low + high) / 2)
+    spread = _smooth_track(time, (high - low).max(axis=1))
     distance = relative_distance * max(size, MIN_SIZE) + DISTANCE_PER_SPREAD * spread
     rotation = ORBIT_SPEED * (time - time[0]) if camera == Camera.orbit else np.zeros(len(time))
     azimuths = azimuth + rotation
@@ -80,12 +80,12 @@ def aim_camera(camera: Camera, time: Floats, paths: Floats, size: float, slope: 
     if elevation > STRAIGHT_DOWN:
         elevations += math.degrees(slope) * np.cos(np.radians(azimuths))
     if camera in (Camera.side, Camera.front):  # from where walkers in neighbouring lanes would hide each other
-        width = np.minimum(_smooth(time, np.ptp(paths[:, :, 1], axis=0)), MAX_WIDTH)
+        width = np.minimum(_smooth_track(time, np.ptp(paths[:, :, 1], axis=0)), MAX_WIDTH)
         elevations -= ELEVATION_PER_WIDTH * width
     return CameraTrack(target, distance, azimuths, elevations)
 
 
-def _smooth(time: Floats, track: Floats) -> Floats:
+def _smooth_track(time: Floats, track: Floats) -> Floats:
     """Apply a Gaussian filter of ``SMOOTHING_TIME`` to a track, (n,) or (n, k), at unevenly spaced times, (n,)."""
     columns = track.reshape(len(time), -1).T
     even = np.linspace(time[0], time[-1], max(2, round((time[-1] - time[0]) / SMOOTHING_STEP) + 1))

@@ -21,7 +21,7 @@ from walkerlab.world.assembly import ROBOT_BODY, cache_per_thread, composer_argu
 from walkerlab.world.entities.walker import BodyPlan
 
 
-def assemble(phenotype: Phenotype, settings: Settings) -> mujoco.MjModel:
+def assemble_model(phenotype: Phenotype, settings: Settings) -> mujoco.MjModel:
     """Return a new compiled model, equal to that of ``describe_world`` without scenery, but faster to compute."""
     return copy.copy(assemble_in_place(phenotype, settings)[0])
 

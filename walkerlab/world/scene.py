@@ -14,7 +14,7 @@ from walkerlab.genome.phenotype import Phenotype, express
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Settings
 from walkerlab.world.assembly import ROBOT_BODY, describe_world
-from walkerlab.world.compilation import assemble, assemble_in_place
+from walkerlab.world.compilation import assemble_in_place, assemble_model
 from walkerlab.world.heights import slope
 from walkerlab.world.placement import PIECE_HEIGHT
 
@@ -197,7 +197,7 @@ def describe_scene(genome: Genome | str | Floats, settings: Settings, *, scenery
 def scene_of(genome: Genome, settings: Settings) -> Scene:
     """Compile the world of a genome that is already within the robot limits."""
     phenotype = express(genome)
-    return Scene(assemble(phenotype, settings), genome, phenotype, settings)
+    return Scene(assemble_model(phenotype, settings), genome, phenotype, settings)
 
 
 def reusable_scene_of(genome: Genome, settings: Settings) -> tuple[Scene, mujoco.MjData]:

@@ -58,7 +58,7 @@ def _run_check(check: Check) -> Iterator[Finding]:
         )
 
 
-def run(_: object = None) -> int:
+def run_doctor(_: object = None) -> int:
     """Print all findings; return the exit code, which is 1 if there is a fault."""
     has_fault = False
     for finding in run_checks():

@@ -120,9 +120,9 @@ def _write_alt_text(counts: Any) -> str:
     n_robots = int(counts.to_numpy().sum())
     n_counted = counts["ok"].to_numpy() if "ok" in counts else np.zeros(len(counts))
     shares = n_counted / counts.to_numpy().sum(axis=1)
-    void = {str(verdict): int(counts[verdict].sum()) for verdict in counts if verdict != "ok"}
-    most_frequent_first = sorted(void, key=lambda verdict: -void[verdict])
-    reasons = ", ".join(f"{verdict} ({void[verdict]} of {n_robots})" for verdict in most_frequent_first)
+    n_by_verdict = {str(verdict): int(counts[verdict].sum()) for verdict in counts if verdict != "ok"}
+    most_frequent_first = sorted(n_by_verdict, key=lambda verdict: -n_by_verdict[verdict])
+    reasons = ", ".join(f"{verdict} ({n_by_verdict[verdict]} of {n_robots})" for verdict in most_frequent_first)
     return (
         f"Verdicts over {pluralize(len(counts), 'generation')}: {shares[0]:.0%} of the walks counted in the first "
         f"generation and {shares[-1]:.0%} in the last. {f'Other verdicts: {reasons}.' if reasons else 'All counted.'}"

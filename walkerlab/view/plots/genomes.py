@@ -131,7 +131,7 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     axes.set_ylabel("robots by rank (fittest on top)")
     n_counted = int((records.verdict.to_numpy()[rows] == "ok").sum())
     if n_counted < len(rows):
-        _mark_void_rows(axes, n_counted + 0.5)
+        _mark_invalid_rows(axes, n_counted + 0.5)
     _label_columns(axes, table)
     bar = axes.figure.colorbar(mesh, ax=axes, pad=0.03, aspect=30, ticks=[0, 0.5, 1])
     bar.ax.set_yticklabels(["minimum\nin this run", "middle", "maximum\nin this run"], fontsize=8)
@@ -151,7 +151,7 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     return axes
 
 
-def _mark_void_rows(axes: Axes, y: float) -> None:
+def _mark_invalid_rows(axes: Axes, y: float) -> None:
     """Draw a line above the robots whose walks do not count, with a label beside the map."""
     axes.axhline(y, color="white", lw=2.5)
     axes.axhline(y, color=VOID_COLOUR, lw=1.5, ls="--")

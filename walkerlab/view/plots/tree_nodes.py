@@ -83,16 +83,16 @@ def place_nodes(
     row_height = ROW_HEIGHT * max_height
     nodes: dict[int, TreeNode] = {}
 
-    def place(one: int, column_x: float, row: float) -> None:
+    def place_node(one: int, column_x: float, row: float) -> None:
         left, right, top = extents[one]
         width = right - left
         x = column_x + (max_width - width) / 2
         nodes[one] = TreeNode(births.loc[one], x - left, x, x + width, row_height * row, top, parts[one])
 
     for row, one in enumerate(reversed(members)):
-        place(one, 0.0, row)
+        place_node(one, 0.0, row)
         if one in other_parents:
-            place(other_parents[one], (1.0 + COLUMN_GAP) * max_width, row + 0.5)
+            place_node(other_parents[one], (1.0 + COLUMN_GAP) * max_width, row + 0.5)
     return nodes, max_width, max_height
 
 

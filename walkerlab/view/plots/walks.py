@@ -57,8 +57,8 @@ def distance_over_time(rollout: Rollout, ax: Axes | None = None, *, label: str =
     number = count_plots(axes, title)
     distance = rollout.com[:, 0] - rollout.com[0, 0]
     is_finite = np.isfinite(distance)
-    void = "" if rollout.counts else f"does not count: {rollout.verdict}"
-    legend = f"{label} ({void})" if label and void else label or void
+    problem = "" if rollout.counts else f"does not count: {rollout.verdict}"
+    legend = f"{label} ({problem})" if label and problem else label or problem
     colour = RUN_COLOURS[number % len(RUN_COLOURS)]
     line_style = LINE_STYLES[number % len(LINE_STYLES)]
     time = rollout.time[is_finite]
@@ -130,8 +130,8 @@ def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Ax
     right.set_ylabel("time on the ground", fontsize=9, color=foreground_colour(axes, SECONDARY_STRENGTH))
     axes.spines[["top", "right", "left"]].set_visible(False)
     axes.tick_params(axis="y", length=0)
-    void = "" if rollout.counts else f"; this walk does not count: {rollout.verdict}"
-    axes.set_title(f"bars: foot on the ground{void}", loc="left", fontsize=9)
+    problem = "" if rollout.counts else f"; this walk does not count: {rollout.verdict}"
+    axes.set_title(f"bars: foot on the ground{problem}", loc="left", fontsize=9)
     shares = ", ".join(f"{name} {share:.0%}" for name, share in zip(names, duty_factors, strict=True))
     meaning = VERDICTS.get(rollout.verdict, rollout.verdict)
     verdict = "" if rollout.counts else f" The walk does not count: {meaning}"

@@ -9,7 +9,7 @@ from walkerlab.ga.genes import Floats
 from walkerlab.settings.choices import Structure
 from walkerlab.settings.terrain import Terrain
 from walkerlab.text.html import Html
-from walkerlab.view.sketch.projection import brightness
+from walkerlab.view.sketch.projection import face_brightness
 from walkerlab.view.sketch.svg import blend, draw_dashes, draw_path, hex_colour, pseudo_random
 from walkerlab.view.sketch.window import DrawnItem, Window, ground_points
 from walkerlab.world.entities.scenery import GROUND_PATTERNS
@@ -98,7 +98,7 @@ def _row_faces(terrain: Terrain, x: Floats, near: float, far: float) -> tuple[Fl
     else:
         is_dark = (np.floor(centres[:, 0] / square_length) + np.floor(centres[:, 1] / square_width)) % 2 == 1
     colours = np.where(is_dark[:, np.newaxis], material.dark, material.light)
-    light = brightness(normals)
+    light = face_brightness(normals)
     if terrain.structure == Structure.gaps:  # deeper faces receive less light
         light = light * (1 + 0.9 * np.minimum(0.0, centres[:, 2:]) / TRENCH_DEPTH)
     return corners, np.clip(colours * light, 0, 1)

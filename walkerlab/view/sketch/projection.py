@@ -41,7 +41,7 @@ class Projection:
         return np.cross(self.view[:, 0], self.view[:, 1])
 
 
-def brightness(normals: Floats) -> Floats:
+def face_brightness(normals: Floats) -> Floats:
     """Return the brightness of faces in sunlight, shape (n, 1); a level face has 1.
 
     Args:

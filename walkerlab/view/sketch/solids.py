@@ -7,7 +7,7 @@ import numpy as np
 
 from walkerlab.ga.genes import Floats
 from walkerlab.text.html import Html, tag
-from walkerlab.view.sketch.projection import Projection, brightness
+from walkerlab.view.sketch.projection import Projection, face_brightness
 from walkerlab.view.sketch.svg import draw_path, hex_colour
 from walkerlab.world.geometry import ROPE_POINTS, UNIT_CUBE, convex_outline
 
@@ -18,7 +18,7 @@ def draw_solids(parts: Sequence[tuple[Floats, Floats]], projection: Projection) 
     """Draw a robot and its loads, the most distant part first.
 
     Args:
-        parts: Points and colour of each part, as returned by ``skins``.
+        parts: Points and colour of each part, as returned by ``surface_points``.
         projection: Projection of the drawing.
     """
     back_to_front = sorted(parts, key=lambda part: -part[0][:, 1].mean())
@@ -46,7 +46,7 @@ def draw_box(corners: Floats, colour: Floats, projection: Projection) -> Html:
     normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     is_visible = normals @ projection.to_viewer > 1e-9
-    fills = colour * brightness(normals[is_visible])
+    fills = colour * face_brightness(normals[is_visible])
     drawn = (
         draw_path([projection.project(face)], fill=hex_colour(fill))
         for face, fill in zip(faces[is_visible], fills, strict=True)
