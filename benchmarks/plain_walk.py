@@ -26,9 +26,11 @@ def walk(path, duration):
     forward = []
     for k in range(round(duration / timestep) + 1):
         t = np.floor(k * timestep * rate + 1e-9) / rate
-        swing = min(t / parameters["gait_ramp"].item(), 1.0) * parameters["gait_amplitude"]
-        wave = np.sin(2 * np.pi * parameters["gait_frequency"] * t + parameters["gait_phase"])
-        data.ctrl[:] = parameters["gait_offset"] + swing * wave
+        amplitude = min(t / parameters["gait_ramp"].item(), 1.0) * parameters["gait_amplitude"]
+        duty = parameters["gait_duty"].item()
+        p = (parameters["gait_frequency"] * t + parameters["gait_leg_phase"] / (2 * np.pi) + 1 / 4) % 1
+        angle = np.pi * np.where(p < 1 - duty, p / (1 - duty), 1 + (p - (1 - duty)) / duty) - np.pi / 2
+        data.ctrl[:] = parameters["gait_offset"] + amplitude * np.sin(angle + parameters["gait_phase"])
         mujoco.mj_step(model, data)
         forward.append(data.sensor("com").data[0])
     return forward[-1] - forward[0]

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.display import genome_html
+from walkerlab.genome.initial import draw_genes
 from walkerlab.genome.repair import BODY_FEATURES, MAX_SEGMENTS, SEGMENT_FEATURES, build_genes, repair
 from walkerlab.genome.text import count_segments, format_text, parse_text
 from walkerlab.readonly import ReadOnlyArrays
@@ -65,7 +66,7 @@ class Genome(ReadOnlyArrays):
 
     @classmethod
     def random(cls, robot: Robot, *, rng: Generator) -> Self:
-        """Return a genome whose genes are drawn uniformly from their ranges, repaired: one of the first generation.
+        """Return a random genome of the first generation, within the limits; most of these robots stand on their feet.
 
         Args:
             robot: Limits of the robot.
@@ -75,11 +76,8 @@ class Genome(ReadOnlyArrays):
             ValueError: If ``robot`` is not a ``Robot``.
             TypeError: If ``rng`` is not a numpy random Generator.
         """
-        genes = build_genes(robot)
-        rng = require_generator(rng)
-        drawn = rng.uniform(genes.low, genes.high)
-        whole = rng.integers(genes.low.astype(int), genes.high.astype(int), endpoint=True)
-        return cls(repair(np.where(genes.is_count, whole, drawn)[np.newaxis], robot)[0])
+        build_genes(robot)  # checks the argument
+        return cls(repair(draw_genes(robot, require_generator(rng))[np.newaxis], robot)[0])
 
     @classmethod
     def of(cls, given: "Genome | str | ArrayLike | HasGenome") -> "Genome":

@@ -1,8 +1,11 @@
 """The robot that a genome expresses: its morphology and its gait."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+import numpy as np
+
+from walkerlab.ga.genes import Floats
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.repair import BODY_FEATURES, SEGMENT_FEATURES
 from walkerlab.settings.choices import Feature
@@ -10,7 +13,13 @@ from walkerlab.settings.choices import Feature
 
 @dataclass(frozen=True)
 class Swing:
-    """Motion of one joint: offset + amplitude · sin(2π · frequency · t + phase), in rad."""
+    """Motion of one joint: offset + amplitude · sin(angle + phase), in rad; see ``stride_angle`` for the angle.
+
+    Attributes:
+        amplitude: Greatest deviation from the offset, rad.
+        phase: How far the joint is ahead of the stride of its leg, rad.
+        offset: Angle about which the joint swings, rad.
+    """
 
     amplitude: float
     phase: float
@@ -24,16 +33,18 @@ class Legs:
     Attributes:
         length: Length of each leg, m.
         force: Maximum torque of each joint, N·m.
-        hip: Motion of the left hip.
-        knee: Motion of the left knee.
+        phase: Phase of the left leg in its stride when the gait begins, rad.
         stride: Phase by which the right leg lags the left one, rad.
+        hip: Motion of the hips.
+        knee: Motion of the knees.
     """
 
     length: float
     force: float
+    phase: float
+    stride: float
     hip: Swing
     knee: Swing
-    stride: float
 
 
 @dataclass(frozen=True)
@@ -58,10 +69,12 @@ class Phenotype:
     Attributes:
         segments: Segments, from the front.
         frequency: Stride frequency, Hz.
+        duty: Share of the stride in which the thighs swing backward; 0.5 makes the motion of each joint a sine.
     """
 
     segments: tuple[Segment, ...]
     frequency: float
+    duty: float
 
     @property
     def plan(self) -> tuple[bool, ...]:
@@ -85,17 +98,51 @@ class Phenotype:
 
 
 def express(genome: Genome) -> Phenotype:
-    """Return the robot that a genome expresses; unexpressed genes are ignored."""
+    """Return the robot that a genome expresses; unexpressed genes are ignored.
+
+    A segment whose ``repeat`` is 1 has the legs and the step of the nearest legs in front of it. All legs are behind
+    those in front by ``lag`` for each segment between them, so that a wave of steps travels along the body.
+    """
     genome = Genome.of(genome)
-    n_segments, frequency = genome.values[: len(BODY_FEATURES)].tolist()
-    rows = genome.values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)[: int(n_segments)]
-    return Phenotype(tuple(map(_express_segment, rows.tolist())), frequency)
+    body = dict(zip(BODY_FEATURES, genome.values[: len(BODY_FEATURES)].tolist(), strict=True))
+    rows = genome.values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)[: int(body[Feature.segments])]
+    segments: list[Segment] = []
+    legs: Legs | None = None
+    for number, row in enumerate(rows.tolist()):
+        gene: dict[Feature, float] = dict(zip(SEGMENT_FEATURES, row, strict=True))
+        if gene[Feature.legs] and not (legs and gene[Feature.repeat]):
+            legs = _express_legs(gene)
+        shifted = legs and replace(legs, phase=legs.phase - number * body[Feature.lag])
+        segments.append(Segment(gene[Feature.length], gene[Feature.mass], shifted if gene[Feature.legs] else None))
+    return Phenotype(tuple(segments), body[Feature.frequency], body[Feature.duty])
 
 
-def _express_segment(values: list[float]) -> Segment:
-    gene = dict(zip(SEGMENT_FEATURES, values, strict=True))
-    hip = Swing(gene[Feature.hip_amplitude], gene[Feature.hip_phase], gene[Feature.hip_offset])
-    knee_phase = hip.phase + gene[Feature.knee_phase]
-    knee = Swing(gene[Feature.knee_amplitude], knee_phase, gene[Feature.knee_offset])
-    legs = Legs(gene[Feature.leg_length], gene[Feature.leg_force], hip, knee, gene[Feature.stride])
-    return Segment(gene[Feature.length], gene[Feature.mass], legs if gene[Feature.legs] else None)
+def _express_legs(gene: dict[Feature, float]) -> Legs:
+    """Return the legs that the genes of a segment express, before the lag is applied."""
+    return Legs(
+        length=gene[Feature.leg_length],
+        force=gene[Feature.leg_force],
+        phase=gene[Feature.hip_phase],
+        stride=gene[Feature.stride],
+        hip=Swing(gene[Feature.hip_amplitude], 0.0, gene[Feature.hip_offset]),
+        knee=Swing(gene[Feature.knee_amplitude], gene[Feature.knee_phase], gene[Feature.knee_offset]),
+    )
+
+
+def stride_angle(strides: Floats, duty: float) -> Floats:
+    """Return the angle that drives the joints of a leg: the thigh is foremost at π/2 and rearmost at 3π/2.
+
+    The angle increases by a full turn in each stride: by half a turn while the thigh swings forward, and by the other
+    half in the share ``duty`` of the stride, while it swings backward. With a duty of 0.5 it increases steadily.
+
+    Args:
+        strides: Phase in strides, any shape; whole numbers are full strides.
+        duty: Share of the stride in which the thigh swings backward.
+
+    Returns:
+        Angles [rad], same shape, from -π/2 to 3π/2.
+    """
+    position = np.mod(strides + 0.25, 1.0)  # since the last time that the thigh was rearmost, if the duty is 0.5
+    is_forward = position < 1 - duty
+    half_turns = np.where(is_forward, position / (1 - duty), 1 + (position - (1 - duty)) / duty)
+    return math.pi * half_turns - math.pi / 2

@@ -15,13 +15,29 @@ GRID_DECIMALS = 3
 
 MAX_SEGMENTS = Robot.declared()["segments"].high  # type: ignore[union-attr]
 
-BODY_FEATURES = (Feature.segments, Feature.frequency)
+BODY_FEATURES = (Feature.segments, Feature.frequency, Feature.lag, Feature.duty)
 """Features of the whole body."""
 
-SEGMENT_FEATURES = tuple(feature for feature in Feature if feature not in BODY_FEATURES)
-"""Features of each segment."""
+TRUNK_FEATURES = (Feature.length, Feature.mass, Feature.legs, Feature.repeat)
+LEG_FEATURES = (
+    Feature.leg_length,
+    Feature.leg_force,
+    Feature.hip_amplitude,
+    Feature.hip_phase,
+    Feature.hip_offset,
+    Feature.knee_amplitude,
+    Feature.knee_phase,
+    Feature.knee_offset,
+    Feature.stride,
+)
+SEGMENT_FEATURES = TRUNK_FEATURES + LEG_FEATURES
+"""Features of each segment: those of its trunk, and those of its legs and their step, which can be repeated."""
 
-FREQUENCY_RANGE = (0.4, 2.2)  # Hz, of strides
+FREQUENCY_RANGE = (0.4, 3.0)
+"""Frequency of strides [Hz]. Animals of 3 to 12 kg change from trot to gallop at 3.8 to 3.2 Hz (Heglund, Taylor &
+McMahon 1974, Science 186)."""
+
+DUTY_RANGE = (0.3, 0.75)
 FULL_TURN = 6.283  # rad, rounded to the grid
 SUM_TOLERANCE = 1e-10  # relative to the maximum of the sum
 GRID_TOLERANCE = 1e-6  # steps of the grid
@@ -34,9 +50,12 @@ def _feature_ranges(robot: Robot) -> dict[Feature, tuple[float, float, str, Gene
     return {
         Feature.segments: (*robot.segment_range, "", "count"),
         Feature.frequency: (*FREQUENCY_RANGE, "Hz", "real"),
+        Feature.lag: (0.0, FULL_TURN, angle, "cyclic"),
+        Feature.duty: (*DUTY_RANGE, "", "real"),
         Feature.length: (shortest, longest, "m", "real"),
         Feature.mass: (robot.weight[0] / (2 * robot.segments[1]), robot.weight[1], "kg", "real"),
         Feature.legs: (0, 1, "pair", "count"),
+        Feature.repeat: (0, 1, "", "count"),
         Feature.leg_length: (0.5 * shortest, 1.2 * longest, "m", "real"),
         Feature.leg_force: (*robot.leg_force, "N·m", "real"),
         Feature.hip_amplitude: (0.0, 1.0, angle, "real"),
@@ -51,7 +70,7 @@ def _feature_ranges(robot: Robot) -> dict[Feature, tuple[float, float, str, Gene
 
 @lru_cache(maxsize=64)
 def build_genes(robot: Robot) -> Genes:
-    """Return the gene table of robots within these limits: two genes of the whole body and twelve for each segment.
+    """Return the gene table of robots within these limits: four genes of the whole body and 13 for each segment.
 
     Raises:
         ValueError: If ``robot`` is not a ``Robot``.
@@ -76,6 +95,23 @@ def build_genes(robot: Robot) -> Genes:
         n_whole=len(BODY_FEATURES),
         count=BODY_FEATURES.index(Feature.segments),
     )
+
+
+def is_expressed(genomes: Floats) -> NDArray[np.bool_]:
+    """Return which genes have an effect on the robot, shape (n, n_genes), for (n, n_genes) genomes.
+
+    Genes of segments that are not grown have none, nor have those of legs that do not exist or that repeat others.
+    """
+    segments = genomes[:, len(BODY_FEATURES) :].reshape(len(genomes), -1, len(SEGMENT_FEATURES))
+    n_grown = genomes[:, BODY_FEATURES.index(Feature.segments), np.newaxis]
+    is_grown = np.arange(segments.shape[1]) < n_grown
+    has_legs = is_grown & (segments[:, :, SEGMENT_FEATURES.index(Feature.legs)] > 0)
+    can_repeat = has_legs & (np.cumsum(has_legs, axis=1) > 1)
+    has_own_legs = has_legs & ~(can_repeat & (segments[:, :, SEGMENT_FEATURES.index(Feature.repeat)] > 0))
+    masks = {Feature.repeat: can_repeat, **dict.fromkeys(LEG_FEATURES, has_own_legs)}
+    of_segments = np.stack([masks.get(feature, is_grown) for feature in SEGMENT_FEATURES], axis=2)
+    of_body = np.ones((len(genomes), len(BODY_FEATURES)), dtype=np.bool_)
+    return np.concatenate([of_body, of_segments.reshape(len(genomes), -1)], axis=1)
 
 
 def gene_table(robot: Robot) -> pd.DataFrame:

@@ -94,7 +94,7 @@ class Mutation(Choice):
 
 
 class Feature(Choice):
-    """Meaning of a gene. All features from ``length`` on have one gene for each segment."""
+    """Meaning of a gene: of the whole body (``segments``, ``frequency``, ``lag``, ``duty``), or of each segment."""
 
     segments = 0, "number of segments"
     frequency = 1, "strides per second, the same for all legs"
@@ -110,6 +110,9 @@ class Feature(Choice):
     knee_phase = 11, "how far the shank is ahead of its thigh in the stride"
     knee_offset = 12, "angle about which the shank swings: positive is forward"
     stride = 13, "how far the right leg is behind the left in the stride; half a turn is a trot"
+    lag = 14, "how far the legs of each segment are behind those of the segment in front of it in the stride"
+    duty = 15, "share of the stride in which the thighs swing backward, pushing; the rest brings them forward"
+    repeat = 16, "whether the segment repeats the legs and the step of the legs in front of it (1) or has its own (0)"
 
 
 class Guard(Choice):

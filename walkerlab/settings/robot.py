@@ -31,7 +31,7 @@ class Robot(DisplayedDomain, frozen=True):
     ] = (0.4, 1.2)
     segments: Annotated[
         tuple[int, int], Quantity(low=1, high=8, about="the number of body segments", whole=True, components=MIN_MAX)
-    ] = (1, 4)
+    ] = (2, 4)
     segment_length: Annotated[
         tuple[float, float],
         Quantity(low=0.05, high=2.0, unit="m", about="the length of each body segment", components=MIN_MAX),
@@ -39,7 +39,7 @@ class Robot(DisplayedDomain, frozen=True):
     legs: Annotated[
         tuple[int, int],
         Quantity(low=2, high=16, about="the number of legs, which come in pairs", whole=True, components=MIN_MAX),
-    ] = (2, 8)
+    ] = (4, 8)
     leg_force: Annotated[
         tuple[float, float],
         Quantity(low=0.1, high=500.0, unit="N·m", about="the greatest torque at each leg joint", components=MIN_MAX),

@@ -37,8 +37,10 @@ def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, na
     1. reset to the keyframe ``start``, which holds the initial pose and the servo targets at rest;
     2. call ``mj_step`` ``settle_steps`` times;
     3. before each further step ``k`` = 0, 1, 2, ... set
-       ``ctrl = gait_offset + min(t / gait_ramp, 1) * gait_amplitude * sin(2 * pi * gait_frequency * t + gait_phase)``,
-       where ``t = floor(k * timestep * control_rate + 1e-9) / control_rate``.
+       ``ctrl = gait_offset + min(t / gait_ramp, 1) * gait_amplitude * sin(angle + gait_phase)``, where
+       ``t = floor(k * timestep * control_rate + 1e-9) / control_rate`` and, with
+       ``p = (gait_frequency * t + gait_leg_phase / (2 * pi) + 1 / 4) % 1`` and ``d = gait_duty``,
+       ``angle = pi * (p / (1 - d) if p < 1 - d else 1 + (p - (1 - d)) / d) - pi / 2``.
 
     The sensor ``com`` measures the centre of mass before each step. The custom text ``genome`` holds the genome.
 
@@ -76,7 +78,7 @@ def _add_walk(spec: mujoco.MjSpec, scene: Scene) -> None:
     """Add the initial state and the gait of a scene to its description."""
     start = mujoco.MjData(scene.model)
     scene.place(start)
-    amplitude, phase, offset = scene.gait
+    gait = scene.gait
     spec.add_key(name="start", qpos=start.qpos, ctrl=scene.rest)
     spec.add_text(name="genome", data=str(scene.genome))
     for name, values in {
@@ -84,9 +86,11 @@ def _add_walk(spec: mujoco.MjSpec, scene: Scene) -> None:
         "control_rate": [CONTROL_RATE],
         "gait_ramp": [RAMP_TIME],
         "gait_frequency": [scene.phenotype.frequency],
-        "gait_amplitude": amplitude,
-        "gait_phase": phase,
-        "gait_offset": offset,
+        "gait_duty": [scene.phenotype.duty],
+        "gait_amplitude": gait.amplitude,
+        "gait_leg_phase": gait.leg_phase,
+        "gait_phase": gait.phase,
+        "gait_offset": gait.offset,
     }.items():
         spec.add_numeric(name=name, data=values, size=len(values))
 

@@ -210,7 +210,8 @@ def _create_made_up_walk() -> Rollout:
     time = np.arange(401) / 50
     com = np.stack([0.5 * time, 0.01 * np.sin(time), 0.2 + 0.01 * np.cos(9 * time)], axis=1)
     swing = Swing(amplitude=0.5, phase=0.0, offset=0.0)
-    segment = Segment(length=0.4, mass=4.0, legs=Legs(length=0.3, force=8.0, hip=swing, knee=swing, stride=math.pi))
+    legs = Legs(length=0.3, force=8.0, phase=0.0, stride=math.pi, hip=swing, knee=swing)
+    segment = Segment(length=0.4, mass=4.0, legs=legs)
     on_ground = np.arange(401) % 4 > 0
     return Rollout(
         time=time,
@@ -220,7 +221,7 @@ def _create_made_up_walk() -> Rollout:
         work=20 * time,
         load=np.empty((0, 3)),
         rope=np.empty(0),
-        phenotype=Phenotype((segment,), frequency=1.5),
+        phenotype=Phenotype((segment,), frequency=1.5, duty=0.5),
         settled=0.25,
         creep=0.0,
         overlap=0.0,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import BODY_FEATURES, GRID_DECIMALS, SEGMENT_FEATURES, build_genes
+from walkerlab.genome.repair import BODY_FEATURES, GRID_DECIMALS, SEGMENT_FEATURES, build_genes, is_expressed
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.robot import Robot
 
@@ -24,7 +24,7 @@ _FEATURE_KINDS = [
     (Feature[name.rpartition(".")[2]], unit, kind)
     for name, unit, kind in zip(_DEFAULT_GENES.names, _DEFAULT_GENES.units, _DEFAULT_GENES.kinds, strict=True)
 ]
-FEATURE_UNITS = {feature: unit for feature, unit, _ in _FEATURE_KINDS if feature != Feature.legs}
+FEATURE_UNITS = {feature: unit for feature, unit, kind in _FEATURE_KINDS if kind != "count"}
 CYCLIC_FEATURES = {feature for feature, _, kind in _FEATURE_KINDS if kind == "cyclic"}
 
 
@@ -60,7 +60,7 @@ def _utf16_length(text: str) -> int:
 def describe_repairs(genome: Genome, robot: Robot) -> list[str]:
     """Describe how a genome changes when it is brought within the limits, in one sentence for each change.
 
-    Genes that have no effect are ignored: those of segments that are not grown and of legs that do not exist.
+    Genes without effect are ignored; see ``is_expressed``.
 
     Args:
         genome: Genome before the repair.
@@ -74,12 +74,11 @@ def describe_repairs(genome: Genome, robot: Robot) -> list[str]:
     sentences = list(_describe_segments(genome, robot))
     for i, feature in enumerate(BODY_FEATURES):
         sentences += _describe_gene(feature, genome.values[i], values[i], (genes.low[i], genes.high[i]), robot)
-    for segment in range(min(genome.n_parts, int(values[genes.count or 0]))):
-        has_legs = used[segment, SEGMENT_FEATURES.index(Feature.legs)]
-        for feature in SEGMENT_FEATURES if has_legs else (Feature.length, Feature.mass, Feature.legs):
-            at = segment, SEGMENT_FEATURES.index(feature)
-            changes = _describe_gene(feature, given[at], used[at], (lows[at], highs[at]), robot)
-            sentences += [f"Segment {segment + 1}: {sentence}" for sentence in changes]
+    expressed = is_expressed(values[np.newaxis])[0, len(BODY_FEATURES) :].reshape(used.shape)
+    for segment, index in np.argwhere(expressed[: genome.n_parts]).tolist():
+        at = segment, index
+        changes = _describe_gene(SEGMENT_FEATURES[index], given[at], used[at], (lows[at], highs[at]), robot)
+        sentences += [f"Segment {segment + 1}: {sentence}" for sentence in changes]
     return sentences
 
 

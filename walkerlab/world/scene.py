@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import mujoco
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 
 from walkerlab.ga.genes import Floats, Indices
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.phenotype import Phenotype, express
+from walkerlab.genome.phenotype import Phenotype, express, stride_angle
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Settings
 from walkerlab.world.assembly import ROBOT_BODY, describe_world
@@ -71,11 +72,13 @@ class Scene:
         Returns:
             Targets [rad], shape (n_steps, nu); they change ``CONTROL_RATE`` times per second.
         """
-        amplitude, phase, offset = self.gait
+        gait = self.gait
         first_steps, control_step = control_steps(n_steps, self.settings.simulation.timestep)
         time = np.arange(len(first_steps))[:, np.newaxis] / CONTROL_RATE
         ramp = np.minimum(time / RAMP_TIME, 1.0)
-        targets = offset + ramp * amplitude * np.sin(math.tau * self.phenotype.frequency * time + phase)
+        strides = self.phenotype.frequency * time + gait.leg_phase / math.tau
+        angle = stride_angle(strides, self.phenotype.duty)
+        targets = gait.offset + ramp * gait.amplitude * np.sin(angle + gait.phase)
         return targets[control_step]
 
     def place(self, data: mujoco.MjData, nudge: Floats | None = None) -> None:
@@ -132,20 +135,35 @@ class Scene:
     @property
     def rest(self) -> Floats:
         """Servo targets of the rest pose [rad], shape (nu,)."""
-        return self.gait[2]
+        return self.gait.offset
 
     @property
-    def gait(self) -> tuple[Floats, Floats, Floats]:
-        """Amplitude, phase and offset of the sine of each servo [rad], shape (nu,) each; ``controls`` adds the ramp."""
+    def gait(self) -> "Gait":
+        """Motion of each servo; ``controls`` adds the ramp."""
         rows = [
-            (swing.amplitude, swing.phase - lag, swing.offset)
+            (swing.amplitude, legs.phase - behind, swing.phase, swing.offset)
             for segment in self.phenotype.segments
             if (legs := segment.legs)
-            for lag in (0.0, legs.stride)
+            for behind in (0.0, legs.stride)
             for swing in (legs.hip, legs.knee)
         ]
-        amplitude, phase, offset = np.array(rows, dtype=np.float64).reshape(-1, 3).T
-        return amplitude, phase, offset
+        return Gait(*np.array(rows, dtype=np.float64).reshape(-1, 4).T)
+
+
+class Gait(NamedTuple):
+    """Motion of each servo: offset + amplitude · sin(stride_angle + phase), in rad; shape (nu,) each.
+
+    Attributes:
+        amplitude: Greatest deviation from the offset, rad.
+        leg_phase: Phase of the leg in its stride when the gait begins, rad.
+        phase: How far the joint is ahead of the stride of its leg, rad.
+        offset: Target at rest, rad.
+    """
+
+    amplitude: Floats
+    leg_phase: Floats
+    phase: Floats
+    offset: Floats
 
 
 @lru_cache(maxsize=16)

@@ -7,12 +7,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from numpy.typing import NDArray
 
 from walkerlab.ga.genes import Floats, Genes
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import BODY_FEATURES, SEGMENT_FEATURES, build_genes
-from walkerlab.settings.choices import Feature
+from walkerlab.genome.repair import BODY_FEATURES, SEGMENT_FEATURES, build_genes, is_expressed
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import new_axes, styled_plot
@@ -33,7 +31,6 @@ from walkerlab.view.plots.tables import describe_change, require_table
 MAX_SAMPLE = 200  # robots that represent a larger generation, evenly spaced in the table
 DIVERSITY_LABEL = "genetic diversity"
 GENES_TITLE = "The genes of a population"
-TRUNK_FEATURES = (Feature.length, Feature.mass, Feature.legs)  # genes of a grown segment that do not require legs
 VOID_COLOUR = "#A84300"  # of the line above the robots whose walks do not count
 POINTS_PER_INCH = 72
 
@@ -46,7 +43,7 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
     the maximum of the whole table. In a cyclic gene, it is the chord between two points on a circle, as a fraction of
     the diameter, so that 0.01 and 6.28 rad are close. The diversity is the root mean square over all pairs of robots
     and all genes that vary in the run: 0 if all robots are clones, some 0.4 (0.7 in cyclic genes) if genes are
-    uniformly distributed. Genes that are not grown are included, because children inherit them and may grow them. In
+    uniformly distributed. Genes without effect are included, because children inherit them and may express them. In
     a generation of more than 200 robots, 200 are evaluated, evenly spaced in the table.
 
     Args:
@@ -90,7 +87,8 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     The colour is the position of a value within the range of the gene in the run, from the minimum (dark) to the
     maximum (bright) of the whole table. The range of a cyclic gene is the full turn, whose two ends are equal. Of
     every other generation of more than 200 robots, 200 contribute to the range, evenly spaced in the table. Genes that
-    are not grown are hatched: those of whole segments, and those of the legs of segments without legs. In a column of
+    have no effect are hatched: those of segments that are not grown, and of legs that do not exist or repeat others.
+    In a column of
     one colour, all robots have the same value.
 
     Args:
@@ -118,7 +116,7 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     rows = np.flatnonzero(records.generation == drawn)
     rows = rows[np.lexsort((records.individual.to_numpy()[rows], -records.fitness.to_numpy()[rows]))]
     values, table = _parse_genomes(records)
-    positions = np.ma.masked_array(_relative_positions(values, table)[rows], ~_is_grown(values[rows], table))
+    positions = np.ma.masked_array(_relative_positions(values, table)[rows], ~is_expressed(values[rows]))
 
     axes = ax or new_axes(width=max(7.2, 1.8 + 0.14 * len(table)), height=4.8)
     axes.patch.set(facecolor="0.93", hatch="/////", edgecolor="0.6", linewidth=0)
@@ -135,7 +133,7 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     _label_columns(axes, table)
     bar = axes.figure.colorbar(mesh, ax=axes, pad=0.03, aspect=30, ticks=[0, 0.5, 1])
     bar.ax.set_yticklabels(["minimum\nin this run", "middle", "maximum\nin this run"], fontsize=8)
-    bar.set_label("position in the gene's range; hatched: not grown", fontsize=8)
+    bar.set_label("position in the gene's range; hatched: no effect", fontsize=8)
     bar.outline.set_visible(False)  # pyright: ignore[reportCallIssue]
 
     distances = _mean_square_distances(values[rows], values, table)
@@ -145,7 +143,7 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
         axes,
         GENES_TITLE,
         f"The {len(table)} genes of the {pluralize(len(rows), 'robot')} of generation {drawn}, the fittest on top: "
-        f"{positions.mask.mean():.0%} of the genes are not grown. The robots differ least in "
+        f"{positions.mask.mean():.0%} of the genes have no effect. The robots differ least in "
         f"{_spell_gene(most_similar)} and most in {_spell_gene(most_different)}.",
     )
     return axes
@@ -264,13 +262,3 @@ def _compute_diversity(records: pd.DataFrame) -> dict[int, float]:
         distances = _mean_square_distances(values[generations == generation], ends, table)[varies]
         diversities[generation] = math.sqrt(distances.mean()) if varies.any() else 0.0
     return diversities
-
-
-def _is_grown(values: Floats, table: Genes) -> NDArray[np.bool_]:
-    """Return which genes are grown, shape (n, n_genes): those of existing segments and of their existing legs."""
-    has_segment = np.arange(table.n_parts) < table.n_grown(values)[:, np.newaxis]
-    has_legs = table.parts(values)[:, :, SEGMENT_FEATURES.index(Feature.legs)] > 0
-    is_trunk = np.array([feature in TRUNK_FEATURES for feature in SEGMENT_FEATURES])
-    segment_genes = has_segment[:, :, np.newaxis] & (is_trunk | has_legs[:, :, np.newaxis])
-    body_genes = np.ones((len(values), table.n_whole), dtype=np.bool_)
-    return np.concatenate([body_genes, segment_genes.reshape(len(values), -1)], axis=1)
