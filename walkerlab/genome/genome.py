@@ -10,7 +10,14 @@ from numpy.typing import ArrayLike
 
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.display import genome_html
-from walkerlab.genome.repair import BODY_FEATURES, MAX_SEGMENTS, SEGMENT_FEATURES, build_genes, repair
+from walkerlab.genome.repair import (
+    BODY_FEATURES,
+    MAX_SEGMENTS,
+    SEGMENT_FEATURES,
+    build_genes,
+    draw_sizes,
+    repair,
+)
 from walkerlab.genome.text import count_segments, format_text, parse_text
 from walkerlab.readonly import ReadOnlyArrays
 from walkerlab.settings.arguments import require_generator
@@ -65,7 +72,7 @@ class Genome(ReadOnlyArrays):
 
     @classmethod
     def random(cls, robot: Robot, *, rng: Generator) -> Self:
-        """Return a genome whose genes are drawn uniformly from their ranges, repaired: one of the first generation.
+        """Return a repaired genome of random genes, one of the first generation; its sizes are those of ``draw_sizes``.
 
         Args:
             robot: Limits of the robot.
@@ -79,7 +86,8 @@ class Genome(ReadOnlyArrays):
         rng = require_generator(rng)
         drawn = rng.uniform(genes.low, genes.high)
         whole = rng.integers(genes.low.astype(int), genes.high.astype(int), endpoint=True)
-        return cls(repair(np.where(genes.is_count, whole, drawn)[np.newaxis], robot)[0])
+        repaired = repair(np.where(genes.is_count, whole, drawn)[np.newaxis], robot)
+        return cls(draw_sizes(repaired, robot, rng)[0])
 
     @classmethod
     def of(cls, given: "Genome | str | ArrayLike | HasGenome") -> "Genome":

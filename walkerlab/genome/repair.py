@@ -4,11 +4,13 @@ from functools import lru_cache
 
 import numpy as np
 import pandas as pd
+from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
 from walkerlab.ga.genes import Floats, Genes, Kind
 from walkerlab.settings.choices import Feature
-from walkerlab.settings.robot import Robot
+from walkerlab.settings.proportions import MAX_LEGS_MASS, MAX_TRUNK_MASS, MIN_LEGS_MASS, MIN_TRUNK_MASS
+from walkerlab.settings.robot import MASS_MARGIN, Robot
 
 GRID_DECIMALS = 3
 """Decimals to which repair rounds genes (millimetres, grams, milliradians), so that the text form is short."""
@@ -21,6 +23,11 @@ BODY_FEATURES = (Feature.segments, Feature.frequency)
 SEGMENT_FEATURES = tuple(feature for feature in Feature if feature not in BODY_FEATURES)
 """Features of each segment."""
 
+LENGTH, MASS, LEGS, LEG_LENGTH = (
+    SEGMENT_FEATURES.index(feature) for feature in (Feature.length, Feature.mass, Feature.legs, Feature.leg_length)
+)
+"""Columns of the genes of a segment."""
+
 FREQUENCY_RANGE = (0.4, 2.2)  # Hz, of strides
 FULL_TURN = 6.283  # rad, rounded to the grid
 SUM_TOLERANCE = 1e-10  # relative to the maximum of the sum
@@ -30,14 +37,15 @@ GRID_TOLERANCE = 1e-6  # steps of the grid
 def _feature_ranges(robot: Robot) -> dict[Feature, tuple[float, float, str, Kind]]:
     """Return low, high, unit and kind of every feature."""
     shortest, longest = robot.segment_length
+    min_mass = min(robot.weight[0] / (2 * robot.segments[1]), MASS_MARGIN * MAX_TRUNK_MASS * shortest**3)
     angle = "rad"
     return {
         Feature.segments: (*robot.segment_range, "", "count"),
         Feature.frequency: (*FREQUENCY_RANGE, "Hz", "real"),
         Feature.length: (shortest, longest, "m", "real"),
-        Feature.mass: (robot.weight[0] / (2 * robot.segments[1]), robot.weight[1], "kg", "real"),
+        Feature.mass: (min_mass, robot.weight[1], "kg", "real"),
         Feature.legs: (0, 1, "pair", "count"),
-        Feature.leg_length: (0.5 * shortest, 1.2 * longest, "m", "real"),
+        Feature.leg_length: (*robot.leg_length_range, "m", "real"),
         Feature.leg_force: (*robot.leg_force, "N·m", "real"),
         Feature.hip_amplitude: (0.0, 1.0, angle, "real"),
         Feature.hip_phase: (0.0, FULL_TURN, angle, "cyclic"),
@@ -98,8 +106,9 @@ def repair(genomes: ArrayLike, robot: Robot) -> Floats:
 
     Genes are brought into their ranges, including the number of segments, and rounded to a grid. Lengths and masses of
     the grown segments are moved towards an end of their range until their sum is within the limits. Pairs of legs are
-    added from the front, or removed from the rear, until their number is. Limits have priority over the grid: where no
-    value on the grid obeys them, a gene is not rounded.
+    added from the front, or removed from the rear, until their number is. The range of a mass is that which trunk and
+    legs of this length can have at a plausible density. Limits have priority over the grid: where no value on the grid
+    obeys them, a gene is not rounded.
 
     Args:
         genomes: Genomes in physical units, shape (n, n_genes); not modified.
@@ -126,13 +135,65 @@ def repair(genomes: ArrayLike, robot: Robot) -> Floats:
 
     parts = genes.parts(values)
     is_grown = np.arange(genes.n_parts) < genes.n_grown(values)[:, np.newaxis]
-    for feature, (min_sum, max_sum) in ((Feature.length, robot.body_length), (Feature.mass, robot.weight)):
-        low, high, *_ = _feature_ranges(robot)[feature]
-        column = SEGMENT_FEATURES.index(feature)
-        parts[:, :, column] = _fit_sum(genes.parts(clipped)[:, :, column], is_grown, low, high, min_sum, max_sum)
-    column = SEGMENT_FEATURES.index(Feature.legs)
-    parts[:, :, column] = _fit_leg_pairs(parts[:, :, column], is_grown, *robot.leg_pairs)
+    parts[:, :, LEGS] = _fit_leg_pairs(parts[:, :, LEGS], is_grown, *robot.leg_pairs)
+    exact = genes.parts(clipped)
+    sums = _body_lengths(robot, genes.n_grown(values))
+    parts[:, :, LENGTH] = _fit_sum(exact[:, :, LENGTH], is_grown, *robot.segment_length, *sums)
+    limits = _mass_limits(parts, robot)
+    parts[:, :, MASS] = np.where(
+        is_grown,
+        _fit_sum(exact[:, :, MASS], is_grown, *limits, *robot.weight),
+        parts[:, :, MASS],
+    )
     return values
+
+
+def draw_sizes(genomes: Floats, robot: Robot, rng: Generator) -> Floats:
+    """Return repaired genomes with new sums of lengths and masses, drawn uniformly from what the limits allow.
+
+    Repair moves a sum that is outside its limits to the nearest limit, and sums of uniform genes often are. Each length
+    and mass is moved towards an end of its range until the sum is the drawn one.
+
+    Args:
+        genomes: Repaired genomes, shape (n, n_genes); not modified.
+        robot: Limits of the robots.
+        rng: Random generator.
+    """
+    genes = build_genes(robot)
+    values = genomes.copy()
+    parts = genes.parts(values)
+    is_grown = np.arange(genes.n_parts) < genes.n_grown(values)[:, np.newaxis]
+    for column in (LENGTH, MASS):
+        if column == LENGTH:
+            low, high = (np.full(is_grown.shape, end) for end in robot.segment_length)
+            min_sum, max_sum = _body_lengths(robot, genes.n_grown(values))
+        else:
+            low, high = _mass_limits(parts, robot)
+            min_sum, max_sum = robot.weight
+        min_sum = np.maximum(min_sum, np.where(is_grown, low, 0.0).sum(axis=1, keepdims=True))
+        max_sum = np.minimum(max_sum, np.where(is_grown, high, 0.0).sum(axis=1, keepdims=True))
+        drawn = np.clip(np.round(rng.uniform(min_sum, np.maximum(min_sum, max_sum)), GRID_DECIMALS), min_sum, max_sum)
+        fitted = _fit_sum(parts[:, :, column], is_grown, low, high, drawn, drawn)
+        parts[:, :, column] = np.where(is_grown, fitted, parts[:, :, column])
+    return repair(values, robot)
+
+
+def _body_lengths(robot: Robot, n_segments: NDArray[np.intp]) -> tuple[Floats, Floats]:
+    """Return the lowest and highest length [m] of bodies with (n,) numbers of segments, shape (n, 1) each."""
+    ranges = np.array([robot.length_for_weight(n) for n in range(1, robot.segments[1] + 1)])
+    low, high = ranges[n_segments - 1, :, np.newaxis].swapaxes(0, 1)
+    return low, high
+
+
+def _mass_limits(parts: Floats, robot: Robot) -> tuple[Floats, Floats]:
+    """Return the lowest and highest mass of segments with their legs [kg], on the grid, shape (n, n_parts) each."""
+    trunk = parts[:, :, LENGTH] ** 3
+    legs = parts[:, :, LEGS] * parts[:, :, LEG_LENGTH] ** 3
+    low, high, *_ = _feature_ranges(robot)[Feature.mass]
+    scale = 10**GRID_DECIMALS
+    lowest = np.ceil((MIN_TRUNK_MASS * trunk + MIN_LEGS_MASS * legs) * scale) / scale
+    highest = np.floor((MAX_TRUNK_MASS * trunk + MAX_LEGS_MASS * legs) * scale) / scale
+    return np.maximum(lowest, low), np.minimum(highest, high)
 
 
 def _on_grid(x: Floats, low: float | Floats, high: float | Floats) -> Floats:
@@ -140,7 +201,14 @@ def _on_grid(x: Floats, low: float | Floats, high: float | Floats) -> Floats:
     return np.where((x == low) | (x == high), x, np.clip(np.round(x, GRID_DECIMALS), low, high))
 
 
-def _fit_sum(x: Floats, is_grown: NDArray[np.bool_], low: float, high: float, min_sum: float, max_sum: float) -> Floats:
+def _fit_sum(
+    x: Floats,
+    is_grown: NDArray[np.bool_],
+    low: float | Floats,
+    high: float | Floats,
+    min_sum: float | Floats,
+    max_sum: float | Floats,
+) -> Floats:
     """Move values towards an end of their range until the sum of the grown segments is within its limits.
 
     The results are rounded to the grid: each value by itself or, if that violates the limits of the sum, the cumulative
@@ -149,15 +217,16 @@ def _fit_sum(x: Floats, is_grown: NDArray[np.bool_], low: float, high: float, mi
     Args:
         x: Values of one feature, shape (n, n_parts).
         is_grown: Whether each segment is grown, same shape.
-        low: Minimum of each value.
-        high: Maximum of each value.
-        min_sum: Minimum of the sum of the grown values.
-        max_sum: Maximum of the sum of the grown values.
+        low: Minimum of each value; a number, or shape (n, n_parts).
+        high: Maximum of each value, likewise.
+        min_sum: Minimum of the sum of the grown values; a number, or shape (n, 1).
+        max_sum: Maximum of the sum of the grown values, likewise.
 
     Returns:
         Values, shape (n, n_parts).
     """
     tolerance = SUM_TOLERANCE * max_sum
+    x = np.clip(x, low, high)
 
     def sum_grown(x: Floats) -> Floats:
         return np.where(is_grown, x, 0.0).sum(axis=1, keepdims=True)
