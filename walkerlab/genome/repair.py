@@ -139,12 +139,8 @@ def repair(genomes: ArrayLike, robot: Robot) -> Floats:
     exact = genes.parts(clipped)
     sums = _body_lengths(robot, genes.n_grown(values))
     parts[:, :, LENGTH] = _fit_sum(exact[:, :, LENGTH], is_grown, *robot.segment_length, *sums)
-    limits = _mass_limits(parts, robot)
-    parts[:, :, MASS] = np.where(
-        is_grown,
-        _fit_sum(exact[:, :, MASS], is_grown, *limits, *robot.weight),
-        parts[:, :, MASS],
-    )
+    fitted = _fit_sum(exact[:, :, MASS], is_grown, *_mass_limits(parts, robot), *robot.weight)
+    parts[:, :, MASS] = np.where(is_grown, fitted, parts[:, :, MASS])
     return values
 
 
@@ -163,19 +159,29 @@ def draw_sizes(genomes: Floats, robot: Robot, rng: Generator) -> Floats:
     values = genomes.copy()
     parts = genes.parts(values)
     is_grown = np.arange(genes.n_parts) < genes.n_grown(values)[:, np.newaxis]
-    for column in (LENGTH, MASS):
-        if column == LENGTH:
-            low, high = (np.full(is_grown.shape, end) for end in robot.segment_length)
-            min_sum, max_sum = _body_lengths(robot, genes.n_grown(values))
-        else:
-            low, high = _mass_limits(parts, robot)
-            min_sum, max_sum = robot.weight
-        min_sum = np.maximum(min_sum, np.where(is_grown, low, 0.0).sum(axis=1, keepdims=True))
-        max_sum = np.minimum(max_sum, np.where(is_grown, high, 0.0).sum(axis=1, keepdims=True))
-        drawn = np.clip(np.round(rng.uniform(min_sum, np.maximum(min_sum, max_sum)), GRID_DECIMALS), min_sum, max_sum)
-        fitted = _fit_sum(parts[:, :, column], is_grown, low, high, drawn, drawn)
-        parts[:, :, column] = np.where(is_grown, fitted, parts[:, :, column])
+    shortest, longest = (np.full(is_grown.shape, end) for end in robot.segment_length)
+    sums = _body_lengths(robot, genes.n_grown(values))
+    parts[:, :, LENGTH] = _draw_sum(parts[:, :, LENGTH], is_grown, shortest, longest, *sums, rng=rng)
+    lightest, heaviest = _mass_limits(parts, robot)
+    parts[:, :, MASS] = _draw_sum(parts[:, :, MASS], is_grown, lightest, heaviest, *robot.weight, rng=rng)
     return repair(values, robot)
+
+
+def _draw_sum(
+    x: Floats,
+    is_grown: NDArray[np.bool_],
+    low: Floats,
+    high: Floats,
+    min_sum: float | Floats,
+    max_sum: float | Floats,
+    *,
+    rng: Generator,
+) -> Floats:
+    """Move the grown values of each row until their sum is one drawn within its limits; for shapes see ``_fit_sum``."""
+    min_sum = np.maximum(min_sum, np.where(is_grown, low, 0.0).sum(axis=1, keepdims=True))
+    max_sum = np.minimum(max_sum, np.where(is_grown, high, 0.0).sum(axis=1, keepdims=True))
+    drawn = np.round(rng.uniform(min_sum, np.maximum(min_sum, max_sum)), GRID_DECIMALS).clip(min_sum, max_sum)
+    return np.where(is_grown, _fit_sum(x, is_grown, low, high, drawn, drawn), x)
 
 
 def _body_lengths(robot: Robot, n_segments: NDArray[np.intp]) -> tuple[Floats, Floats]:
