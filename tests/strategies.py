@@ -5,12 +5,13 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
+from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import build_genes
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.fields import OneOf, Quantity
 from walkerlab.settings.model import SettingsError
-from walkerlab.settings.robot import Robot
+from walkerlab.settings.proportions import MAX_TRUNK_MASS, MIN_TRUNK_MASS
+from walkerlab.settings.robot import LIGHT_SHARE, MASS_MARGIN, Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.simulation import Simulation
 from walkerlab.settings.terrain import Terrain
@@ -38,9 +39,12 @@ def robots(draw):
     longest = draw(st.just(shortest) | numbers(shortest, 2.0))
     share = draw(st.floats(0, 1))
     length = min(8.0, n_segments * (shortest + share * (longest - shortest)))
+    weight = draw(pairs(declared["weight"]))
+    heaviest = MASS_MARGIN * MAX_TRUNK_MASS * length**3 / n_segments**2 * (1 - 1e-9)
+    lightest = MIN_TRUNK_MASS / LIGHT_SHARE * length * min(longest, length) ** 2 * (1 + 1e-9)
     least_legs, most_legs = draw(st.integers(1, n_pairs)), draw(st.integers(n_pairs, 8))
     return Robot(
-        weight=draw(pairs(declared["weight"])),
+        weight=(min(weight[0], heaviest), max(weight[1], lightest)),
         body_length=draw(st.just((length, length)) | st.tuples(numbers(0.05, length), numbers(length, 8.0))),
         segments=(draw(st.integers(1, n_segments)), draw(st.integers(n_segments, 8))),
         segment_length=(shortest, longest),

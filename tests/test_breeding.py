@@ -14,7 +14,7 @@ from walkerlab.breeding import (
     resolve_operators,
 )
 from walkerlab.ga import mutation, selection
-from walkerlab.genome.repair import build_genes
+from walkerlab.genome.features import build_genes
 from walkerlab.randomness import random_stream
 
 ROBOT = wl.Robot()

@@ -12,7 +12,7 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.evolution.live import LiveRun
-from walkerlab.genome.repair import build_genes
+from walkerlab.genome.features import build_genes
 from walkerlab.readonly import ReadOnlyArrays, ReadOnlyError
 from walkerlab.runfile.records import last_population
 

@@ -82,10 +82,10 @@ if TYPE_CHECKING:
     from walkerlab.evolution.running import resume as resume
     from walkerlab.ga.crossover import Children as Children
     from walkerlab.ga.user_functions import OperatorError as OperatorError
+    from walkerlab.genome.features import gene_table as gene_table
     from walkerlab.genome.genome import Genome as Genome
     from walkerlab.genome.phenotype import Phenotype as Phenotype
     from walkerlab.genome.phenotype import express as express
-    from walkerlab.genome.repair import gene_table as gene_table
     from walkerlab.genome.text import GenomeError as GenomeError
     from walkerlab.runfile.opening import RunFileError as RunFileError
     from walkerlab.settings.choices import Camera as Camera

@@ -19,8 +19,9 @@ from walkerlab.ga.genes import Floats, Genes, Indices
 from walkerlab.ga.operators import Operators, cross_in_turn, mutate_in_turn, select_in_turn
 from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
 from walkerlab.ga.selection import require_finite
+from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome, read_genomes
-from walkerlab.genome.repair import build_genes, repair
+from walkerlab.genome.repair import repair
 from walkerlab.randomness import random_stream
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.arguments import require_algorithm, require_count

@@ -1,3 +1,4 @@
+import math
 import random
 import re
 import time
@@ -14,13 +15,23 @@ from hypothesis import strategies as st
 from tests.strategies import finite, genomes, robots, tables
 from walkerlab.breeding import crossover_population, generate_robot_population, mutate_population
 from walkerlab.evolution.run import Run
+from walkerlab.genome.features import build_genes, gene_table
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.phenotype import express
-from walkerlab.genome.repair import build_genes, gene_table, repair
+from walkerlab.genome.repair import repair
 from walkerlab.genome.text import GenomeError
 from walkerlab.runfile import records
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.choices import Crossover, Feature, Mutation
+from walkerlab.settings.proportions import (
+    DENSITY,
+    DENSITY_RANGE,
+    SHANK_RADIUS_RATIO,
+    compute_legs_mass,
+    compute_thigh_radius,
+    compute_thigh_share,
+    compute_trunk_radius,
+)
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.evaluation import Evaluation
@@ -49,10 +60,28 @@ def obeys_every_limit(values, robot):
     legs = [segment.legs for segment in body.segments if segment.legs]
     assert all(in_range(one.force, robot.leg_force) for one in legs)
     assert 2 * len(legs) == body.n_legs == 2 * sum(body.plan)
+    assert all(in_range(density, DENSITY_RANGE) for segment in body.segments for density in densities(segment))
     assert (body.weight, body.body_length) == pytest.approx(
         (sum(segment.mass for segment in body.segments), sum(segment.length for segment in body.segments))
     )
     return True
+
+
+def densities(segment):
+    """Return the density of the trunk of a segment and, if there are legs, that of a leg, in kg/m³."""
+    legs = compute_legs_mass(segment.mass, segment.length, segment.legs.length) if segment.legs else 0.0
+    trunk_radius = compute_trunk_radius(segment.mass - legs, segment.length)
+    found = [(segment.mass - legs) / capsule_volume(trunk_radius, segment.length - 2 * trunk_radius)]
+    if segment.legs:
+        bone_length, radius = segment.legs.length / 2, compute_thigh_radius(legs / 2, segment.legs.length)
+        bones = (capsule_volume(radius, bone_length), capsule_volume(SHANK_RADIUS_RATIO * radius, bone_length))
+        assert compute_thigh_share(radius, segment.legs.length) == pytest.approx(bones[0] / sum(bones))
+        found.append(legs / 2 / sum(bones))
+    return found
+
+
+def capsule_volume(radius, axis_length):
+    return math.pi * radius**2 * (axis_length + 4 / 3 * radius)
 
 
 def is_in_its_ranges(population, robot):
@@ -229,6 +258,27 @@ def test_random_genomes_differ_and_reach_every_body_plan():
     plans = Counter(express(Genome(values)).plan for values in drawn)
     for n in range(1, 5):
         assert sum(len(plan) == n for plan in plans) == 2**n - 1  # all but the one without legs
+
+
+def test_weights_and_lengths_of_random_robots_fill_their_range():
+    robot = Robot()
+    bodies = [express(Genome(values)) for values in generate_robot_population(robot, 1000, seed=0)]
+    weights = [body.weight for body in bodies]
+    for found in (weights, [body.body_length for body in bodies]):
+        assert Counter(np.round(found, 3)).most_common(1)[0][1] <= 50
+    assert np.min(np.histogram(weights, bins=10, range=robot.weight)[0]) > 50
+    for n in range(1, 5):
+        lengths = [body.body_length for body in bodies if len(body.segments) == n]
+        low, high = max(0.4, 0.2 * n), min(1.2, 0.5 * n)
+        assert np.min(np.histogram(lengths, bins=4, range=(low - 1e-9, high + 1e-9))[0]) > 0.15 * len(lengths)
+
+
+def test_random_robots_have_the_nominal_density_wherever_their_girth_allows_it():
+    drawn = generate_robot_population(Robot(), 1000, seed=1)
+    found = np.concatenate([densities(segment) for values in drawn for segment in express(Genome(values)).segments])
+    assert found.min() >= 300
+    assert found.max() <= 3000
+    assert np.mean(np.isclose(found, DENSITY)) > 0.9
 
 
 # ----------------------------------------------------------------------------------------------------- the text
@@ -469,6 +519,17 @@ def test_repair_rejects_other_shapes_and_infinite_values():
     for bad in (np.nan, np.inf, -np.inf):
         with pytest.raises(ValueError, match=f"genome 2: seg1.mass is {bad}; it must be a finite number"):
             repair(np.where((np.arange(150) == 2 * 50 + 3).reshape(3, 50), bad, good), robot)
+
+
+def test_robots_at_the_lightest_and_heaviest_weight_have_plausible_densities():
+    for robot in (
+        Robot(weight=(0.1, 0.1)),
+        Robot(weight=(200, 200)),
+        Robot(weight=(40, 60)),
+        Robot(weight=(170, 170), body_length=(1.2, 1.2), segments=(3, 3)),
+    ):
+        for values in generate_robot_population(robot, 100, seed=2):
+            assert obeys_every_limit(values, robot)
 
 
 @hypothesis_settings(max_examples=100)

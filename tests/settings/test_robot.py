@@ -2,6 +2,7 @@
 
 import re
 
+import pytest
 from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
@@ -38,7 +39,10 @@ def some_robot_obeys(segments, legs, segment_length, body_length):
 
 
 def in_metres(limits):
-    return {name: tuple(end / 20 for end in pair) if name.endswith("length") else pair for name, pair in limits.items()}
+    drawn = {
+        name: tuple(end / 20 for end in pair) if name.endswith("length") else pair for name, pair in limits.items()
+    }
+    return drawn | {"weight": WIDEST["weight"]}
 
 
 WIDEST = {name: (declared.low, declared.high) for name, declared in Robot.declared().items()}
@@ -55,6 +59,29 @@ def test_limits_are_accepted_exactly_when_some_robot_obeys_them(drawn):
         named = {name: in_metres(drawn)[name] for name in re.findall(r"Robot\.(\w+)", line)}
         assert len(named) >= 2 or set(named) == {"legs"}
         error_message(Robot, **WIDEST | named)  # the named fields conflict even if the others allow everything
+
+
+@pytest.mark.parametrize(
+    ("limits", "end", "message"),
+    [
+        ({"weight": (60.0, 80.0), "body_length": (0.4, 0.4)}, 0, r"asks for 60 kg or more, .* weigh 57\.7 kg at most"),
+        ({"weight": (200.0, 200.0), "segments": (4, 4)}, 0, r"asks for 200 kg or more, .* weigh 97\.5 kg at most"),
+        (
+            {"weight": (0.1, 1.0), "body_length": (4, 5), "segment_length": (1, 2)},
+            1,
+            r"allows 1 kg .* 9\.99 kg or more",
+        ),
+        ({"weight": (0.1, 0.1), "body_length": (1.0, 1.0)}, 1, r"allows 0\.1 kg at most, .* weigh 0\.157 kg or more"),
+    ],
+)
+def test_weights_that_no_body_of_plausible_density_can_have_are_rejected_with_the_fix(limits, end, message):
+    text = error_message(Robot, **limits)
+    assert re.search(message, text), text
+    fixed = list(limits["weight"])
+    fixed[end] = float(re.search(r"Robot\.weight to ([\d.]+) kg", text).group(1))
+    assert Robot(**limits | {"weight": tuple(fixed)}).weight == tuple(fixed)
+    named = {name: limits.get(name, getattr(Robot(), name)) for name in set(re.findall(r"Robot\.(\w+)", text))}
+    error_message(Robot, **WIDEST | named)
 
 
 def test_each_conflict_names_its_fields():

@@ -86,8 +86,8 @@ def test_with_changes_only_the_named_setting(settings, others, word):
 @given(robots(), robots())
 @hypothesis_settings(max_examples=30)
 def test_with_changes_a_domain_and_single_settings_of_it_together(one, other):
-    changed = Settings(robot=one).with_(robot=other, weight=one.weight, duration=3)
-    assert dict(changed.robot) == dict(other) | {"weight": one.weight}
+    changed = Settings(robot=one).with_(robot=other, leg_force=one.leg_force, duration=3)
+    assert dict(changed.robot) == dict(other) | {"leg_force": one.leg_force}
     assert changed.simulation == Simulation(duration=3.0)
     assert changed.with_(**dict(one)).robot == one
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
+from walkerlab.genome.features import FREQUENCY_RANGE
 from walkerlab.genome.phenotype import Legs, Phenotype, Segment, Swing
-from walkerlab.genome.repair import FREQUENCY_RANGE
 from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Guard, Obstacle, Structure, Texture
 from walkerlab.simulation import validity
@@ -313,7 +313,7 @@ def test_every_verdict_has_a_cheat():
 
 
 def test_walking_in_circles_gives_no_distance():
-    scene = scene_of(duration=40)
+    scene = scene_of(duration=60)  # about one lap
     left = np.array([scene.model.actuator(i).name.startswith("walker/left") for i in range(scene.model.nu)])
     rollout = simulate_walk(driven(scene, lambda time, target, rest: np.where(left, target, rest)), poses=False)
     path = np.linalg.norm(np.diff(rollout.com[:, :2], axis=0), axis=1).sum()

@@ -90,6 +90,10 @@ def test_each_gene_beyond_the_limits_is_named_with_the_used_value(sentence):
 def test_a_gene_that_does_not_fit_with_the_others_is_reported_with_the_reason():
     heavy = describe_repairs(wl.Genome.parse(GENOME.replace("mass=2", "mass=9")), wl.Robot())
     assert heavy[0] == "Segment 1: mass 9 kg does not fit, because the robot must weigh 3 to 12 kg: 4 kg is used."
+    limits = wl.Robot(weight=(3, 40), legs=(2, 2), body_length=(0.4, 0.6))
+    dense = describe_repairs(wl.Genome.parse(GENOME.replace("mass=2", "mass=9")), limits)
+    reason = "because the density of a segment of this size must be 400 to 2500 kg/m³: 7.372 kg is used."
+    assert f"Segment 2: mass 9 kg does not fit, {reason}" in dense
     bare = describe_repairs(G, wl.Robot(legs=(2, 4)))
     assert bare == ["Segment 3: legs 1 does not fit, because the robot must have 2 to 4 legs: 0 is used."]
     long = describe_repairs(G, wl.Robot(body_length=(0.4, 0.6)))

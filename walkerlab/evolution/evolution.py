@@ -27,8 +27,9 @@ from walkerlab.ga.genes import Floats
 from walkerlab.ga.loop import first_population, next_population
 from walkerlab.ga.population import Population
 from walkerlab.ga.user_functions import OperatorError
+from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import build_genes, repair
+from walkerlab.genome.repair import repair
 from walkerlab.runfile import paths, provenance, records
 from walkerlab.runfile.archive import Archive
 from walkerlab.runfile.opening import DamagedError

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from walkerlab.ga.genes import Floats
-from walkerlab.genome.repair import BODY_FEATURES, LEG_FEATURES, SEGMENT_FEATURES, TRUNK_FEATURES, is_expressed
+from walkerlab.genome.features import BODY_FEATURES, LEG_FEATURES, SEGMENT_FEATURES, TRUNK_FEATURES, is_expressed
 from walkerlab.genome.text import FEATURE_WORDS, SWING_PARAMETERS, count_segments, format_text
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.values import pluralize

@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.display import genome_html
+from walkerlab.genome.features import BODY_FEATURES, MAX_SEGMENTS, SEGMENT_FEATURES, build_genes
 from walkerlab.genome.initial import draw_genes
-from walkerlab.genome.repair import BODY_FEATURES, MAX_SEGMENTS, SEGMENT_FEATURES, build_genes, repair
+from walkerlab.genome.repair import draw_sizes, repair
 from walkerlab.genome.text import count_segments, format_text, parse_text
 from walkerlab.readonly import ReadOnlyArrays
 from walkerlab.settings.arguments import require_generator
@@ -77,7 +78,9 @@ class Genome(ReadOnlyArrays):
             TypeError: If ``rng`` is not a numpy random Generator.
         """
         build_genes(robot)  # checks the argument
-        return cls(repair(draw_genes(robot, require_generator(rng))[np.newaxis], robot)[0])
+        rng = require_generator(rng)
+        drawn = repair(draw_genes(robot, rng)[np.newaxis], robot)
+        return cls(draw_sizes(drawn, robot, rng)[0])
 
     @classmethod
     def of(cls, given: "Genome | str | ArrayLike | HasGenome") -> "Genome":

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.random import Generator
 
 from walkerlab.ga.genes import Floats, Genes
-from walkerlab.genome.repair import build_genes
+from walkerlab.genome.features import build_genes
 from walkerlab.settings.robot import Robot
 
 LEGS_PROBABILITY = 0.9  # that a segment has legs

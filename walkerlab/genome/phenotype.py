@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from walkerlab.ga.genes import Floats
+from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import BODY_FEATURES, SEGMENT_FEATURES
 from walkerlab.settings.choices import Feature
 
 

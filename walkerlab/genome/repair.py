@@ -1,132 +1,20 @@
-"""The gene table for given limits, and the repair that brings any genome within them."""
-
-from functools import lru_cache
+"""The repair that brings any genome within the limits of the robots."""
 
 import numpy as np
-import pandas as pd
+from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 
-from walkerlab.ga.genes import Floats, GeneKind, Genes
+from walkerlab.ga.genes import Floats
+from walkerlab.genome.features import LEG_LENGTH, LEGS, LENGTH, MASS, build_genes, feature_ranges, find_leg_sources
 from walkerlab.settings.choices import Feature
+from walkerlab.settings.proportions import MAX_LEGS_MASS, MAX_TRUNK_MASS, MIN_LEGS_MASS, MIN_TRUNK_MASS
 from walkerlab.settings.robot import Robot
 
 GRID_DECIMALS = 3
 """Decimals to which repair rounds genes (millimetres, grams, milliradians), so that the text form is short."""
 
-MAX_SEGMENTS = Robot.declared()["segments"].high  # type: ignore[union-attr]
-
-BODY_FEATURES = (Feature.segments, Feature.frequency, Feature.lag, Feature.duty)
-"""Features of the whole body."""
-
-TRUNK_FEATURES = (Feature.length, Feature.mass, Feature.legs, Feature.repeat)
-LEG_FEATURES = (
-    Feature.leg_length,
-    Feature.leg_force,
-    Feature.hip_amplitude,
-    Feature.hip_phase,
-    Feature.hip_offset,
-    Feature.knee_amplitude,
-    Feature.knee_phase,
-    Feature.knee_offset,
-    Feature.stride,
-)
-SEGMENT_FEATURES = TRUNK_FEATURES + LEG_FEATURES
-"""Features of each segment: those of its trunk, and those of its legs and their step, which can be repeated."""
-
-FREQUENCY_RANGE = (0.4, 3.0)
-"""Frequency of strides [Hz]. Animals of 3 to 12 kg change from trot to gallop at 3.8 to 3.2 Hz (Heglund, Taylor &
-McMahon 1974, Science 186)."""
-
-DUTY_RANGE = (0.3, 0.75)
-FULL_TURN = 6.283  # rad, rounded to the grid
 SUM_TOLERANCE = 1e-10  # relative to the maximum of the sum
 GRID_TOLERANCE = 1e-6  # steps of the grid
-
-
-def _feature_ranges(robot: Robot) -> dict[Feature, tuple[float, float, str, GeneKind]]:
-    """Return low, high, unit and kind of every feature."""
-    shortest, longest = robot.segment_length
-    angle = "rad"
-    return {
-        Feature.segments: (*robot.segment_range, "", "count"),
-        Feature.frequency: (*FREQUENCY_RANGE, "Hz", "real"),
-        Feature.lag: (0.0, FULL_TURN, angle, "cyclic"),
-        Feature.duty: (*DUTY_RANGE, "", "real"),
-        Feature.length: (shortest, longest, "m", "real"),
-        Feature.mass: (robot.weight[0] / (2 * robot.segments[1]), robot.weight[1], "kg", "real"),
-        Feature.legs: (0, 1, "pair", "count"),
-        Feature.repeat: (0, 1, "", "count"),
-        Feature.leg_length: (0.5 * shortest, 1.2 * longest, "m", "real"),
-        Feature.leg_force: (*robot.leg_force, "N·m", "real"),
-        Feature.hip_amplitude: (0.0, 1.0, angle, "real"),
-        Feature.hip_phase: (0.0, FULL_TURN, angle, "cyclic"),
-        Feature.hip_offset: (-0.8, 0.8, angle, "real"),
-        Feature.knee_amplitude: (0.0, 1.0, angle, "real"),
-        Feature.knee_phase: (0.0, FULL_TURN, angle, "cyclic"),
-        Feature.knee_offset: (-1.2, 1.2, angle, "real"),
-        Feature.stride: (0.0, FULL_TURN, angle, "cyclic"),
-    }
-
-
-@lru_cache(maxsize=64)
-def build_genes(robot: Robot) -> Genes:
-    """Return the gene table of robots within these limits: four genes of the whole body and 13 for each segment.
-
-    Raises:
-        ValueError: If ``robot`` is not a ``Robot``.
-    """
-    if not isinstance(robot, Robot):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ValueError(f"the limits must be a Robot such as settings.robot; got a {type(robot).__name__}")
-    ranges = _feature_ranges(robot)
-    n_parts = robot.segments[1]
-    columns = [(feature.name, feature) for feature in BODY_FEATURES]
-    columns += [
-        (f"seg{part}.{feature.name}", feature) for part in range(1, n_parts + 1) for feature in SEGMENT_FEATURES
-    ]
-    low, high, units, kinds = zip(*(ranges[feature] for _, feature in columns), strict=True)
-    return Genes(
-        names=tuple(name for name, _ in columns),
-        units=units,
-        kinds=kinds,
-        meanings=tuple(feature.about for _, feature in columns),
-        low=np.array(low, dtype=np.float64),
-        high=np.array(high, dtype=np.float64),
-        n_parts=n_parts,
-        n_whole=len(BODY_FEATURES),
-        count=BODY_FEATURES.index(Feature.segments),
-    )
-
-
-def is_expressed(genomes: Floats) -> NDArray[np.bool_]:
-    """Return which genes have an effect on the robot, shape (n, n_genes), for (n, n_genes) genomes.
-
-    Genes of segments that are not grown have none, nor have those of legs that do not exist or that repeat others.
-    """
-    segments = genomes[:, len(BODY_FEATURES) :].reshape(len(genomes), -1, len(SEGMENT_FEATURES))
-    n_grown = genomes[:, BODY_FEATURES.index(Feature.segments), np.newaxis]
-    is_grown = np.arange(segments.shape[1]) < n_grown
-    has_legs = is_grown & (segments[:, :, SEGMENT_FEATURES.index(Feature.legs)] > 0)
-    can_repeat = has_legs & (np.cumsum(has_legs, axis=1) > 1)
-    has_own_legs = has_legs & ~(can_repeat & (segments[:, :, SEGMENT_FEATURES.index(Feature.repeat)] > 0))
-    masks = {Feature.repeat: can_repeat, **dict.fromkeys(LEG_FEATURES, has_own_legs)}
-    of_segments = np.stack([masks.get(feature, is_grown) for feature in SEGMENT_FEATURES], axis=2)
-    of_body = np.ones((len(genomes), len(BODY_FEATURES)), dtype=np.bool_)
-    return np.concatenate([of_body, of_segments.reshape(len(genomes), -1)], axis=1)
-
-
-def gene_table(robot: Robot) -> pd.DataFrame:
-    """Return the gene table as a DataFrame: a row for each gene, with its unit, range, kind and meaning.
-
-    Args:
-        robot: Limits of the robots.
-
-    Raises:
-        ValueError: If ``robot`` is not a ``Robot``.
-    """
-    genes = build_genes(robot)
-    columns = ("names", "units", "low", "high", "kinds", "meanings")
-    titles = ("gene", "unit", "low", "high", "kind", "meaning")
-    return pd.DataFrame({title: list(getattr(genes, column)) for title, column in zip(titles, columns, strict=True)})
 
 
 def repair(genomes: ArrayLike, robot: Robot) -> Floats:
@@ -134,8 +22,9 @@ def repair(genomes: ArrayLike, robot: Robot) -> Floats:
 
     Genes are brought into their ranges, including the number of segments, and rounded to a grid. Lengths and masses of
     the grown segments are moved towards an end of their range until their sum is within the limits. Pairs of legs are
-    added from the front, or removed from the rear, until their number is. Limits have priority over the grid: where no
-    value on the grid obeys them, a gene is not rounded.
+    added from the front, or removed from the rear, until their number is. The range of a mass is that which trunk and
+    legs of this length can have at a plausible density. Limits have priority over the grid: where no value on the grid
+    obeys them, a gene is not rounded.
 
     Args:
         genomes: Genomes in physical units, shape (n, n_genes); not modified.
@@ -162,13 +51,73 @@ def repair(genomes: ArrayLike, robot: Robot) -> Floats:
 
     parts = genes.parts(values)
     is_grown = np.arange(genes.n_parts) < genes.n_grown(values)[:, np.newaxis]
-    for feature, (min_sum, max_sum) in ((Feature.length, robot.body_length), (Feature.mass, robot.weight)):
-        low, high, *_ = _feature_ranges(robot)[feature]
-        column = SEGMENT_FEATURES.index(feature)
-        parts[:, :, column] = _fit_sum(genes.parts(clipped)[:, :, column], is_grown, low, high, min_sum, max_sum)
-    column = SEGMENT_FEATURES.index(Feature.legs)
-    parts[:, :, column] = _fit_leg_pairs(parts[:, :, column], is_grown, *robot.leg_pairs)
+    parts[:, :, LEGS] = _fit_leg_pairs(parts[:, :, LEGS], is_grown, *robot.leg_pairs)
+    exact = genes.parts(clipped)
+    sums = _body_lengths(robot, genes.n_grown(values))
+    parts[:, :, LENGTH] = _fit_sum(exact[:, :, LENGTH], is_grown, *robot.segment_length, *sums)
+    fitted = _fit_sum(exact[:, :, MASS], is_grown, *_mass_limits(parts, robot), *robot.weight)
+    parts[:, :, MASS] = np.where(is_grown, fitted, parts[:, :, MASS])
     return values
+
+
+def draw_sizes(genomes: Floats, robot: Robot, rng: Generator) -> Floats:
+    """Return repaired genomes with new sums of lengths and masses, drawn uniformly from what the limits allow.
+
+    Repair moves a sum that is outside its limits to the nearest limit, and sums of uniform genes often are. Each length
+    and mass is moved towards an end of its range until the sum is the drawn one.
+
+    Args:
+        genomes: Repaired genomes, shape (n, n_genes); not modified.
+        robot: Limits of the robots.
+        rng: Random generator.
+    """
+    genes = build_genes(robot)
+    values = genomes.copy()
+    parts = genes.parts(values)
+    is_grown = np.arange(genes.n_parts) < genes.n_grown(values)[:, np.newaxis]
+    shortest, longest = (np.full(is_grown.shape, end) for end in robot.segment_length)
+    sums = _body_lengths(robot, genes.n_grown(values))
+    parts[:, :, LENGTH] = _draw_sum(parts[:, :, LENGTH], is_grown, shortest, longest, *sums, rng=rng)
+    lightest, heaviest = _mass_limits(parts, robot)
+    parts[:, :, MASS] = _draw_sum(parts[:, :, MASS], is_grown, lightest, heaviest, *robot.weight, rng=rng)
+    return repair(values, robot)
+
+
+def _draw_sum(
+    x: Floats,
+    is_grown: NDArray[np.bool_],
+    low: Floats,
+    high: Floats,
+    min_sum: float | Floats,
+    max_sum: float | Floats,
+    *,
+    rng: Generator,
+) -> Floats:
+    """Move the grown values of each row until their sum is one drawn within its limits; for shapes see ``_fit_sum``."""
+    min_sum = np.maximum(min_sum, np.where(is_grown, low, 0.0).sum(axis=1, keepdims=True))
+    max_sum = np.minimum(max_sum, np.where(is_grown, high, 0.0).sum(axis=1, keepdims=True))
+    drawn = np.round(rng.uniform(min_sum, np.maximum(min_sum, max_sum)), GRID_DECIMALS).clip(min_sum, max_sum)
+    return np.where(is_grown, _fit_sum(x, is_grown, low, high, drawn, drawn), x)
+
+
+def _body_lengths(robot: Robot, n_segments: NDArray[np.intp]) -> tuple[Floats, Floats]:
+    """Return the lowest and highest length [m] of bodies with (n,) numbers of segments, shape (n, 1) each."""
+    ranges = np.array([robot.length_for_weight(n) for n in range(1, robot.segments[1] + 1)])
+    low, high = ranges[n_segments - 1, :, np.newaxis].swapaxes(0, 1)
+    return low, high
+
+
+def _mass_limits(parts: Floats, robot: Robot) -> tuple[Floats, Floats]:
+    """Return the lowest and highest mass of segments with their legs [kg], on the grid, shape (n, n_parts) each."""
+    trunk = parts[:, :, LENGTH] ** 3
+    sources = find_leg_sources(parts)
+    leg_lengths = np.take_along_axis(parts[:, :, LEG_LENGTH], np.maximum(sources, 0), axis=1)
+    legs = np.where(sources >= 0, leg_lengths, 0.0) ** 3
+    low, high, *_ = feature_ranges(robot)[Feature.mass]
+    scale = 10**GRID_DECIMALS
+    lowest = np.ceil((MIN_TRUNK_MASS * trunk + MIN_LEGS_MASS * legs) * scale) / scale
+    highest = np.floor((MAX_TRUNK_MASS * trunk + MAX_LEGS_MASS * legs) * scale) / scale
+    return np.maximum(lowest, low), np.minimum(highest, high)
 
 
 def _on_grid(x: Floats, low: float | Floats, high: float | Floats) -> Floats:
@@ -176,7 +125,14 @@ def _on_grid(x: Floats, low: float | Floats, high: float | Floats) -> Floats:
     return np.where((x == low) | (x == high), x, np.clip(np.round(x, GRID_DECIMALS), low, high))
 
 
-def _fit_sum(x: Floats, is_grown: NDArray[np.bool_], low: float, high: float, min_sum: float, max_sum: float) -> Floats:
+def _fit_sum(
+    x: Floats,
+    is_grown: NDArray[np.bool_],
+    low: float | Floats,
+    high: float | Floats,
+    min_sum: float | Floats,
+    max_sum: float | Floats,
+) -> Floats:
     """Move values towards an end of their range until the sum of the grown segments is within its limits.
 
     The results are rounded to the grid: each value by itself or, if that violates the limits of the sum, the cumulative
@@ -185,15 +141,16 @@ def _fit_sum(x: Floats, is_grown: NDArray[np.bool_], low: float, high: float, mi
     Args:
         x: Values of one feature, shape (n, n_parts).
         is_grown: Whether each segment is grown, same shape.
-        low: Minimum of each value.
-        high: Maximum of each value.
-        min_sum: Minimum of the sum of the grown values.
-        max_sum: Maximum of the sum of the grown values.
+        low: Minimum of each value; a number, or shape (n, n_parts).
+        high: Maximum of each value, likewise.
+        min_sum: Minimum of the sum of the grown values; a number, or shape (n, 1).
+        max_sum: Maximum of the sum of the grown values, likewise.
 
     Returns:
         Values, shape (n, n_parts).
     """
     tolerance = SUM_TOLERANCE * max_sum
+    x = np.clip(x, low, high)
 
     def sum_grown(x: Floats) -> Floats:
         return np.where(is_grown, x, 0.0).sum(axis=1, keepdims=True)

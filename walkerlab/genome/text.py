@@ -14,7 +14,7 @@ from functools import lru_cache
 from typing import Final
 
 from walkerlab.errors import WalkerlabError
-from walkerlab.genome.repair import BODY_FEATURES, MAX_SEGMENTS, SEGMENT_FEATURES
+from walkerlab.genome.features import BODY_FEATURES, MAX_SEGMENTS, SEGMENT_FEATURES
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.values import short_repr
 

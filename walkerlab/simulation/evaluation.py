@@ -10,9 +10,10 @@ import numpy as np
 
 from walkerlab.ga.genes import Floats
 from walkerlab.ga.user_functions import OperatorError
+from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.phenotype import express
-from walkerlab.genome.repair import build_genes, repair
+from walkerlab.genome.repair import repair
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.robot import Robot

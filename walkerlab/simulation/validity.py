@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from walkerlab.ga.genes import Floats
+from walkerlab.genome.features import FREQUENCY_RANGE
 from walkerlab.genome.phenotype import Phenotype
-from walkerlab.genome.repair import FREQUENCY_RANGE
 from walkerlab.settings.choices import Guard, Structure
 from walkerlab.settings.settings import Settings
 from walkerlab.world.heights import arena_bounds, ground_height

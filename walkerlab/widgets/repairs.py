@@ -6,9 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES, build_genes, is_expressed
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import BODY_FEATURES, GRID_DECIMALS, SEGMENT_FEATURES, build_genes, is_expressed
+from walkerlab.genome.repair import GRID_DECIMALS
 from walkerlab.settings.choices import Feature
+from walkerlab.settings.proportions import DENSITY_RANGE
 from walkerlab.settings.robot import Robot
 
 ROUNDING_TOLERANCE = 0.51 * 10.0**-GRID_DECIMALS  # smaller changes come from rounding and are not reported
@@ -71,13 +73,14 @@ def describe_repairs(genome: Genome, robot: Robot) -> list[str]:
     used = genes.parts(values[np.newaxis])[0]
     given = genome.values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)
     lows, highs = (genes.parts(limits[np.newaxis])[0] for limits in (genes.low, genes.high))
+    weight = float(used[: int(values[genes.count or 0]), SEGMENT_FEATURES.index(Feature.mass)].sum())
     sentences = list(_describe_segments(genome, robot))
     for i, feature in enumerate(BODY_FEATURES):
-        sentences += _describe_gene(feature, genome.values[i], values[i], (genes.low[i], genes.high[i]), robot)
+        sentences += _describe_gene(feature, genome.values[i], values[i], (genes.low[i], genes.high[i]), robot, weight)
     expressed = is_expressed(values[np.newaxis])[0, len(BODY_FEATURES) :].reshape(used.shape)
     for segment, index in np.argwhere(expressed[: genome.n_parts]).tolist():
         at = segment, index
-        changes = _describe_gene(SEGMENT_FEATURES[index], given[at], used[at], (lows[at], highs[at]), robot)
+        changes = _describe_gene(SEGMENT_FEATURES[index], given[at], used[at], (lows[at], highs[at]), robot, weight)
         sentences += [f"Segment {segment + 1}: {sentence}" for sentence in changes]
     return sentences
 
@@ -93,9 +96,18 @@ def _describe_segments(genome: Genome, robot: Robot) -> Iterator[str]:
 
 
 def _describe_gene(
-    feature: Feature, given: float, used: float, limits: tuple[float, float], robot: Robot
+    feature: Feature, given: float, used: float, limits: tuple[float, float], robot: Robot, weight: float
 ) -> Iterator[str]:
-    """Yield a sentence with the given value of a gene, why it is not allowed, and the used value, if they differ."""
+    """Yield a sentence with the given value of a gene, why it is not allowed, and the used value, if they differ.
+
+    Args:
+        feature: Feature that the gene describes.
+        given: Value before the repair.
+        used: Value after the repair.
+        limits: Range of the gene.
+        robot: Limits of the robot.
+        weight: Weight of the robot after the repair [kg].
+    """
     if abs(given - used) <= ROUNDING_TOLERANCE:
         return
     low, high = limits
@@ -109,7 +121,10 @@ def _describe_gene(
     elif feature == Feature.length:
         why = f"does not fit, because the body must be {_format_range(robot.body_length)} m long"
     elif feature == Feature.mass:
-        why = f"does not fit, because the robot must weigh {_format_range(robot.weight)} kg"
+        at_limit = min(abs(weight - limit) for limit in robot.weight) < 10 * ROUNDING_TOLERANCE
+        weight_text = f"the robot must weigh {_format_range(robot.weight)} kg"
+        density_text = f"the density of a segment of this size must be {_format_range(DENSITY_RANGE)} kg/m³"
+        why = f"does not fit, because {weight_text if at_limit else density_text}"
     elif feature == Feature.legs and given in (0, 1):
         why = f"does not fit, because the robot must have {_format_range(robot.legs)} legs"
     else:

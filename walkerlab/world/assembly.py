@@ -13,6 +13,13 @@ import mujoco
 import numpy as np
 
 from walkerlab.genome.phenotype import Legs, Phenotype, Segment
+from walkerlab.settings.proportions import (
+    SHANK_RADIUS_RATIO,
+    compute_legs_mass,
+    compute_thigh_radius,
+    compute_thigh_share,
+    compute_trunk_radius,
+)
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.terrain import Terrain
@@ -21,13 +28,7 @@ from walkerlab.world.entities.walker import SIDES, BodyPlan
 from walkerlab.world.materials import MATERIALS
 from walkerlab.world.placement import compute_layout, dome_sphere
 
-BODY_DENSITY = 600.0  # kg/m³ of a trunk, which determines its radius
-TRUNK_RADIUS_RANGE = (0.02, 0.35)  # m; share of the segment's length
 SPLAY_ANGLE = math.radians(36)  # of the thighs outward, so that the stance is wide enough not to topple
-LEG_MASS_SHARE = 0.3  # share of a segment's mass that is in its legs
-THIGH_MASS_SHARE = 0.6  # share of a leg's mass that is in its thigh
-THIGH_RADIUS_RATIO = 0.07  # radius of a thigh over the length of the leg
-SHANK_RADIUS_RATIO = 0.8  # radius of a shank over that of the thigh
 SERVO_BAND = 0.3  # rad of error at which a servo reaches its full torque
 SPINE_STIFFNESS = 30.0  # N·m/rad per kg·m of mass behind the joint times segment length
 SPINE_DAMPING = 0.05  # s, damping over stiffness
@@ -154,16 +155,19 @@ def write_individual(spec: mujoco.MjSpec, phenotype: Phenotype, robot: Robot) ->
         spec.tendon("rope").range = [0, ROPE_LENGTH + longest_leg]
 
 
+def _legs_mass(segment: Segment) -> float:
+    """Return the mass of a segment's legs [kg]."""
+    return compute_legs_mass(segment.mass, segment.length, segment.legs.length) if segment.legs else 0.0
+
+
 def _trunk_mass(segment: Segment) -> float:
     """Return the mass of a segment without its legs [kg]."""
-    return segment.mass * (1 - LEG_MASS_SHARE if segment.legs else 1)
+    return segment.mass - _legs_mass(segment)
 
 
 def _trunk_radius(segment: Segment) -> float:
-    """Return the radius [m] that gives the trunk its density, within the limits set by its length."""
-    least, greatest_share = TRUNK_RADIUS_RANGE
-    radius = math.sqrt(_trunk_mass(segment) / (math.pi * BODY_DENSITY * segment.length))
-    return float(np.clip(radius, least, greatest_share * segment.length))
+    """Return the radius of a segment's trunk [m]."""
+    return compute_trunk_radius(_trunk_mass(segment), segment.length)
 
 
 def _write_segment(
@@ -184,22 +188,23 @@ def _write_segment(
 
 
 def _write_legs(spec: mujoco.MjSpec, number: int, segment: Segment, legs: Legs) -> None:
-    thigh_radius = THIGH_RADIUS_RATIO * legs.length
+    leg_mass = _legs_mass(segment) / 2
+    thigh_radius = compute_thigh_radius(leg_mass, legs.length)
+    thigh_mass = leg_mass * compute_thigh_share(thigh_radius, legs.length)
     bone_length = legs.length / 2
-    leg_mass = segment.mass * LEG_MASS_SHARE / 2
     for side, sign in zip(SIDES, (1, -1), strict=True):
         hip = [-segment.length / 2, sign * (_trunk_radius(segment) + thigh_radius), 0]
         knee = [0, sign * bone_length * math.sin(SPLAY_ANGLE), -bone_length * math.cos(SPLAY_ANGLE)]
         foot = [0, 0, -bone_length]
-        for bone, joint, start, end, radius, mass_share in (
-            ("thigh", "hip", hip, knee, thigh_radius, THIGH_MASS_SHARE),
-            ("shank", "knee", knee, foot, SHANK_RADIUS_RATIO * thigh_radius, 1 - THIGH_MASS_SHARE),
+        for bone, joint, start, end, radius, mass in (
+            ("thigh", "hip", hip, knee, thigh_radius, thigh_mass),
+            ("shank", "knee", knee, foot, SHANK_RADIUS_RATIO * thigh_radius, leg_mass - thigh_mass),
         ):
             spec.body(f"walker/{side}_{bone}{number}").pos = start
             geom = spec.geom(f"walker/{side}_{bone}{number}")
             geom.size[0] = radius
             geom.fromto = [0, 0, 0, *end]
-            geom.mass = leg_mass * mass_share
+            geom.mass = mass
             spec.joint(f"walker/{side}_{joint}{number}").armature = ROTOR_INERTIA * legs.force
             servo = spec.actuator(f"walker/{side}_{joint}{number}")
             servo.gainprm[0] = legs.force / SERVO_BAND

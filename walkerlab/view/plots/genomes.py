@@ -9,8 +9,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 
 from walkerlab.ga.genes import Floats, Genes
+from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES, build_genes, is_expressed
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import BODY_FEATURES, SEGMENT_FEATURES, build_genes, is_expressed
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import new_axes, styled_plot

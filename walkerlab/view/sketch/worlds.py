@@ -136,7 +136,7 @@ def _sledge_reach(robot: Robot) -> float:
     """Return the largest distance [m] from a robot to the far end of its sledge; 0 without a sledge."""
     if not robot.drag_weight:
         return 0.0
-    return ROPE_LENGTH + 1.2 * robot.segment_length[1] + 2 * half_sledge_length(robot.drag_weight)
+    return ROPE_LENGTH + robot.leg_length_range[1] + 2 * half_sledge_length(robot.drag_weight)
 
 
 def _draw_start_line(settings: Settings, window: Window) -> Html:

@@ -24,8 +24,9 @@ class Walker(composer.Entity):
                   /        /        /          hip
                   \        \        \          knee
 
-    All bodies are capsules. Hip and knee rotate in the fore-and-aft plane, positive forward; each is driven by a
-    position servo with limited torque. The joints of the spine are passive springs.
+    All bodies are capsules of one material, whose density determines their girth. Hip and knee rotate in the
+    fore-and-aft plane, positive forward; each is driven by a position servo with limited torque. The joints of the
+    spine are passive springs.
     """
 
     def _build(self, plan: BodyPlan, name: str = "walker") -> None:
