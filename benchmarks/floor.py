@@ -18,6 +18,7 @@ from mujoco.rollout import rollout
 import walkerlab as wl
 from benchmarks.timing import N_WALKS, measure_ratios, time_call
 from benchmarks.worlds import WORLDS
+from walkerlab.simulation.stepping import disable_step_timers
 from walkerlab.simulation.workers import n_cores
 
 STATE = mujoco.mjtState.mjSTATE_FULLPHYSICS
@@ -50,6 +51,7 @@ def rows(n_pairs: int) -> Iterator[tuple[str, str, list[float]]]:
 
 def compare_with_floor(n_pairs, genomes, settings, function) -> list[float]:
     """Return the floor time of some robots divided by the time of a function that simulates them."""
+    disable_step_timers()  # as in the workers
     with ThreadPoolExecutor(n_cores()) as threads:
         walks = list(threads.map(partial(prepare_walk, settings=settings), genomes))
         costs = list(threads.map(time_call, walks))

@@ -8,7 +8,9 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.randomness import random_stream
-from walkerlab.simulation.rollout import simulate_walk
+from walkerlab.simulation import rollout as rollout_module
+from walkerlab.simulation.rollout import simulate_walk, walk_from_every_start
+from walkerlab.simulation.stepping import disable_step_timers
 
 SETTINGS = wl.Settings().with_(duration=2.0)
 GENOMES = [wl.Genome.random(wl.Robot(), rng=random_stream(2, "check", i)) for i in range(8)]
@@ -44,6 +46,29 @@ def test_recording_poses_does_not_change_the_walk():
     with_poses, without = wl.simulate(GENOMES[1], SETTINGS), wl.simulate(GENOMES[1], SETTINGS, poses=False)
     np.testing.assert_array_equal(with_poses.com, without.com)
     assert without.poses.size == 0
+
+
+def test_a_walk_without_step_timers_is_the_same():
+    scene = wl.compile_scene(GENOMES[0], wl.Settings().with_(duration=1))
+    timed, untimed = mujoco.MjData(scene.model), mujoco.MjData(scene.model)
+    expected = simulate_walk(scene, timed)
+    try:
+        disable_step_timers()
+        walk = simulate_walk(scene, untimed)
+    finally:
+        mujoco.set_mjcb_time(None)  # enables them again
+    assert timed.timer[mujoco.mjtTimer.mjTIMER_STEP].duration > 0
+    assert untimed.timer[mujoco.mjtTimer.mjTIMER_STEP].duration == 0
+    np.testing.assert_array_equal(walk.poses, expected.poses)
+
+
+def test_no_start_is_simulated_after_a_walk_that_does_not_count(monkeypatch):
+    """No fitness is lower than that of a walk that does not count, and the first of equal ones is kept."""
+    scene = wl.compile_scene(GENOMES[0], wl.Settings().with_(duration=1, n_starts=4))
+    verdicts = iter([("ok", ""), ("fell", "it fell"), ("ok", ""), ("fell", "it fell again")])
+    monkeypatch.setattr(rollout_module, "judge", lambda trace, settings: next(verdicts))
+    walks = walk_from_every_start(scene, poses=False)
+    assert [walk.verdict for walk in walks] == ["ok", "fell"]
 
 
 def test_movement_while_settling_is_not_part_of_the_walk():

@@ -144,9 +144,19 @@ def simulate_walk(
 
 
 def walk_from_every_start(scene: Scene, data: mujoco.MjData | None = None, *, poses: bool) -> list[Rollout]:
-    """Simulate a walk from each start in the settings, as evolution does; the lowest fitness of these counts."""
-    starts = range(scene.settings.simulation.n_starts)
-    return [simulate_walk(scene, data, nudge=draw_nudge(scene, start), poses=poses) for start in starts]
+    """Simulate a walk from each start in the settings, as evolution does; the lowest fitness of these counts.
+
+    No start after the first walk that does not count is simulated: no fitness can be lower.
+
+    Returns:
+        The walks in the order of the starts; only the last may not count.
+    """
+    rollouts: list[Rollout] = []
+    for start in range(scene.settings.simulation.n_starts):
+        rollouts.append(simulate_walk(scene, data, nudge=draw_nudge(scene, start), poses=poses))
+        if not rollouts[-1].counts:
+            break
+    return rollouts
 
 
 @lru_cache(maxsize=16)

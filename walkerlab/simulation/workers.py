@@ -13,6 +13,7 @@ from multiprocessing.util import Finalize
 from typing import Any
 
 from walkerlab.errors import WalkerlabError
+from walkerlab.simulation.stepping import disable_step_timers
 from walkerlab.system.interrupts import interrupts_held
 
 IDLE_TIMEOUT = 300  # s without work after which worker processes end
@@ -259,12 +260,13 @@ def _describe_loss(why: str, *, hung: bool) -> str:
 
 
 def _prepare_worker(parent: int) -> None:
-    """Make a worker process ignore Ctrl-C and end with its parent process.
+    """Make a worker process ignore Ctrl-C, end with its parent process, and simulate without timers.
 
     A terminal sends Ctrl-C to every process, but only the parent should react. A parent that is killed, such as the
     kernel of a notebook that is restarted, cannot end its workers.
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    disable_step_timers()
     threading.Thread(target=_exit_with_parent, args=(parent,), daemon=True).start()
 
 

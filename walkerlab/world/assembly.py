@@ -97,6 +97,7 @@ def _world_xml(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain:
     root.option.flag.autoreset = "disable"  # otherwise MuJoCo silently resets a simulation that diverges
     if not (sledge or len(compute_layout(terrain).obstacles)):
         root.option.flag.island = "disable"  # a robot alone is one island; the search for others takes time
+        root.option.flag.sleep = "disable"  # only obstacles sleep
     body = walker.root_body
     add_sensor = root.sensor.add
     add_sensor("subtreecom", name="com", body=body)
@@ -132,7 +133,7 @@ def _add_pieces(spec: mujoco.MjSpec, terrain: Terrain) -> None:
     for centre, colour in zip(layout.pieces - depth * layout.piece_normals, colours, strict=True):
         spec.worldbody.add_geom(
             type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[radius, 0, 0], pos=centre, rgba=[*colour, 1],
-            friction=material.friction(), priority=1, condim=4,
+            friction=material.friction(), priority=1, condim=3,
         )  # fmt: skip
 
 

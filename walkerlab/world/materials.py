@@ -1,8 +1,9 @@
 """Materials of the ground: friction and colours.
 
-Friction is that of a rubber foot in a simple model: one coefficient for sliding, and two lengths for a foot 4 cm wide.
-On soft ground the foot sinks in and touches with a larger patch, which resists turning; a rolling body has to climb
-out of the dent that it makes.
+Friction is that of rubber in a simple model: one coefficient for sliding, and two lengths for a body 4 cm wide. On soft
+ground the body sinks in and touches with a larger patch, which resists turning; a rolling body has to climb out of the
+dent that it makes. Torsional and rolling friction act on obstacles only. Robots have sliding friction only, which is
+faster to compute; the torsional friction of a foot would be a torque of at most 6 mm times its load.
 
     sliding                  µ
     torsional [m]            ⅔ · µ · a, with a the radius of the patch: √(2·R·d − d²) at a depth d, 1 cm on hard ground

@@ -58,7 +58,7 @@ class Ground(composer.Arena):
         default = root.default.geom
         default.friction = material.friction()
         default.priority = 1
-        default.condim = 4  # includes torsional friction, for turning feet
+        default.condim = 3  # sliding friction only; obstacles also have torsional and rolling friction
         self._ground_materials = add_ground_materials(root, terrain) if scenery else {}
         is_below = terrain.structure in (Structure.rough, Structure.gaps)
         self._add_ground_geom(
