@@ -8,8 +8,8 @@
 folder. The same command resumes after an interruption or after ``--minutes``. ``report`` prints a folder as Markdown
 tables; with several folders, it compares the others with the first one by paired differences for each seed.
 
-``--set`` changes settings, for example to compare operators: ``--set selection=tournament mutation=gaussian,micro``.
-Each folder holds the results of one set of changes.
+``--set`` changes settings, for example to compare operators: ``--set selection=tournament mutation=gaussian,micro`` or
+``--set 'selection=tournament(size=7)'``. Each folder holds the results of one set of changes.
 """
 
 import argparse
@@ -18,6 +18,7 @@ import json
 import multiprocessing
 import os
 import platform
+import re
 import signal
 import sys
 import threading
@@ -25,6 +26,8 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -52,6 +55,7 @@ SEEDS = {ground: range(20 if ground == "flat" else 8) for ground in GROUNDS}
 BUDGETS = (1452, 5000)
 """Numbers of evaluations: those of the default run, and as many as the table in ``docs/speed.md`` has."""
 
+OPERATOR_SLOTS = ("algorithm.selection", "algorithm.crossover", "algorithm.mutation")
 CHANGES_FILE = "changes.json"
 
 
@@ -65,7 +69,7 @@ class Job:
         method: Name of the search.
         seed: Seed of the search.
         budgets: Numbers of evaluations after which the champion is measured.
-        changes: Values of settings by ``domain.field``.
+        changes: Texts of the changed settings by ``domain.field``.
         end: Time at which the search stops, in seconds since the epoch.
     """
 
@@ -74,7 +78,7 @@ class Job:
     method: str
     seed: int
     budgets: tuple[int, ...]
-    changes: Mapping[str, Any]
+    changes: Mapping[str, str]
     end: float
 
     @property
@@ -102,7 +106,7 @@ def run_job(job: Job) -> str:
     """Search, measure the champions and store the results; return a message."""
     if time.time() >= job.end:
         return ""
-    settings = build_settings({**GROUNDS[job.ground], **job.changes})
+    settings = create_settings(job.ground, job.changes)
     job.path.parent.mkdir(parents=True, exist_ok=True)
     executor = PausableExecutor(lambda: ThreadPoolExecutor(1), lambda _: 1)
     timer = threading.Timer(max(0.0, min(job.end - time.time(), threading.TIMEOUT_MAX)), executor.stop)
@@ -170,37 +174,71 @@ def _ignore_interrupts() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
-def parse_changes(words: Sequence[str]) -> dict[str, Any]:
+def parse_changes(words: Sequence[str]) -> dict[str, str]:
     """Parse changes of settings, such as ``algorithm.selection=tournament`` or ``selection=tournament``.
 
-    Several values are separated by commas. Whether values are allowed is checked by ``build_settings``.
-
     Returns:
-        Values by ``domain.field``.
+        Texts of values by ``domain.field``.
 
     Raises:
         ValueError: If a word has no value, or there is no setting of that name.
     """
     places = {name: f"{domain}.{field}" for name, (domain, field) in wl.Settings.places().items()}
-    changes: dict[str, Any] = {}
+    changes: dict[str, str] = {}
     for word in words:
-        name, equals, text = word.partition("=")
-        if not equals or not text:
+        name, _, text = word.partition("=")
+        if not text:
             raise ValueError(f"--set {word} has no value; write NAME=VALUE, such as selection=tournament")
         place = places.get(name, name)
         if place not in places.values():
             raise ValueError(f"--set {word}: there is no setting {name!r}.{did_you_mean(name, places)}")
-        values = [parse_value(value) for value in text.split(",")]
-        changes[place] = values if len(values) > 1 else values[0]
+        changes[place] = text
     return changes
+
+
+def create_settings(ground: str, changes: Mapping[str, str]) -> wl.Settings:
+    """Create the settings of a ground with changes.
+
+    Several values are separated by commas. An operator may have arguments: ``tournament(size=7)``.
+
+    Args:
+        ground: Name of the ground.
+        changes: Texts of values by ``domain.field``.
+
+    Raises:
+        ValueError: If a value is not allowed.
+    """
+    values = dict(GROUNDS[ground])
+    for place, text in changes.items():
+        parts = [_parse_part(place, part) for part in re.split(r",(?![^(]*\))", text)]
+        values[place] = parts if len(parts) > 1 else parts[0]
+    return build_settings(values)
+
+
+def _parse_part(place: str, text: str) -> Any:
+    """Parse one value, or an operator with arguments.
+
+    Raises:
+        ValueError: If there is no such operator.
+    """
+    match = re.fullmatch(r"(\w+)\((.*)\)", text)
+    if not match:
+        return parse_value(text)
+    operators = vars(import_module(f"walkerlab.ga.{place.partition('.')[2]}")) if place in OPERATOR_SLOTS else {}
+    if match[1] not in operators:
+        raise ValueError(f"--set {place}={text}: there is no operator {match[1]!r} for {place}")
+    pairs = (pair.partition("=") for pair in match[2].split(",") if pair)
+    return partial(operators[match[1]], **{name.strip(): parse_value(value) for name, _, value in pairs})
 
 
 def parse_seeds(text: str) -> list[int]:
     """Parse seeds such as ``0-7`` or ``0,3,5-7``.
 
     Raises:
-        ValueError: If the text is not a list of seeds.
+        ArgumentTypeError: If the text is not a list of seeds.
     """
+    if not re.fullmatch(r"\d+(-\d+)?(,\d+(-\d+)?)*", text):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a list of seeds, such as 0-7 or 0,3,5-7")
     seeds: list[int] = []
     for part in text.split(","):
         first, _, last = part.partition("-")
@@ -208,7 +246,7 @@ def parse_seeds(text: str) -> list[int]:
     return seeds
 
 
-def prepare_folder(folder: Path, changes: Mapping[str, Any]) -> None:
+def prepare_folder(folder: Path, changes: Mapping[str, str]) -> None:
     """Create a folder of results, or check that it belongs to the same changes of settings.
 
     Raises:
@@ -218,15 +256,16 @@ def prepare_folder(folder: Path, changes: Mapping[str, Any]) -> None:
     path = folder / CHANGES_FILE
     if not path.exists():
         write_text(path.absolute(), json.dumps(changes, indent=1, sort_keys=True) + "\n")
-    elif (stored := json.loads(path.read_text(encoding="utf-8"))) != json.loads(json.dumps(changes)):
-        raise ValueError(f"{folder} holds results with --set {stored or 'nothing'}; choose another --folder")
+    elif (stored := json.loads(path.read_text(encoding="utf-8"))) != changes:
+        words = " ".join(f"{place}={text}" for place, text in stored.items()) or "nothing"
+        raise ValueError(f"{folder} holds results with --set {words}; choose another --folder")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run all jobs that are not done; return the exit code: 0 if all are done, 3 if the time was too short."""
     changes = parse_changes(arguments.set)
     for ground in arguments.ground:
-        build_settings({**GROUNDS[ground], **changes})
+        create_settings(ground, changes)
     prepare_folder(arguments.folder, changes)
     end = time.time() + 60 * arguments.minutes if arguments.minutes else float("inf")
     seeds = {ground: arguments.seeds or SEEDS[ground] for ground in arguments.ground}
@@ -266,6 +305,8 @@ def create_parser() -> argparse.ArgumentParser:
         return names
 
     def numbers(text: str) -> list[int]:
+        if not re.fullmatch(r"[1-9]\d*(,[1-9]\d*)*", text):
+            raise argparse.ArgumentTypeError(f"{text!r} is not a list of whole numbers, such as 1452,5000")
         return sorted({int(word) for word in text.split(",")})
 
     parser = argparse.ArgumentParser(

@@ -176,6 +176,23 @@ def test_wrong_changes_are_explained(word, message):
         walkers.parse_changes([word])
 
 
+def test_operators_can_be_given_with_arguments():
+    changes = walkers.parse_changes(["selection=tournament(size=7)", "mutation=micro,gaussian(rate=0.1,scale=0.3)"])
+    algorithm = walkers.create_settings("stairs", changes).algorithm
+    assert algorithm.selection.keywords == {"size": 7}
+    assert algorithm.mutation[1].keywords == {"rate": 0.1, "scale": 0.3}
+    with pytest.raises(ValueError, match="no operator 'turnament'"):
+        walkers.create_settings("flat", walkers.parse_changes(["selection=turnament(size=7)"]))
+
+
+def test_an_evolution_with_an_operator_with_arguments_is_resumed(one_thread, tmp_path):
+    changes = walkers.parse_changes(["selection=tournament(size=2)", "population_size=4", "duration=1"])
+    settings = walkers.create_settings("flat", changes)
+    searches.search_by_evolution(settings, 0, [4], tmp_path / "parts", one_thread)
+    continued = searches.search_by_evolution(settings, 0, [8], tmp_path / "parts", one_thread)
+    assert continued == searches.search_by_evolution(settings, 0, [8], tmp_path / "whole", one_thread)
+
+
 def test_a_folder_holds_the_results_of_one_set_of_changes(tmp_path):
     walkers.prepare_folder(tmp_path, {"algorithm.selection": "rank"})
     walkers.prepare_folder(tmp_path, {"algorithm.selection": "rank"})
