@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from benchmarks import searches, walkers
+from benchmarks import searches, walker_jobs, walkers
 from benchmarks.champions import measure_champion, measure_ground_contact
 from benchmarks.walker_tables import compare_folders, describe_folder, read_folder
 from walkerlab.genome.repair import build_genes
@@ -149,17 +149,17 @@ def test_a_stopped_job_is_resumed_and_its_results_are_reported(small_batches, tm
     changes = walkers.parse_changes(["population_size=4", "simulation.duration=1", "segments=1,2"])
 
     def job(folder, method, end=float("inf")):
-        return walkers.Job(tmp_path / folder, "flat", method, 0, (4, 6), changes, end)
+        return walker_jobs.Job(tmp_path / folder, "flat", method, 0, (4, 6), changes, end)
 
-    assert walkers.run_job(job("one", "random", end=0.0)) == ""
-    for method in walkers.METHODS:
+    assert walker_jobs.run_job(job("one", "random", end=0.0)) == ""
+    for method in searches.METHODS:
         assert not job("one", method).is_done
-        assert "body lengths/s" in walkers.run_job(job("one", method))
+        assert "body lengths/s" in walker_jobs.run_job(job("one", method))
         assert job("one", method).is_done
-    walkers.run_job(job("other", "evolution"))
+    walker_jobs.run_job(job("other", "evolution"))
     table = read_folder(tmp_path / "one")
     assert sorted(zip(table.method, table.budget, strict=True)) == [
-        (method, budget) for method in sorted(walkers.METHODS) for budget in (4, 6)
+        (method, budget) for method in sorted(searches.METHODS) for budget in (4, 6)
     ]
     text = describe_folder(tmp_path / "one")
     assert text.count("| evolution |") == 2
@@ -178,16 +178,16 @@ def test_wrong_changes_are_explained(word, message):
 
 def test_operators_can_be_given_with_arguments():
     changes = walkers.parse_changes(["selection=tournament(size=7)", "mutation=micro,gaussian(rate=0.1,scale=0.3)"])
-    algorithm = walkers.create_settings("stairs", changes).algorithm
+    algorithm = walker_jobs.create_settings("stairs", changes).algorithm
     assert algorithm.selection.keywords == {"size": 7}
     assert algorithm.mutation[1].keywords == {"rate": 0.1, "scale": 0.3}
     with pytest.raises(ValueError, match="no operator 'turnament'"):
-        walkers.create_settings("flat", walkers.parse_changes(["selection=turnament(size=7)"]))
+        walker_jobs.create_settings("flat", walkers.parse_changes(["selection=turnament(size=7)"]))
 
 
 def test_an_evolution_with_an_operator_with_arguments_is_resumed(one_thread, tmp_path):
     changes = walkers.parse_changes(["selection=tournament(size=2)", "population_size=4", "duration=1"])
-    settings = walkers.create_settings("flat", changes)
+    settings = walker_jobs.create_settings("flat", changes)
     searches.search_by_evolution(settings, 0, [4], tmp_path / "parts", one_thread)
     continued = searches.search_by_evolution(settings, 0, [8], tmp_path / "parts", one_thread)
     assert continued == searches.search_by_evolution(settings, 0, [8], tmp_path / "whole", one_thread)
