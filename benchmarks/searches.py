@@ -119,7 +119,8 @@ def propose_at_random(settings: wl.Settings, seed: int, n_robots: int) -> Propos
     """Yield random genomes, at least ``n_robots`` in total."""
     n_batches = -(-n_robots // BATCH_SIZE)
     genomes = wl.generate_robot_population(settings.robot, n_batches * BATCH_SIZE, seed=RANDOM_SEED_OFFSET + seed)
-    yield from np.split(genomes, n_batches)
+    for batch in np.split(genomes, n_batches):
+        yield batch  # noqa: UP028 - the iterator of a list does not receive the fitness
 
 
 def propose_by_cma(settings: wl.Settings, seed: int, n_robots: int) -> Proposals:
