@@ -13,7 +13,6 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
-from typing import Any
 
 import cma
 import numpy as np
@@ -74,7 +73,7 @@ def search_by_evolution(
     else:
         run = wl.load(path)
         if run.n_generations < n_generations:
-            run = wl.resume(path, n_generations, executor, progress=False, **_user_functions(settings))
+            run = wl.resume(path, n_generations, executor, progress=False)
     champions: dict[int, Champion] = {}
     for budget in budgets:
         table = run.records
@@ -82,13 +81,6 @@ def search_by_evolution(
         n_evaluations = table.individual.nunique() * settings.simulation.n_starts
         champions[budget] = Champion(records.champion(table).genome, n_evaluations)
     return champions
-
-
-def _user_functions(settings: wl.Settings) -> dict[str, Any]:
-    """Return the operators that are functions, which ``wl.resume`` requires again."""
-    algorithm = settings.algorithm
-    slots = {name: getattr(algorithm, name) for name in ("selection", "crossover", "mutation")}
-    return {name: value for name, value in slots.items() if any(map(callable, np.atleast_1d(np.array(value, object))))}
 
 
 def search_at_random(
@@ -117,10 +109,10 @@ def _n_robots(settings: wl.Settings, budgets: Sequence[int]) -> int:
 
 def propose_at_random(settings: wl.Settings, seed: int, n_robots: int) -> Proposals:
     """Yield random genomes, at least ``n_robots`` in total."""
-    n_batches = -(-n_robots // BATCH_SIZE)
-    genomes = wl.generate_robot_population(settings.robot, n_batches * BATCH_SIZE, seed=RANDOM_SEED_OFFSET + seed)
-    for batch in np.split(genomes, n_batches):
-        yield batch  # noqa: UP028 - the iterator of a list does not receive the fitness
+    n_rounded = -(-n_robots // BATCH_SIZE) * BATCH_SIZE  # so that a longer search has the same batches
+    genomes = wl.generate_robot_population(settings.robot, n_rounded, seed=RANDOM_SEED_OFFSET + seed)
+    for start in range(0, n_rounded, BATCH_SIZE):
+        yield genomes[start : start + BATCH_SIZE]
 
 
 def propose_by_cma(settings: wl.Settings, seed: int, n_robots: int) -> Proposals:

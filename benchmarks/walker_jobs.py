@@ -6,7 +6,6 @@ import multiprocessing
 import os
 import platform
 import re
-import signal
 import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,6 +21,7 @@ from benchmarks.champions import measure_champion
 from benchmarks.searches import METHODS
 from walkerlab.commands.flags import build_settings, parse_value
 from walkerlab.simulation.pausable import PausableExecutor, Stopped
+from walkerlab.simulation.workers import prepare_worker
 from walkerlab.system.files import write_text
 
 GROUNDS: dict[str, dict[str, Any]] = {
@@ -127,7 +127,7 @@ def run_jobs(jobs: Sequence[Job], n_processes: int) -> Iterator[str]:
     """Run jobs in several processes, each with one thread, and yield a message for each."""
     os.environ.update(OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1")  # inherited by the processes
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(n_processes, mp_context=context, initializer=_ignore_interrupts)
+    pool = ProcessPoolExecutor(n_processes, mp_context=context, initializer=prepare_worker, initargs=(os.getpid(),))
     try:
         futures = {pool.submit(run_job, job): job for job in jobs}
         for future in as_completed(futures):
@@ -143,11 +143,6 @@ def run_jobs(jobs: Sequence[Job], n_processes: int) -> Iterator[str]:
         raise
     finally:
         pool.shutdown(cancel_futures=True)
-
-
-def _ignore_interrupts() -> None:
-    """Leave Ctrl-C to the main process, which ends the others."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def create_settings(ground: str, changes: Mapping[str, str]) -> wl.Settings:
