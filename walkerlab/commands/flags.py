@@ -60,7 +60,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         groups[domain].add_argument(
             flag,
             dest=f"{domain}.{field}",
-            type=_parse_value,
+            type=parse_value,
             nargs="+" if _takes_several(declared) else None,
             metavar=_metavar(declared),
             help=f"{declared.about}: {declared.range} [{_format_default(default)}]".replace("%", "%%"),
@@ -99,7 +99,7 @@ def _describe_unknown(words: Sequence[str]) -> list[str]:
     ]
 
 
-def _parse_value(text: str) -> int | float | str:
+def parse_value(text: str) -> int | float | str:
     """Convert a text to a number if possible; the settings check the value."""
     for number in (int, float):
         with suppress(ValueError):

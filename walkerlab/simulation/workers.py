@@ -202,7 +202,7 @@ class _WorkerProcesses(Executor):
         try:
             with interrupts_held():  # inherited by the processes that are started now
                 self._pool = get_reusable_executor(
-                    n_cores(), timeout=IDLE_TIMEOUT, initializer=_prepare_worker, initargs=(os.getpid(),)
+                    n_cores(), timeout=IDLE_TIMEOUT, initializer=prepare_worker, initargs=(os.getpid(),)
                 )
                 inner: Future[Any] = self._pool.submit(work)
         except BrokenExecutor as error:
@@ -259,7 +259,7 @@ def _describe_loss(why: str, *, hung: bool) -> str:
     return f"one ended with {code[0]}" if code else "one ended"
 
 
-def _prepare_worker(parent: int) -> None:
+def prepare_worker(parent: int) -> None:
     """Make a worker process ignore Ctrl-C, end with its parent process, and simulate without timers.
 
     A terminal sends Ctrl-C to every process, but only the parent should react. A parent that is killed, such as the
