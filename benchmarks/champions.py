@@ -12,7 +12,7 @@ from walkerlab.settings.choices import Structure
 from walkerlab.simulation.fitness import find_poorest, rate_walk
 from walkerlab.simulation.rollout import walk_from_every_start
 from walkerlab.world.entities.walker import SIDES
-from walkerlab.world.heights import LANDING
+from walkerlab.world.heights import LANDING_LENGTH
 from walkerlab.world.scene import Scene
 
 FOOT_REACH = 2.0
@@ -58,7 +58,7 @@ def _count_stairs(rollout: wl.Rollout, terrain: wl.Terrain) -> int | None:
     """Count the stairs up to the centre of mass at the end of a walk; None on other ground."""
     if terrain.structure != Structure.stairs:
         return None
-    return max(0, math.floor((rollout.com[-1, 0] - LANDING) / terrain.step_depth) + 1)
+    return max(0, math.floor((rollout.com[-1, 0] - LANDING_LENGTH) / terrain.step_depth) + 1)
 
 
 def measure_ground_contact(scene: Scene, poses: Floats) -> tuple[int, int]:
