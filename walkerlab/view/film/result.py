@@ -6,7 +6,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from walkerlab.system.files import shown
-from walkerlab.text.html import Html, join, tag
+from walkerlab.text.templates import render
 
 MAX_EMBEDDED_BYTES = 20e6  # larger films are linked instead of embedded in the notebook
 MEDIA_TYPES = {".mp4": "video/mp4", ".webm": "video/webm", ".gif": "image/gif"}
@@ -43,21 +43,25 @@ class Film:
 
     def _repr_html_(self) -> str:
         """Return a player with the embedded film, which stays in the notebook if the file is moved."""
-        if not self.path.is_file():
-            return tag("p", repr(self))
-        if self.path.stat().st_size > MAX_EMBEDDED_BYTES:
-            return tag("p", "Too large to embed in the notebook: ", self._link(), f". {self.about}.")
-        media_type = MEDIA_TYPES[self.path.suffix.lower()]
-        source = f"data:{media_type};base64,{base64.b64encode(self.path.read_bytes()).decode()}"
-        width, height = self.size
-        style = "max-width:100%;height:auto;border-radius:6px"
-        if media_type.startswith("image"):
-            return tag("img", src=source, alt=self.about, width=width, height=height, style=style)
-        fallback = join("This browser cannot play this video format: ", self._link())
-        return tag(
-            "video", fallback, src=source, aria_label=self.about, title=self.about, width=width, height=height,
-            style=style, controls="", loop="", muted="", playsinline="",
-        )  # fmt: skip
+        kind = self._display_kind()
+        source = ""
+        if kind in ("image", "video"):
+            data = base64.b64encode(self.path.read_bytes()).decode()
+            source = f"data:{MEDIA_TYPES[self.path.suffix.lower()]};base64,{data}"
+        return render(
+            "view/film/film.html",
+            kind=kind,
+            source=source,
+            about=repr(self) if kind == "missing" else self.about,
+            size=self.size,
+            name=shown(self.path),
+            address=quote(Path(shown(self.path)).as_posix()),
+        )
 
-    def _link(self) -> Html:
-        return tag("a", shown(self.path), href=quote(Path(shown(self.path)).as_posix()))
+    def _display_kind(self) -> str:
+        """Return how a notebook displays the film: missing, large, image or video."""
+        if not self.path.is_file():
+            return "missing"
+        if self.path.stat().st_size > MAX_EMBEDDED_BYTES:
+            return "large"
+        return MEDIA_TYPES[self.path.suffix.lower()].partition("/")[0]
