@@ -1,6 +1,7 @@
-"""Escaping of texts for terminals and spreadsheets, and conversion of SVG files into elements of a page."""
+"""Escaping of texts for terminals and spreadsheets, and images as parts of a page."""
 
 import re
+from base64 import b64encode
 from xml.etree import ElementTree
 
 from walkerlab.text.templates import Markup
@@ -23,6 +24,11 @@ def escape_cell(text: str) -> str:
     """Escape the text of a spreadsheet's cell: an apostrophe in front prevents that it is executed as a formula."""
     escaped = printable(text, keep="\n")
     return f"'{escaped}" if escaped.startswith(("=", "+", "-", "@")) else escaped
+
+
+def data_url(media_type: str, data: bytes) -> str:
+    """Return a URL that contains a file, such as an image of the media type ``image/png``."""
+    return f"data:{media_type};base64,{b64encode(data).decode()}"
 
 
 def inline_svg(svg: str, name: str, alt: str) -> Markup:

@@ -5,7 +5,6 @@ The snapshot is an output of its own because front ends rebuild a view when its 
 both, each update would close menus and lose the focus.
 """
 
-import base64
 import re
 import threading
 import time
@@ -13,6 +12,7 @@ from html import unescape
 from pathlib import Path
 from typing import Any
 
+from walkerlab.text.html import data_url
 from walkerlab.text.templates import Markup, render
 
 QUIET_TIME = 1.0  # s without a change after which the snapshot is updated
@@ -162,15 +162,15 @@ def image(picture: str, alt: str = "") -> Markup:
         alt: Alternative text; the ``aria-label`` of the SVG if empty.
     """
     label = re.search(r'aria-label="([^"]*)"', picture)
-    return render_image("svg+xml", picture.encode(), alt or (unescape(label[1]) if label else ""))
+    return render_image("image/svg+xml", picture.encode(), alt or (unescape(label[1]) if label else ""))
 
 
-def render_image(kind: str, data: bytes, alt: str) -> Markup:
+def render_image(media_type: str, data: bytes, alt: str) -> Markup:
     """Return an image element that contains the image.
 
     Args:
-        kind: Second half of the media type, such as ``png``.
+        media_type: Media type, such as ``image/png``.
         data: Content of the image file.
         alt: Alternative text.
     """
-    return render("view/image.html", url=f"data:image/{kind};base64,{base64.b64encode(data).decode()}", alt=alt)
+    return render("view/image.html", url=data_url(media_type, data), alt=alt)

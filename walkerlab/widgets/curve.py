@@ -83,7 +83,7 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         if self._figure:
             file = io.BytesIO()
             self._figure.savefig(file, format="png", dpi=100)
-            picture = render_image("png", file.getvalue(), self._alt)
+            picture = render_image("image/png", file.getvalue(), self._alt)
         return render("widgets/curve_snapshot.html", picture=picture)
 
 

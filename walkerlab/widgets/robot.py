@@ -1,6 +1,5 @@
 """The robot area of a panel: the description of one robot, its gene in an editor, and the replay of its walk."""
 
-import base64
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +9,7 @@ from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile.records import births
 from walkerlab.settings.settings import Settings
+from walkerlab.text.html import data_url
 from walkerlab.text.templates import Markup, render
 from walkerlab.view import sketch
 from walkerlab.view.replay import Replay, replay
@@ -107,7 +107,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
     def _offer_replay(self, genome: Genome, name: str) -> None:
         """Show a picture of a robot; its walk is simulated when the user plays it."""
         svg = sketch.draw_robot(genome, self._settings.robot, size=POSTER_SIZE)
-        picture = f"data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}"
+        picture = data_url("image/svg+xml", svg.encode())
 
         def walk() -> Replay:  # reads the settings when the replay is played
             return replay({name: genome}, self._settings)

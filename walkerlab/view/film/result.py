@@ -1,11 +1,11 @@
 """A film file and its display in a notebook."""
 
-import base64
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
 from walkerlab.system.files import shown
+from walkerlab.text.html import data_url
 from walkerlab.text.templates import render
 
 MAX_EMBEDDED_BYTES = 20e6  # larger films are linked instead of embedded in the notebook
@@ -46,8 +46,7 @@ class Film:
         kind = self._display_kind()
         source = ""
         if kind in ("image", "video"):
-            data = base64.b64encode(self.path.read_bytes()).decode()
-            source = f"data:{MEDIA_TYPES[self.path.suffix.lower()]};base64,{data}"
+            source = data_url(MEDIA_TYPES[self.path.suffix.lower()], self.path.read_bytes())
         return render(
             "view/film/film.html",
             kind=kind,

@@ -33,6 +33,7 @@ from walkerlab.settings.values import count
 from walkerlab.simulation.fitness import name_and_unit, score
 from walkerlab.simulation.validity import UNSTABLE, VERDICTS
 from walkerlab.system.files import file_path, replacing
+from walkerlab.text.html import data_url
 from walkerlab.text.numbers import with_unit
 from walkerlab.text.templates import Markup, render
 from walkerlab.view.replay.animation import Animation, Walk, build_animation
@@ -206,11 +207,10 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         self._make: Callable[[], Replay] | None = None
         self.on_msg(self._handle_message)
         if shown:
-            picture = base64.b64encode(draw_preview(shown.walks, shown.settings)).decode("ascii")
             walks = "; ".join(f"{walk.label}, {with_unit(walk.rollout.distance, 'm')} forward" for walk in shown.walks)
             self.alt = f"Replay of {walks}.{PLAY_HINT}"
             self.page = shown.page.encode("utf-8")
-            self.preview = f"data:image/png;base64,{picture}"
+            self.preview = data_url("image/png", draw_preview(shown.walks, shown.settings))
 
     def offer(self, make: Callable[[], Replay], picture: str, alt: str) -> None:
         """Show the preview image of another replay, which is made when it is first played.

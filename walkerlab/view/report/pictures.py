@@ -235,4 +235,4 @@ def _picture_html(axes: Axes, svg: Path, name: str) -> Markup:
         return inline_svg(text, name, alt)
     png = svg.with_suffix(".png")
     plots.save(axes, png)
-    return render_image("png", png.read_bytes(), alt)
+    return render_image("image/png", png.read_bytes(), alt)
