@@ -1,20 +1,32 @@
 """A genome as HTML tables of its body and its gait, with the text form to copy."""
 
-from collections.abc import Iterator
+from typing import NamedTuple
 
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.repair import BODY_FEATURES, SEGMENT_FEATURES
 from walkerlab.genome.text import SWING_PARAMETERS, count_segments, format_text
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.values import pluralize
-from walkerlab.text.html import Html, code, details, join, table, tag
+from walkerlab.text.templates import Markup, render
 
 BODY_COLUMNS = SEGMENT_FEATURES[:5]
 GAIT_COLUMNS = SEGMENT_FEATURES[5:]
 MAX_FIXED = 1e6  # larger numbers are written with an exponent
 
 
-def genome_html(values: Floats) -> Html:
+class Cell(NamedTuple):
+    """Cell of a table.
+
+    Attributes:
+        text: Text.
+        is_expressed: Whether the gene is expressed, apart from genes of segments that are not grown.
+    """
+
+    text: str
+    is_expressed: bool = True
+
+
+def genome_html(values: Floats) -> Markup:
     """Return tables of a genome's body and gait, with the names of the text form, and the text form itself.
 
     Unexpressed genes are faint: those of whole segments, and those of legs of segments without legs.
@@ -27,42 +39,36 @@ def genome_html(values: Floats) -> Html:
     rows_of_values = values[len(BODY_FEATURES) :].reshape(n_segments, -1).tolist()
     segments = [dict(zip(SEGMENT_FEATURES, row, strict=True)) for row in rows_of_values]
     is_grown = [i < wanted for i in range(n_segments)]
-    row_classes = ["" if grown else "faint" for grown in is_grown]
 
-    def rows(features: tuple[Feature, ...]) -> Iterator[list[object]]:
-        for i, segment in enumerate(segments):
-            has_legs = segment[Feature.legs] != 0
-            cells = (_cell(feature, segment[feature], has_legs=has_legs) for feature in features)
-            yield [f"{i + 1}{'' if is_grown[i] else ' (not grown)'}", *cells]
+    def rows(features: tuple[Feature, ...]) -> list[list[Cell]]:
+        return [
+            [
+                Cell(f"{i + 1}{'' if is_grown[i] else ' (not grown)'}"),
+                *(_cell(feature, segment[feature], has_legs=segment[Feature.legs] != 0) for feature in features),
+            ]
+            for i, segment in enumerate(segments)
+        ]
 
-    n_grown = sum(is_grown)
     size = pluralize(n_segments, "segment")
-    body = table(
-        f"Body: {f'{n_grown} of {size} grown' if n_grown < n_segments else size}",
-        ["seg", "length [m]", "mass [kg]", "legs", "length [m]", "force [N·m]"],
-        rows(BODY_COLUMNS),
-        numbers=(1, 2, 4, 5),
-        classes=row_classes,
+    all_grown = all(is_grown)
+    return render(
+        "genome/genome.html",
+        body_size=size if all_grown else f"{sum(is_grown)} of {size} grown",
+        body=rows(BODY_COLUMNS),
+        frequency=_format_number(frequency),
+        motions=list(SWING_PARAMETERS),
+        gait=rows(GAIT_COLUMNS),
+        row_classes=["" if grown else "faint" for grown in is_grown],
+        all_grown=all_grown,
+        text=format_text(values.tolist()),
     )
-    gait = table(
-        f"Gait: frequency {_format_number(frequency)} Hz; angles in rad",
-        ["step", *SWING_PARAMETERS, *SWING_PARAMETERS, "stride"],
-        rows(GAIT_COLUMNS),
-        groups=[("", 1), ("hip", 3), ("knee", 3), ("", 1)],
-        numbers=range(1, 8),
-        classes=row_classes,
-    )
-    note = tag("p", "Segments that are not grown are inherited and mutated too.", class_="faint")
-    text = details("Genome as text, to copy and edit", code(format_text(values.tolist())))
-    return join(tag("div", body, gait, class_="beside"), note if n_grown < n_segments else "", text)
 
 
-def _cell(feature: Feature, value: float, *, has_legs: bool) -> object:
-    """Return the cell of one gene; faint if the gene is one of legs that the segment does not have."""
+def _cell(feature: Feature, value: float, *, has_legs: bool) -> Cell:
+    """Return the cell of one gene; genes of legs that the segment does not have are not expressed."""
     if feature == Feature.legs:
-        return "legs" if value else "nolegs"
-    text = _format_number(value)
-    return text if has_legs or feature in (Feature.length, Feature.mass) else tag("span", text, class_="faint")
+        return Cell("legs" if value else "nolegs")
+    return Cell(_format_number(value), has_legs or feature in (Feature.length, Feature.mass))
 
 
 def _format_number(value: float) -> str:

@@ -8,7 +8,7 @@ import traitlets
 from walkerlab.genome.genome import Genome
 from walkerlab.randomness import random_stream
 from walkerlab.settings.settings import Settings
-from walkerlab.text.html import Html
+from walkerlab.text.templates import Markup
 from walkerlab.view import sketch
 from walkerlab.view.snapshots import image
 from walkerlab.widgets.component import Component, load_script, load_style
@@ -61,7 +61,7 @@ class World(Component):
             self.settings = settings
             self.genome = genome
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return the drawing as static HTML."""
         return image(self.picture)
 
