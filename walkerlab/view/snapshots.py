@@ -154,7 +154,7 @@ def nested_widgets(box: Any) -> list[Any]:
     return [widget for child in getattr(box, "children", ()) for widget in (*nested_widgets(child), child)]
 
 
-def image(picture: str, alt: str = "") -> Markup:
+def svg_image_html(picture: str, alt: str = "") -> Markup:
     """Return an SVG as an image element, in which no script runs.
 
     Args:
@@ -162,10 +162,10 @@ def image(picture: str, alt: str = "") -> Markup:
         alt: Alternative text; the ``aria-label`` of the SVG if empty.
     """
     label = re.search(r'aria-label="([^"]*)"', picture)
-    return render_image("image/svg+xml", picture.encode(), alt or (unescape(label[1]) if label else ""))
+    return image_html("image/svg+xml", picture.encode(), alt or (unescape(label[1]) if label else ""))
 
 
-def render_image(media_type: str, data: bytes, alt: str) -> Markup:
+def image_html(media_type: str, data: bytes, alt: str) -> Markup:
     """Return an image element that contains the image.
 
     Args:

@@ -15,7 +15,7 @@ from walkerlab.text.templates import Markup, render
 from walkerlab.view import plots
 from walkerlab.view.plots.style import MAX_LEGEND_COLUMNS
 from walkerlab.view.plots.tables import fitness_label
-from walkerlab.view.snapshots import HasSnapshot, render_image
+from walkerlab.view.snapshots import HasSnapshot, image_html
 
 PICTURE_SIZE = (6.4, 3.5)  # inches
 FIGURE_MARGINS = {"left": 0.14, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
@@ -83,7 +83,7 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         if self._figure:
             file = io.BytesIO()
             self._figure.savefig(file, format="png", dpi=100)
-            picture = render_image("image/png", file.getvalue(), self._alt)
+            picture = image_html("image/png", file.getvalue(), self._alt)
         return render("widgets/curve_snapshot.html", picture=picture)
 
 

@@ -12,7 +12,7 @@ from walkerlab.randomness import random_stream
 from walkerlab.settings.settings import Settings
 from walkerlab.text.templates import Markup, render
 from walkerlab.view import sketch
-from walkerlab.view.snapshots import image
+from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.repairs import describe_repairs, find_fault, format_genome
 
@@ -80,7 +80,7 @@ class Editor(Component):
     def snapshot(self) -> Markup:
         """Return the robot, its gene and the messages as static HTML."""
         notes = [self.fault] if self.fault else self.notes
-        picture = image(self.picture) if self.picture else ""
+        picture = svg_image_html(self.picture) if self.picture else ""
         return render("widgets/editor.html", picture=picture, text=self.text, notes=notes)
 
     def _add_callback(self, button: str, callback: OnGenome) -> None:

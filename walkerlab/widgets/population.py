@@ -12,7 +12,7 @@ from walkerlab.settings.settings import Settings
 from walkerlab.text.templates import Markup, render
 from walkerlab.view import sketch
 from walkerlab.view.plots.tables import require_table
-from walkerlab.view.snapshots import image
+from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.listing import MAX_DRAWN, SORT_COLUMNS, describe_generation, sort_robots
 
@@ -117,7 +117,7 @@ class Population(Component):
             rows=[[f"{row['sign']} {row['individual']}".strip(), *row["cells"][1:]] for row in rows],
             figures=[
                 (
-                    image(pictures[str(row["individual"])], alt=row["description"]),
+                    svg_image_html(pictures[str(row["individual"])], alt=row["description"]),
                     f"{row['sign']} {row['label']}".strip(),
                 )
                 for row in ([] if self.as_table else rows)

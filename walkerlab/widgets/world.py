@@ -10,7 +10,7 @@ from walkerlab.randomness import random_stream
 from walkerlab.settings.settings import Settings
 from walkerlab.text.templates import Markup
 from walkerlab.view import sketch
-from walkerlab.view.snapshots import image
+from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
 
 
@@ -63,7 +63,7 @@ class World(Component):
 
     def snapshot(self) -> Markup:
         """Return the drawing as static HTML."""
-        return image(self.picture)
+        return svg_image_html(self.picture)
 
     def _redraw(self, _: object = None) -> None:
         with self._lock:

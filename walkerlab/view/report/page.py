@@ -11,7 +11,7 @@ from walkerlab.settings.settings import Settings
 from walkerlab.simulation.rollout import Rollout
 from walkerlab.system.file_sets import NewFiles, replacing_files
 from walkerlab.system.files import folder_path, replace_atomically, write_text
-from walkerlab.text.html import escape_cell
+from walkerlab.text.escape import escape_cell
 from walkerlab.text.templates import render
 from walkerlab.view import summary
 from walkerlab.view.replay import replay

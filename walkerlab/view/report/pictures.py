@@ -17,7 +17,7 @@ from walkerlab.text.html import inline_svg
 from walkerlab.text.templates import Markup
 from walkerlab.view import plots, summary
 from walkerlab.view.plots.appearance import offscreen_axes
-from walkerlab.view.snapshots import render_image
+from walkerlab.view.snapshots import image_html
 
 FORMATS = ("svg", "pdf", "png")
 FOLDER = "pictures"
@@ -235,4 +235,4 @@ def _picture_html(axes: Axes, svg: Path, name: str) -> Markup:
         return inline_svg(text, name, alt)
     png = svg.with_suffix(".png")
     plots.save(axes, png)
-    return render_image("image/png", png.read_bytes(), alt)
+    return image_html("image/png", png.read_bytes(), alt)
