@@ -58,6 +58,8 @@ ONLY_IN = {
     "av": {"view.film"},
     "ipywidgets": {"widgets"},
     "IPython": {"widgets", "view.snapshots"},
+    "jinja2": {"text.templates"},
+    "markupsafe": {"text.templates"},
     "loky": {"simulation.workers"},
     "sqlite3": {"runfile.store", "runfile.opening", "runfile.schema"},
     "random": set(),
@@ -70,13 +72,15 @@ ONLY_IN = {
 }
 """Packages that few modules import, or no module."""
 
-LIGHT = {"walkerlab": {"numpy", "pandas", "pydantic", "mujoco", "dm_control", "matplotlib", "ipywidgets", "tqdm"}}
+LIGHT = {
+    "walkerlab": {"numpy", "pandas", "pydantic", "mujoco", "dm_control", "matplotlib", "ipywidgets", "tqdm", "jinja2"}
+}
 LIGHT |= {
-    f"walkerlab.{name}": {"pandas", "mujoco", "dm_control", "matplotlib", "ipywidgets"}
+    f"walkerlab.{name}": {"pandas", "mujoco", "dm_control", "matplotlib", "ipywidgets", "jinja2"}
     for name in ("settings.model", "settings.settings", "settings", "randomness", "ga.genes", "ga")
 }
 LIGHT |= {
-    f"walkerlab.{name}": {"mujoco", "dm_control", "matplotlib", "ipywidgets"}
+    f"walkerlab.{name}": {"mujoco", "dm_control", "matplotlib", "ipywidgets", "jinja2"}
     for name in (
         *("genome.repair", "world.heights", "world.placement", "world.materials", "genome.genome", "breeding"),
         "simulation.validity",

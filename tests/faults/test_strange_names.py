@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 import walkerlab as wl
 from walkerlab.__main__ import main
 from walkerlab.evolution.run import Run
-from walkerlab.text.html import escape_cell, printable
+from walkerlab.text.escape import escape_cell, printable
 from walkerlab.view.plots import fitness_curve, save
 from walkerlab.view.report.code import user_functions
 from walkerlab.view.report.page import _escape_formulas

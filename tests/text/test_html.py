@@ -8,9 +8,14 @@ from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
 from walkerlab.text import html
+from walkerlab.text.templates import environment, render
 from walkerlab.view import plots
 
 HOSTILE = "</pre><script>alert(1)</script><img src=x onerror=alert(2)>\" onload='x'"
+
+
+VOID_ELEMENTS = {"img", "meta", "br"}
+"""Elements without content and end tag."""
 
 
 class Seen(HTMLParser):
@@ -27,7 +32,7 @@ class Seen(HTMLParser):
 
     def handle_starttag(self, tag, attrs):
         self.elements.append((tag, dict(attrs)))
-        if tag not in html.VOID_ELEMENTS:
+        if tag not in VOID_ELEMENTS:
             self._open.append(tag)
 
     def handle_startendtag(self, tag, attrs):
@@ -71,8 +76,8 @@ def assert_harmless(html):
 
 @given(st.text(), st.text())
 def test_every_text_is_escaped(text, other):
-    page = html.tag("p", text, html.tag("b", other, title=text), class_=other)
-    seen = Seen(page)
+    source = '<p class="{{ other }}">{{ text }}<b title="{{ text }}">{{ other }}</b></p>'
+    seen = Seen(environment().from_string(source).render(text=text, other=other))
     assert [tag for tag, _ in seen.elements] == ["p", "b"]
     assert seen.all("b") == [{"title": _read(text)}]
     assert seen.text == _read(text) + _read(other)
@@ -96,21 +101,30 @@ class _TextParser(HTMLParser):
         self.text += data
 
 
+ELEMENTS = """{% from "text/elements.html" import table, facts, details, code %}
+{{ table(h, [h, h], [[h, h]], groups=[(h, 2)], classes=["strong"]) }}
+{% call(cell) table("", [], [["", h]]) %}<i>{{ cell }}</i>{% endcall %}
+{{ facts(h, [(h, h)]) }}
+{% call details(h) %}{{ h }}{% endcall %}
+{{ code(h) }}"""
+
+
 def test_every_element_escapes_its_texts():
-    h = HOSTILE
-    elements = [
-        html.table(h, [h, h], [[h, h]], groups=[(h, 2)], classes=["strong"]),
-        html.facts(h, [(h, h)]),
-        html.details(h, h),
-        html.code(h),
-    ]
-    seen = assert_harmless(html.standalone_page(h, "", *elements))
-    assert seen.text.count(HOSTILE) == 6 + 3 + 2 + 1 + 1  # of each element, and of the title of the page
-    assert_harmless(html.shown(*elements, h))
+    seen = assert_harmless(environment().from_string(ELEMENTS).render(h=HOSTILE))
+    assert seen.text.count(HOSTILE) == 6 + 1 + 3 + 2 + 1  # of each element
+    assert_harmless(render("text/output.html", content=[HOSTILE]))
+
+
+def standalone_page(title, *content):
+    """Return a complete page."""
+    source = '{% extends "text/standalone.html" %}{% block content %}{{ content|join }}{% endblock %}'
+    return environment().from_string(source).render(title=title, content=content)
 
 
 def test_a_table_has_a_caption_and_headers_with_their_scope():
-    seen = Seen(html.table("Robots", ["robot", "mass"], [[1, 2.5], [2, 3.5]], numbers=(1,), classes=["", "faint"]))
+    source = """{% from "text/elements.html" import table %}
+    {{ table("Robots", ["robot", "mass"], [[1, 2.5], [2, 3.5]], numbers=[1], classes=["", "faint"]) }}"""
+    seen = Seen(environment().from_string(source).render())
     assert len(seen.all("caption")) == 1
     assert [cell["scope"] for cell in seen.all("th")] == ["col", "col", "row", "row"]
     assert [row.get("class") for row in seen.all("tr")] == [None, None, "faint"]
@@ -118,13 +132,14 @@ def test_a_table_has_a_caption_and_headers_with_their_scope():
 
 
 def test_a_page_has_a_language_and_a_strict_security_policy():
-    page = html.standalone_page("A title", "")
+    page = standalone_page("A title" + HOSTILE, HOSTILE)
     seen = assert_harmless(page)
+    assert seen.text.count(HOSTILE) == 2
     assert page.startswith("<!doctype html>")
     assert seen.all("html") == [{"lang": "en"}]
     policy = next(meta["content"] for meta in seen.all("meta") if meta.get("http-equiv") == "Content-Security-Policy")
     assert policy.startswith("default-src 'none'")
-    assert not html.Html(page).count("http:")
+    assert not page.count("http:")
 
 
 def test_two_pictures_on_a_page_have_different_ids(tmp_path):
@@ -135,7 +150,7 @@ def test_two_pictures_on_a_page_have_different_ids(tmp_path):
         axes.set_title("<b>&amp;</b>")
         plots.save(axes, tmp_path / f"{name}.svg")
         pictures.append(html.inline_svg((tmp_path / f"{name}.svg").read_text(encoding="utf-8"), name, "a line < 2"))
-    seen = assert_harmless(html.standalone_page("Two", "", *pictures))
+    seen = assert_harmless(standalone_page("Two", *pictures))
     assert [svg["aria-label"] for svg in seen.all("svg")] == ["a line < 2"] * 2
     assert seen.text.count("<b>&amp;</b>") == 2
     assert all("viewbox" in svg and "width" not in svg for svg in seen.all("svg"))

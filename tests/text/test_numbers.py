@@ -3,7 +3,6 @@
 import ast
 import math
 import re
-from collections import defaultdict
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -22,7 +21,6 @@ from walkerlab.evolution.evolution import Generation
 from walkerlab.runfile.records import Individual, name_fitness
 from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.simulation.robustness import Confirmation
-from walkerlab.text.html import Html
 from walkerlab.text.numbers import (
     NO_VALUE,
     format_fixed_column,
@@ -32,7 +30,7 @@ from walkerlab.text.numbers import (
 )
 from walkerlab.view import film, summary
 from walkerlab.view.replay import replay
-from walkerlab.view.report import page
+from walkerlab.view.report import content
 from walkerlab.view.report.pictures import Subject
 from walkerlab.widgets.card import robot_card
 from walkerlab.widgets.listing import SORT_COLUMNS, describe_generation
@@ -149,10 +147,9 @@ def progress(run):
 
 def of_report(run):
     subject = Subject(run.settings, run.records, run.champion, None)
-    walks = page._results_section(subject, defaultdict(Html), files=False)
-    line = page._descent_section(subject, defaultdict(Html))
-    cells = [re.findall(r'class="number">([^<]*)<', part) for part in (walks, line)]
-    return [*cells[0][6:8], cells[1][-1]]
+    (_, best, median, *_), *_ = content.generation_cells(subject)
+    *_, (_, _, fitness, _) = content.descent_cells(subject)
+    return [best, median, fitness]
 
 
 def of_roster(run):

@@ -10,7 +10,7 @@ from walkerlab.commands.terminal import EXIT_INTERRUPTED, print_safely
 from walkerlab.system.file_sets import OutputError
 from walkerlab.system.files import display_path, folder_path, quote_path
 from walkerlab.system.interrupts import interrupts_held
-from walkerlab.text.html import printable
+from walkerlab.text.escape import printable
 
 if TYPE_CHECKING:
     from walkerlab.evolution.run import Run

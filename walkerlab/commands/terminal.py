@@ -5,7 +5,7 @@ from __future__ import annotations  # the doctor must run on old versions of Pyt
 import sys
 from typing import TextIO
 
-from walkerlab.text.html import printable
+from walkerlab.text.escape import printable
 
 # Exit codes.
 EXIT_INTERRUPTED = 130  # convention of shells after Ctrl-C

@@ -1,9 +1,11 @@
 """Read a run from its file, also from a damaged one."""
 
+import warnings
 from pathlib import Path
 
 from walkerlab.evolution.run import Run
 from walkerlab.evolution.stored_functions import restore_settings
+from walkerlab.genome.text import is_of_version_1
 from walkerlab.runfile import paths, provenance, records, store
 from walkerlab.runfile.missing_functions import remember_walks
 from walkerlab.runfile.opening import DamagedError, RunFileError
@@ -18,6 +20,9 @@ def load(path: str | Path) -> Run:
 
     Args:
         path: Run file, or the folder that holds it.
+
+    Warns:
+        UserWarning: If the run was made by version 0.1, whose robots walked differently.
 
     Raises:
         RunFileError: If the file does not exist, is not a run, or is damaged.
@@ -36,6 +41,12 @@ def load(path: str | Path) -> Run:
     if sizes.to_dict() != dict.fromkeys(range(len(sizes)), settings.algorithm.population_size):
         raise DamagedError(path, "its table has too few or too many robots")
     remember_walks(settings, table)
+    if is_of_version_1(str(table.genome.get(0, ""))):
+        warnings.warn(
+            f"{display_path(path)} was made by walkerlab 0.1. Its table and genomes are complete, but its robots walk "
+            "differently in this version, so that replays and pictures can differ from the table.",
+            stacklevel=2,
+        )
     return Run(settings, table, path, since)
 
 

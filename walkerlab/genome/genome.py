@@ -19,7 +19,7 @@ from walkerlab.settings.arguments import require_generator
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import short_repr
-from walkerlab.text.html import shown
+from walkerlab.text.templates import render
 
 
 class HasGenome(Protocol):
@@ -125,7 +125,7 @@ class Genome(ReadOnlyArrays):
         return hash(self.values.tobytes())
 
     def _repr_html_(self) -> str:
-        return shown(genome_html(self.values))
+        return render("text/output.html", content=[genome_html(self.values)])
 
     @property
     def n_parts(self) -> int:

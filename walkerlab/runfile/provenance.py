@@ -13,7 +13,7 @@ from types import FunctionType, MethodType
 from typing import Any
 
 from walkerlab.settings.binding import plain_copy, to_json_data
-from walkerlab.text.html import printable
+from walkerlab.text.escape import printable
 
 DIGEST_DIGITS = 16
 MAX_DEPTH = 8  # of functions within functions

@@ -16,8 +16,8 @@ from walkerlab.settings.values import short_repr
 from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.simulation.fitness import MAX_FITNESS
 from walkerlab.simulation.validity import VERDICTS
-from walkerlab.text.html import facts, shown
 from walkerlab.text.numbers import format_significant
+from walkerlab.text.templates import render
 
 RECORD_COLUMNS: dict[str, tuple[type, str, str]] = {
     "generation": (int, "", "0 is the random one"),
@@ -226,17 +226,17 @@ class Individual:
     parents: tuple[int, ...]
 
     def _repr_html_(self) -> str:
-        meaning = VERDICTS.get(self.verdict, "")
-        rows = (
-            (
-                "fitness",
-                format_significant(self.fitness) if self.verdict == "ok" else "none, because its walk does not count",
-            ),
-            ("verdict", f"{self.verdict}: {meaning}{f' Details: {self.reason}.' if self.reason else ''}"),
-            ("generation", f"{self.generation}, in which it was born"),
-            ("parents", ", ".join(map(str, self.parents)) or "none: it was generated at random"),
+        return render(
+            "runfile/individual.html",
+            number=self.individual,
+            fitness=format_significant(self.fitness) if self.verdict == "ok" else "",
+            verdict=self.verdict,
+            meaning=VERDICTS.get(self.verdict, ""),
+            reason=self.reason,
+            generation=self.generation,
+            parents=self.parents,
+            genome=genome_html(self.genome.values),
         )
-        return shown(facts(f"Robot {self.individual}", rows), genome_html(self.genome.values))
 
 
 def find_champion(records: pd.DataFrame) -> Individual:

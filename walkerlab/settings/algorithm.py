@@ -18,13 +18,13 @@ class Algorithm(DisplayedDomain, frozen=True):
     ] = Fitness.distance
     selection: Annotated[
         Any, OneOf(Selection, about="the method by which parents are chosen", functions=True, several=True)
-    ] = Selection.gradient
+    ] = Selection.tournament
     crossover: Annotated[
         Any, OneOf(Crossover, about="the method by which parents make children", functions=True, several=True)
-    ] = Crossover.paired
+    ] = Crossover.uniform
     mutation: Annotated[
         Any, OneOf(Mutation, about="the method by which children are varied", functions=True, several=True)
-    ] = Mutation.randomized
+    ] = Mutation.gaussian
     population_size: Annotated[
         int, Quantity(low=4, high=10_000, about="the number of robots in each generation", whole=True)
     ] = 60
@@ -35,10 +35,13 @@ class Algorithm(DisplayedDomain, frozen=True):
     n_elites: Annotated[
         int, Quantity(low=0, high=1_000, about="the number of best robots that survive unchanged", whole=True)
     ] = 2
-    mutation_rate: Annotated[float, Quantity(low=0.0, high=1.0, about="the probability that a gene changes")] = 0.08
+    mutation_rate: Annotated[float, Quantity(low=0.0, high=1.0, about="the probability that a gene changes")] = 0.04
     mutation_scale: Annotated[
-        float, Quantity(low=0.0, high=2.0, about="the size of a change, as a share of the value")
-    ] = 0.2
+        float,
+        Quantity(
+            low=0.0, high=2.0, about="the size of a change, as a share of the gene's range (gaussian) or value (others)"
+        ),
+    ] = 0.1
     favored_gene: Annotated[Feature, OneOf(Feature, about="the feature that favored mutation changes most often")] = (
         Feature.leg_length
     )

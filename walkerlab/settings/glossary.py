@@ -7,7 +7,7 @@ from walkerlab.settings.choices import Choice
 from walkerlab.settings.fields import MIN_MAX, FieldDeclaration, OneOf
 from walkerlab.settings.model import Domain
 from walkerlab.settings.values import function_name, number_text, vector_text
-from walkerlab.text.html import Html, details, join, shown, table, tag
+from walkerlab.text.templates import Markup, render
 
 GROUND_DRAWING = "_-‾/\\┌─ "  # characters of the drawings in front of the sentences of ``Structure``
 
@@ -37,7 +37,7 @@ class DisplayedDomain(Domain, frozen=True):
     """Domain that notebooks display as a table."""
 
     def _repr_html_(self) -> str:
-        return shown(glossary(self, unfold=True))
+        return render("text/output.html", content=[glossary(self, unfold=True)])
 
 
 def glossary_rows(domain: Domain) -> list[Row]:
@@ -56,7 +56,7 @@ def glossary_rows(domain: Domain) -> list[Row]:
     ]
 
 
-def glossary(domain: Domain, *, unfold: bool = False) -> Html:
+def glossary(domain: Domain, *, unfold: bool = False) -> Markup:
     """Return a table of a domain: first the changed settings in bold, then the others, folded.
 
     Args:
@@ -64,29 +64,13 @@ def glossary(domain: Domain, *, unfold: bool = False) -> Html:
         unfold: Whether to show all settings unfolded if none is changed.
     """
     rows = glossary_rows(domain)
-    name = type(domain).__name__
-    changed = [row for row in rows if row.changed]
-    others = [row for row in rows if not row.changed]
-    if not changed and unfold:
-        return _table(f"{name}: as by default", others)
-    if not changed:
-        return details(join(tag("b", name), ": as by default"), _table(name, others))
-    the_rest = details(f"{len(others)} more of {name}, as by default", _table(name, others)) if others else ""
-    return join(_table(f"{name}: what differs from the default (●)", changed), the_rest)
-
-
-def _table(caption: str, rows: list[Row]) -> Html:
-    columns = ["setting", "value", "meaning", *(["default"] if rows[0].changed else [])]
-    lines = (
-        [
-            f"●\N{NO-BREAK SPACE}{row.name}" if row.changed else row.name,
-            row.value,
-            f"{row.about}: {row.choice}" if row.choice else row.about,
-            *([row.default] if row.changed else []),
-        ]
-        for row in rows
+    return render(
+        "settings/glossary.html",
+        name=type(domain).__name__,
+        changed=[row for row in rows if row.changed],
+        others=[row for row in rows if not row.changed],
+        unfold=unfold,
     )
-    return table(caption, columns, lines, classes=["strong" if row.changed else "" for row in rows])
 
 
 def _value_text(declared: FieldDeclaration, value: Any) -> str:

@@ -13,7 +13,7 @@ from walkerlab.settings.robot import Robot
 from walkerlab.settings.simulation import Simulation
 from walkerlab.settings.terrain import Terrain
 from walkerlab.settings.values import code_text, did_you_mean, short_repr
-from walkerlab.text.html import code, details, shown
+from walkerlab.text.templates import render
 
 
 class Settings(SettingsModel, frozen=True):
@@ -73,7 +73,8 @@ class Settings(SettingsModel, frozen=True):
         return "\n".join(["wl.Settings().with_(", *lines, ")"]) if lines else "wl.Settings()"
 
     def _repr_html_(self) -> str:
-        return shown(*(glossary(domain) for _, domain in self), details("The same as Python", code(self.as_python())))
+        tables = [glossary(domain) for _, domain in self]
+        return render("settings/settings.html", tables=tables, python=self.as_python())
 
     @field_validator("*", mode="before")
     @classmethod

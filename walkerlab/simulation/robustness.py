@@ -19,8 +19,8 @@ from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import FITNESS_UNITS, find_poorest, name_and_unit, rate_walk
 from walkerlab.simulation.rollout import simulate_walk, walk_from_every_start
 from walkerlab.simulation.starts import draw_nudge
-from walkerlab.text.html import Html, shown, table
 from walkerlab.text.numbers import format_significant, with_unit
+from walkerlab.text.templates import Markup, render
 from walkerlab.world.scene import compile_scene
 
 TIMESTEP_DIVISOR = 4  # for the finer walk
@@ -121,18 +121,19 @@ class Confirmation:
         return "\n".join(lines)
 
     def _repr_html_(self) -> str:
-        return shown(self.table())
+        return render("text/output.html", content=[self.table()])
 
-    def table(self) -> Html:
+    def table(self) -> Markup:
         """Return a summary as an HTML table."""
         finer, other, poorest = self._format_results()
-        rows = [
-            ["at a quarter of the timestep", finer, "does it depend on an error of the simulation?"],
-            ["from slightly different starts (median)", other, "does it depend on a lucky start?"],
-            ["from the poorest of these starts", poorest, ""],
-        ]
-        caption = f"Its {self._fitness_in_run}, when it walks again"
-        return table(caption, ["walk", "share" if self._uses_shares else "fitness", "question"], rows, numbers=(1,))
+        return render(
+            "simulation/confirmation.html",
+            fitness_in_run=self._fitness_in_run,
+            uses_shares=self._uses_shares,
+            finer=finer,
+            median=other,
+            poorest=poorest,
+        )
 
 
 def confirm(

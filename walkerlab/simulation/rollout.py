@@ -14,8 +14,8 @@ from walkerlab.settings.values import pluralize
 from walkerlab.simulation.starts import draw_nudge, settle, start_overlap
 from walkerlab.simulation.stepping import positions_in, simulate_steps, velocities_in, warnings_counted_not_printed
 from walkerlab.simulation.validity import VERDICTS, Trace, judge
-from walkerlab.text.html import facts, shown
 from walkerlab.text.numbers import format_significant, with_unit
+from walkerlab.text.templates import render
 from walkerlab.world.assembly import Sensor
 from walkerlab.world.scene import Scene, compile_scene, control_steps
 
@@ -61,21 +61,20 @@ class Rollout(ReadOnlyArrays, Trace):
         speed = self.velocity
         grown = f"{pluralize(len(robot.segments), 'segment')}, {pluralize(robot.n_legs, 'leg')}"
         body = f"{grown}, {with_unit(robot.weight, 'kg')}, {with_unit(robot.body_length, 'm')} long"
-        known = (
-            ("verdict", f"{self.verdict}: {VERDICTS.get(self.verdict, '')}"),
-            *([("reason", self.reason)] if self.reason else []),
-            ("distance", f"{with_unit(self.distance, 'm')} forward"),
-            (
-                "velocity",
-                f"{with_unit(speed, 'm/s')} over the last two thirds, "
-                f"{format_significant(speed / robot.body_length)} body lengths a second",
-            ),
-            ("duration", f"{self.time[-1]:g} s, after {self.settled:g} s to come to rest"),
-            ("work", f"{with_unit(self.work[-1], 'J')}, done by the legs"),
-            ("body", body),
-            ("poses", f"{len(self.poses)} recorded" if len(self.poses) else "not recorded"),
+        return render(
+            "simulation/rollout.html",
+            verdict=self.verdict,
+            meaning=VERDICTS.get(self.verdict, ""),
+            reason=self.reason,
+            distance=with_unit(self.distance, "m"),
+            velocity=with_unit(speed, "m/s"),
+            relative_velocity=format_significant(speed / robot.body_length),
+            duration=f"{self.time[-1]:g}",
+            settled=f"{self.settled:g}",
+            work=with_unit(self.work[-1], "J"),
+            body=body,
+            n_poses=len(self.poses),
         )
-        return shown(facts("A walk", known))
 
 
 def simulate(genome: Genome | str, settings: Settings, *, poses: bool = True) -> Rollout:

@@ -5,34 +5,21 @@ The snapshot is an output of its own because front ends rebuild a view when its 
 both, each update would close menus and lose the focus.
 """
 
-import base64
 import re
 import threading
 import time
 from html import unescape
+from pathlib import Path
 from typing import Any
 
-from walkerlab.text.html import OUTPUT_STYLE, Html, tag
+from walkerlab.text.html import data_url
+from walkerlab.text.templates import Markup, render
 
 QUIET_TIME = 1.0  # s without a change after which the snapshot is updated
 MAX_DELAY = 30.0  # s from the first change to the update if there is no quiet second
-WHITE = "background: white; max-width: 100%"
-CLASS = "wl-snapshot"
 
-OUTPUT = ".jp-OutputArea-child"
-VIEW = ".lm-Panel.jp-OutputArea-output"
-SNAPSHOT_STYLE = f"""
-{OUTPUT}:has(> {VIEW}:not(.jupyter-widgets, .lm-mod-hidden)) + {OUTPUT}:has(.{CLASS}),
-{OUTPUT}:has(> .jupyter-widgets > .widget-subarea > *) + {OUTPUT}:has(.{CLASS}),
-{OUTPUT}:has(+ {OUTPUT} .{CLASS}) > .jupyter-widgets:not(:has(*)) {{ display: none }}
-"""
-"""Hides a snapshot that follows a live view: in JupyterLab, Notebook 7 and Voila; in a page by nbconvert.
-
-Its third rule hides the message "Error displaying widget: model not found", which the snapshot replaces.
-"""
-
-LIVE_STYLE = f".{CLASS}:not({OUTPUT} *) {{ display: none }}"
-"""Part of the style of live views: hides snapshots in front ends whose pages are built in another way."""
+LIVE_STYLE = (Path(__file__).parent / "live.css").read_text(encoding="utf-8")
+"""Part of the style sheet of live views."""
 
 
 class HasSnapshot:
@@ -45,7 +32,7 @@ class HasSnapshot:
     title = "widget"
     _display: "_Display | None" = None
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return what the widget shows as static HTML: images and tables, no scripts."""
         raise NotImplementedError
 
@@ -149,12 +136,13 @@ class _Display:
 
 def snapshot_html(widget: Any) -> str:
     """Return the snapshot of a widget with a line that names the widget, as self-contained HTML."""
+    content = ""
+    error = ""
     try:
         content = widget.snapshot()
-    except Exception as error:  # without its snapshot the live widget still works
-        content = tag("p", f"The picture could not be drawn. {type(error).__name__}: {error}")
-    about = tag("p", f"Static picture of the {widget.title}. Run the cell for the interactive version.", class_="faint")
-    return tag("div", tag("style", Html(OUTPUT_STYLE + SNAPSHOT_STYLE)), about, content, class_=f"walkerlab {CLASS}")
+    except Exception as caught:  # without its snapshot the live widget still works
+        error = f"{type(caught).__name__}: {caught}"
+    return render("view/snapshot.html", title=widget.title, content=content, error=error)
 
 
 def _bundle(widget: Any, html: str) -> dict[str, str]:
@@ -166,7 +154,7 @@ def nested_widgets(box: Any) -> list[Any]:
     return [widget for child in getattr(box, "children", ()) for widget in (*nested_widgets(child), child)]
 
 
-def image(picture: str, alt: str = "") -> Html:
+def svg_image_html(picture: str, alt: str = "") -> Markup:
     """Return an SVG as an image element, in which no script runs.
 
     Args:
@@ -174,5 +162,15 @@ def image(picture: str, alt: str = "") -> Html:
         alt: Alternative text; the ``aria-label`` of the SVG if empty.
     """
     label = re.search(r'aria-label="([^"]*)"', picture)
-    url = f"data:image/svg+xml;base64,{base64.b64encode(picture.encode()).decode()}"
-    return tag("img", src=url, alt=alt or (unescape(label[1]) if label else ""), style=WHITE)
+    return image_html("image/svg+xml", picture.encode(), alt or (unescape(label[1]) if label else ""))
+
+
+def image_html(media_type: str, data: bytes, alt: str) -> Markup:
+    """Return an image element that contains the image.
+
+    Args:
+        media_type: Media type, such as ``image/png``.
+        data: Content of the image file.
+        alt: Alternative text.
+    """
+    return render("view/image.html", url=data_url(media_type, data), alt=alt)

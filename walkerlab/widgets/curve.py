@@ -1,6 +1,5 @@
 """The fitness of one or several runs by generation, as a picture that is updated while they run."""
 
-import base64
 import io
 import math
 from collections.abc import Mapping, Sequence
@@ -11,18 +10,17 @@ import ipywidgets
 import pandas as pd
 from matplotlib.figure import Figure
 
-from walkerlab.text.html import Html, inline_svg, tag
+from walkerlab.text.html import inline_svg
+from walkerlab.text.templates import Markup, render
 from walkerlab.view import plots
 from walkerlab.view.plots.style import MAX_LEGEND_COLUMNS
 from walkerlab.view.plots.tables import fitness_label
-from walkerlab.view.snapshots import LIVE_STYLE, WHITE, HasSnapshot
+from walkerlab.view.snapshots import HasSnapshot, image_html
 
 PICTURE_SIZE = (6.4, 3.5)  # inches
 FIGURE_MARGINS = {"left": 0.14, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
 MAX_LABEL_LENGTH = 18  # characters of a name in the legend
 LEGEND_LINE_HEIGHT = 0.055  # height of a line of the legend, as a fraction of the picture's height
-LIVE_STYLE_TAG = tag("style", Html(LIVE_STYLE))
-EMPTY_STYLE = "margin: auto; padding: 0 10%; text-align: center"
 _curve_ids = count()  # of all drawings: IDs are unique on a page
 
 
@@ -58,8 +56,7 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         self._figure = None
         self._alt = ""
         if not groups:
-            empty = tag("p", "The fitness curve appears here, generation by generation.", style=EMPTY_STYLE)
-            self.value = tag("div", empty, LIVE_STYLE_TAG, style=_frame_style(1))
+            self.value = _curve_html("", 1)
             return
         figure = Figure(figsize=(PICTURE_SIZE[0], PICTURE_SIZE[1] * len(groups)))
         panels: Any = figure.subfigures(len(groups), 1, squeeze=False).ravel()
@@ -78,21 +75,21 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         self._figure = figure
         self._alt = " ".join(alternative_texts)
         picture = inline_svg(file.getvalue(), f"curve{next(_curve_ids)}", self._alt)
-        self.value = tag("div", picture, LIVE_STYLE_TAG, style=_frame_style(len(groups)))
+        self.value = _curve_html(picture, len(groups))
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return the picture as static HTML: as PNG, the size of which does not grow with the curve."""
-        if not self._figure:
-            return tag("p", "No generation was done yet.")
-        file = io.BytesIO()
-        self._figure.savefig(file, format="png", dpi=100)
-        url = f"data:image/png;base64,{base64.b64encode(file.getvalue()).decode()}"
-        return tag("img", src=url, alt=self._alt, style=WHITE)
+        picture = ""
+        if self._figure:
+            file = io.BytesIO()
+            self._figure.savefig(file, format="png", dpi=100)
+            picture = image_html("image/png", file.getvalue(), self._alt)
+        return render("widgets/curve_snapshot.html", picture=picture)
 
 
-def _frame_style(n_axes: int) -> str:
-    ratio = f"aspect-ratio: {PICTURE_SIZE[0]} / {PICTURE_SIZE[1] * n_axes}"
-    return f"{ratio}; background: white; border-radius: 6px; color: #555; display: grid"
+def _curve_html(picture: str, n_axes: int) -> Markup:
+    """Return the picture in its frame, or a message if there is no picture."""
+    return render("widgets/curve.html", picture=picture, width=PICTURE_SIZE[0], height=PICTURE_SIZE[1] * n_axes)
 
 
 def _shorten_text(name: str) -> str:

@@ -5,7 +5,7 @@ from typing import Any
 
 import traitlets
 
-from walkerlab.text.html import Html, code, details, join, tag
+from walkerlab.text.templates import Markup, render
 from walkerlab.widgets.component import Component, load_script, load_style
 
 
@@ -43,11 +43,9 @@ class Drawer(Component):
         self._on_settings = on_settings
         self.on_msg(self._handle_message)
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return the last message and the code of the run as static HTML."""
-        code_of_run = details("Python code that repeats this run", code(self.code)) if self.code else ""
-        message = tag("p", self.words) if self.words else ""
-        return join(message, code_of_run) or tag("p", "No run was loaded or exported.")
+        return render("widgets/drawer.html", words=self.words, python=self.code)
 
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
         match message:

@@ -10,9 +10,9 @@ from walkerlab.genome.genome import Genome
 from walkerlab.genome.text import GenomeError
 from walkerlab.randomness import random_stream
 from walkerlab.settings.settings import Settings
-from walkerlab.text.html import Html, code, join, tag
+from walkerlab.text.templates import Markup, render
 from walkerlab.view import sketch
-from walkerlab.view.snapshots import image
+from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.repairs import describe_repairs, find_fault, format_genome
 
@@ -77,10 +77,11 @@ class Editor(Component):
         """Register a function that is called with the genome when it is to be inserted into the next generation."""
         self._add_callback("insert", callback)
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return the robot, its gene and the messages as static HTML."""
-        notes = [tag("p", note) for note in ([self.fault] if self.fault else self.notes)]
-        return join(image(self.picture) if self.picture else "", code(self.text), *notes)
+        notes = [self.fault] if self.fault else self.notes
+        picture = svg_image_html(self.picture) if self.picture else ""
+        return render("widgets/editor.html", picture=picture, text=self.text, notes=notes)
 
     def _add_callback(self, button: str, callback: OnGenome) -> None:
         self._callbacks[button].append(callback)

@@ -9,7 +9,7 @@ from walkerlab.settings.glossary import glossary_rows
 from walkerlab.settings.model import Domain, SettingsError
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import did_you_mean, function_name
-from walkerlab.text.html import Html, join, table, tag
+from walkerlab.text.templates import Markup, render
 from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.controls import (
     FUNCTION_PREFIX,
@@ -73,21 +73,18 @@ class Form(Component):
         """Accept only values and the name of a preset from the browser."""
         super().set_state({name: value for name, value in sync_data.items() if name in ("values", "preset")})
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return the shown settings as static HTML, with a table for each domain."""
-        tables = tag("div", *map(self._table, self._last_valid), class_="beside")
-        return join(tables, tag("p", self.fault)) if self.fault else tables
+        tables = [self._table(name, domain) for name, domain in self._last_valid if self._shown[name]]
+        return render("widgets/form.html", tables=tables, fault=self.fault)
 
-    def _table(self, named_domain: tuple[str, Domain]) -> Html:
-        """Return a table of the shown settings of a domain, in which those that differ from the default are marked."""
-        name, domain = named_domain
+    def _table(self, name: str, domain: Domain) -> tuple[str, list[list[str]], list[str]]:
+        """Return the caption, the cells and the class of each row of the shown settings of a domain."""
         rows = [row for row in glossary_rows(domain) if row.name in self._shown[name]]
-        lines = (
+        cells = [
             [f"● {setting_label(row.name)}" if row.changed else setting_label(row.name), row.value] for row in rows
-        )
-        classes = ["strong" if row.changed else "" for row in rows]
-        caption = f"{name.capitalize()} (● differs from the default)" if any(classes) else name.capitalize()
-        return table(caption, ("setting", "value"), lines, classes=classes) if rows else Html("")
+        ]
+        return name.capitalize(), cells, ["strong" if row.changed else "" for row in rows]
 
     @traitlets.validate("values")
     def _complete(self, proposal: Any) -> dict[str, NamedValues]:

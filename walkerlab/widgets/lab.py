@@ -24,7 +24,7 @@ from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.workers import check_executor
 from walkerlab.system.files import absolute_path
-from walkerlab.text.html import Html, details, tag
+from walkerlab.text.templates import Markup, render
 from walkerlab.view.snapshots import HasSnapshot, nested_widgets
 from walkerlab.widgets.cells import register_in_cell
 from walkerlab.widgets.controls import use_labels
@@ -96,11 +96,11 @@ class Lab(HasSnapshot, ipywidgets.Box):
         """Return a short description without the widgets, which are many."""
         return f"<Lab: a panel with {len(self.runs.entries)} runs, displayed in a notebook>"
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return the content of the panel as static HTML."""
         components = (self.transport, self.runs, self.population, self.robot, self.world)
-        snapshots = (component.snapshot() for component in components)
-        return tag("div", *snapshots, details("Settings", self.form.snapshot()))
+        snapshots = [component.snapshot() for component in components]
+        return render("widgets/lab.html", components=snapshots, form=self.form.snapshot())
 
     @property
     def settings(self) -> Settings | None:

@@ -9,10 +9,10 @@ import traitlets
 from walkerlab.evolution.run import Run
 from walkerlab.runfile.records import concatenate_tables
 from walkerlab.settings.settings import Settings
-from walkerlab.text.html import Html, table, tag
+from walkerlab.text.templates import Markup, render
 from walkerlab.view import sketch
 from walkerlab.view.plots.tables import require_table
-from walkerlab.view.snapshots import image
+from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.listing import MAX_DRAWN, SORT_COLUMNS, describe_generation, sort_robots
 
@@ -101,28 +101,25 @@ class Population(Component):
             for number, genome in zip(drawn.individual, drawn.genome, strict=True)
         }
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return the first robots as static HTML: their pictures, or a table of them."""
         with self._lock:
             generation = self.generation
             pictures = {} if self.as_table else self._draw_range(0, MAX_IN_SNAPSHOT)
-        if not generation:
-            return tag("p", "No generation was done yet.")
-        rows = generation["rows"][:MAX_IN_SNAPSHOT]
+        rows = generation["rows"][:MAX_IN_SNAPSHOT] if generation else []
         n = len(self._shown)
         note = f" The first {len(rows)} of {n:,} are shown, {SORT_COLUMNS[self.sort].order}." if n > len(rows) else ""
-        caption = f"{generation['title']}.{note}"
-        if self.as_table:
-            columns = [f"{column['title']} {column['unit']}".strip() for column in generation["columns"]]
-            cells = ([f"{row['sign']} {row['individual']}".strip(), *row["cells"][1:]] for row in rows)
-            return table(caption, columns, cells, numbers=range(1, len(columns) - 1))
-        figures = (
-            tag(
-                "figure",
-                image(pictures[str(row["individual"])], alt=row["description"]),
-                tag("figcaption", f"{row['sign']} {row['label']}".strip()),
-                style="display: inline-block; margin: 4px; text-align: center",
-            )
-            for row in rows
+        columns = generation["columns"] if generation and self.as_table else []
+        return render(
+            "widgets/population.html",
+            caption=f"{generation['title']}.{note}" if generation else "",
+            columns=[f"{column['title']} {column['unit']}".strip() for column in columns],
+            rows=[[f"{row['sign']} {row['individual']}".strip(), *row["cells"][1:]] for row in rows],
+            figures=[
+                (
+                    svg_image_html(pictures[str(row["individual"])], alt=row["description"]),
+                    f"{row['sign']} {row['label']}".strip(),
+                )
+                for row in ([] if self.as_table else rows)
+            ],
         )
-        return tag("div", tag("p", caption), *figures)

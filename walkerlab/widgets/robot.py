@@ -1,6 +1,5 @@
 """The robot area of a panel: the description of one robot, its gene in an editor, and the replay of its walk."""
 
-import base64
 from collections.abc import Callable
 from typing import Any
 
@@ -10,7 +9,8 @@ from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile.records import birth_rows
 from walkerlab.settings.settings import Settings
-from walkerlab.text.html import Html, details, join, shown, tag
+from walkerlab.text.html import data_url
+from walkerlab.text.templates import Markup, render
 from walkerlab.view import sketch
 from walkerlab.view.replay import Replay, replay
 from walkerlab.view.replay.page import Frame
@@ -20,7 +20,6 @@ from walkerlab.widgets.component import answer_on_requested_thread
 from walkerlab.widgets.editor import Editor
 
 POSTER_SIZE = (640, 360)  # pixels
-INITIAL_TEXT = "No robot has walked yet. This robot is random: play its walk, or edit its gene."
 
 
 class RobotArea(HasSnapshot, ipywidgets.Box):
@@ -53,14 +52,19 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self.add_class("wl-robot")
         self.frame.add_class("wl-frame")
         answer_on_requested_thread(self.frame)
-        self.card.value = shown(tag("p", INITIAL_TEXT))
+        self._describe(render("widgets/robot_message.html", is_edited=False))
         self._offer_replay(self.editor.genome, "a random robot")
         self.editor.on_walk(self._play)
         self.editor.on_insert(self._insert)
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return the description, the picture and the gene of the robot as static HTML."""
-        return join(Html(self.card.value), self.frame.snapshot(), details("Gene", self.editor.snapshot()))
+        return render(
+            "widgets/robot.html",
+            description=self._description,
+            frame=self.frame.snapshot(),
+            editor=self.editor.snapshot(),
+        )
 
     def set_settings(self, settings: Settings) -> None:
         """Change the world in which edited genes walk, and the limits of the editor."""
@@ -89,16 +93,21 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._shown = wanted
         row: Any = birth_rows(run.records).loc[robot]
         genome = Genome.parse(row.genome)
-        self.card.value = robot_card(run.records, robot)
+        self._describe(robot_card(run.records, robot))
         self.set_settings(run.settings)
         self.editor.genome = genome
         self._unedited_text = self.editor.text
         self._offer_replay(genome, f"robot {robot} of generation {row.born}")
 
+    def _describe(self, description: Markup) -> None:
+        """Show a description; it is kept for the snapshot, because a browser may change the value of the card."""
+        self._description = description
+        self.card.value = description
+
     def _offer_replay(self, genome: Genome, name: str) -> None:
         """Show a picture of a robot; its walk is simulated when the user plays it."""
         svg = sketch.draw_robot(genome, self._settings.robot, size=POSTER_SIZE)
-        picture = f"data:image/svg+xml;base64,{base64.b64encode(svg.encode()).decode()}"
+        picture = data_url("image/svg+xml", svg.encode())
 
         def walk() -> Replay:  # reads the settings when the replay is played
             return replay({name: genome}, self._settings)
@@ -108,7 +117,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
     def _play(self, genome: Genome) -> None:
         """Play the walk of an edited gene."""
         self._shown = self._shown[0], -1
-        self.card.value = shown(tag("p", tag("strong", "The gene in the editor"), ", as it walks in this world."))
+        self._describe(render("widgets/robot_message.html", is_edited=True))
         self._offer_replay(genome, "the gene in the editor")
         self.frame.play()
 

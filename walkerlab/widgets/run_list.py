@@ -7,7 +7,7 @@ from typing import Any
 
 import traitlets
 
-from walkerlab.text.html import Html, table, tag
+from walkerlab.text.templates import Markup, render
 from walkerlab.view.plots.style import RUN_COLOURS, RUN_MARKERS
 from walkerlab.widgets.component import Component, load_script, load_style
 
@@ -74,13 +74,11 @@ class RunList(Component):
             if self.selected == key:
                 self.selected = self.runs[min(index, len(self.runs) - 1)]["key"] if self.runs else ""
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return the list as static HTML."""
-        if not self.runs:
-            return tag("p", "No run was started or loaded.")
         rows = [[run[key] for key in ("name", "differs", "best", "state")] for run in self.runs]
         classes = ["strong" if run["key"] == self.selected else "" for run in self.runs]
-        return table("Runs", ("run", "differences", "best", "state"), rows, classes=classes)
+        return render("widgets/run_list.html", rows=rows, classes=classes)
 
     def _next_look(self) -> dict[str, str]:
         """Return the first of the least used colours, with its marker."""

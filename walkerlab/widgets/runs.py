@@ -12,7 +12,7 @@ from walkerlab.evolution import outputs
 from walkerlab.evolution.loading import load
 from walkerlab.evolution.run import Run
 from walkerlab.system.files import absolute_path, display_path
-from walkerlab.text.html import Html, join
+from walkerlab.text.templates import Markup, render
 from walkerlab.view.plots.style import RUN_COLOURS
 from walkerlab.view.report.code import as_python, user_functions
 from walkerlab.view.snapshots import HasSnapshot
@@ -67,9 +67,14 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         self.run_list.observe(self._selection_changed, "selected")
         self.run_list.observe(self._list_changed, "runs")
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return the curves, the list and the code of the selected run as static HTML."""
-        return join(*(component.snapshot() for component in (self.curve, self.run_list, self.drawer)))
+        return render(
+            "widgets/runs.html",
+            curve=self.curve.snapshot(),
+            run_list=self.run_list.snapshot(),
+            drawer=self.drawer.snapshot(),
+        )
 
     @property
     def selected(self) -> Run | None:

@@ -5,7 +5,7 @@ from typing import Any
 
 import traitlets
 
-from walkerlab.text.html import Html, join, tag
+from walkerlab.text.templates import Markup, render
 from walkerlab.widgets.component import Component, load_script, load_style
 
 
@@ -39,10 +39,10 @@ class Transport(Component):
         self._on_press = on_press
         self.on_msg(self._handle_message)
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return the messages as static HTML."""
-        messages = [self.words, self.fault or self.forecast]
-        return join(*(tag("p", words) for words in messages if words)) or tag("p", f"The run is {self.state}.")
+        messages = [message for message in (self.words, self.fault or self.forecast) if message]
+        return render("widgets/transport.html", messages=messages, state=self.state)
 
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
         match message:

@@ -8,9 +8,9 @@ import traitlets
 from walkerlab.genome.genome import Genome
 from walkerlab.randomness import random_stream
 from walkerlab.settings.settings import Settings
-from walkerlab.text.html import Html
+from walkerlab.text.templates import Markup
 from walkerlab.view import sketch
-from walkerlab.view.snapshots import image
+from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
 
 
@@ -61,9 +61,9 @@ class World(Component):
             self.settings = settings
             self.genome = genome
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return the drawing as static HTML."""
-        return image(self.picture)
+        return svg_image_html(self.picture)
 
     def _redraw(self, _: object = None) -> None:
         with self._lock:

@@ -1,12 +1,12 @@
 """A film file and its display in a notebook."""
 
-import base64
 from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
 from walkerlab.system.files import display_path
-from walkerlab.text.html import Html, join, tag
+from walkerlab.text.html import data_url
+from walkerlab.text.templates import render
 
 MAX_EMBEDDED_BYTES = 20e6  # larger films are linked instead of embedded in the notebook
 MEDIA_TYPES = {".mp4": "video/mp4", ".webm": "video/webm", ".gif": "image/gif"}
@@ -43,21 +43,24 @@ class Film:
 
     def _repr_html_(self) -> str:
         """Return a player with the embedded film, which stays in the notebook if the file is moved."""
-        if not self.path.is_file():
-            return tag("p", repr(self))
-        if self.path.stat().st_size > MAX_EMBEDDED_BYTES:
-            return tag("p", "Too large to embed in the notebook: ", self._download_link(), f". {self.about}.")
-        media_type = MEDIA_TYPES[self.path.suffix.lower()]
-        source = f"data:{media_type};base64,{base64.b64encode(self.path.read_bytes()).decode()}"
-        width, height = self.size
-        style = "max-width:100%;height:auto;border-radius:6px"
-        if media_type.startswith("image"):
-            return tag("img", src=source, alt=self.about, width=width, height=height, style=style)
-        fallback = join("This browser cannot play this video format: ", self._download_link())
-        return tag(
-            "video", fallback, src=source, aria_label=self.about, title=self.about, width=width, height=height,
-            style=style, controls="", loop="", muted="", playsinline="",
-        )  # fmt: skip
+        kind = self._display_kind()
+        source = ""
+        if kind in ("image", "video"):
+            source = data_url(MEDIA_TYPES[self.path.suffix.lower()], self.path.read_bytes())
+        return render(
+            "view/film/film.html",
+            kind=kind,
+            source=source,
+            about=repr(self) if kind == "missing" else self.about,
+            size=self.size,
+            name=display_path(self.path),
+            address=quote(Path(display_path(self.path)).as_posix()),
+        )
 
-    def _download_link(self) -> Html:
-        return tag("a", display_path(self.path), href=quote(Path(display_path(self.path)).as_posix()))
+    def _display_kind(self) -> str:
+        """Return how a notebook displays the film: missing, large, image or video."""
+        if not self.path.is_file():
+            return "missing"
+        if self.path.stat().st_size > MAX_EMBEDDED_BYTES:
+            return "large"
+        return MEDIA_TYPES[self.path.suffix.lower()].partition("/")[0]

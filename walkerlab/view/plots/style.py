@@ -16,7 +16,7 @@ from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from matplotlib.transforms import Bbox
 
 from walkerlab.system.files import file_path, replace_atomically
-from walkerlab.text.html import printable
+from walkerlab.text.escape import printable
 from walkerlab.text.numbers import MAX_FIXED_POWER, MIN_FIXED_POWER
 from walkerlab.view.plots.appearance import REPRODUCIBLE_TEXT, StyledFigure, foreground_colour, walkerlab_style
 from walkerlab.view.plots.tables import UNKNOWN_FITNESS

@@ -33,13 +33,14 @@ from walkerlab.settings.values import pluralize
 from walkerlab.simulation.fitness import name_and_unit, score
 from walkerlab.simulation.validity import UNSTABLE, VERDICTS
 from walkerlab.system.files import file_path, replace_atomically
-from walkerlab.text.html import Html, join, tag
+from walkerlab.text.html import data_url
 from walkerlab.text.numbers import with_unit
+from walkerlab.text.templates import Markup, render
 from walkerlab.view.replay.animation import Animation, Walk, build_animation
 from walkerlab.view.replay.preview import draw_preview
 from walkerlab.view.replay.tracks import pack_channels
 from walkerlab.view.replay.walkers import simulate_walks
-from walkerlab.view.snapshots import LIVE_STYLE, WHITE, HasSnapshot
+from walkerlab.view.snapshots import LIVE_STYLE, HasSnapshot
 
 REPLAY_FOLDER = Path(__file__).parent
 PLAY_HINT = " Press to play."  # at the end of the alternative text of a preview image
@@ -90,13 +91,11 @@ class Replay:
         """The complete page, as HTML."""
         animation = build_animation(list(self.walks), self._title)
         player = (REPLAY_FOLDER / "player.js").read_text(encoding="utf-8")
-        style = (REPLAY_FOLDER / "player.css").read_text(encoding="utf-8")
         recording = json.dumps(self._recording(animation)).replace("<", "\\u003c")  # no text can close the script
         code = f"({player.strip()})(K3DInstance, {recording});"
         page: str = animation.plot.get_snapshot(additional_js_code=code)
         animation.close()
-        head = join(tag("meta", name="viewport", content="width=device-width"), tag("title", self._title))
-        head += tag("style", Html(style))
+        head = render("view/replay/head.html", title=self._title)
         page = re.sub(r"<title>.*?</title>", lambda _: head, page, count=1, flags=re.DOTALL)
         unavailable = (REPLAY_FOLDER / "unavailable.html").read_text(encoding="utf-8")
         page = page.replace('<div id="canvasTarget"></div>', f'<div id="canvasTarget"></div>\n{unavailable}', 1)
@@ -208,11 +207,10 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         self._make: Callable[[], Replay] | None = None
         self.on_msg(self._handle_message)
         if shown:
-            picture = base64.b64encode(draw_preview(shown.walks, shown.settings)).decode("ascii")
             walks = "; ".join(f"{walk.label}, {with_unit(walk.rollout.distance, 'm')} forward" for walk in shown.walks)
             self.alt = f"Replay of {walks}.{PLAY_HINT}"
             self.page = shown.page.encode("utf-8")
-            self.preview = f"data:image/png;base64,{picture}"
+            self.preview = data_url("image/png", draw_preview(shown.walks, shown.settings))
 
     def set_replay(self, make: Callable[[], Replay], picture: str, alt: str) -> None:
         """Show the preview image of another replay, which is made when it is first played.
@@ -232,11 +230,9 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         """Return the alternative text of the preview image."""
         return f"<{self.alt or 'A replay without a walk'}>"
 
-    def snapshot(self) -> Html:
+    def snapshot(self) -> Markup:
         """Return the preview image as static HTML."""
-        if not self.preview:
-            return tag("p", "No walk to show.")
-        return tag("img", src=self.preview, alt=self.alt.removesuffix(PLAY_HINT), style=WHITE)
+        return render("view/replay/frame.html", url=self.preview, alt=self.alt.removesuffix(PLAY_HINT))
 
     def play(self) -> None:
         """Open the page and play it."""

@@ -13,7 +13,7 @@ from walkerlab.settings.settings import Settings
 from walkerlab.settings.terrain import Terrain
 from walkerlab.settings.values import short_repr
 from walkerlab.simulation.fitness import poorest_walk
-from walkerlab.text.html import printable
+from walkerlab.text.escape import printable
 from walkerlab.view.plots.style import RUN_COLOURS
 from walkerlab.view.replay.animation import Walk
 from walkerlab.view.replay.meshes import RGB

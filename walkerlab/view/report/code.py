@@ -9,7 +9,7 @@ from walkerlab.breeding import slot_entries
 from walkerlab.runfile.records import INSERTED_BY_HAND, birth_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name
-from walkerlab.text.html import printable
+from walkerlab.text.escape import printable
 
 STEPS = ("fitness", "selection", "crossover", "mutation")
 """Settings of the algorithm that may be functions."""

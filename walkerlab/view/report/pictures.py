@@ -1,6 +1,5 @@
 """The pictures of a report, each with a title and a text that explains how to read it."""
 
-from base64 import b64encode
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,9 +13,11 @@ from walkerlab.runfile.records import Individual, find_champion
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import poorest_walk
 from walkerlab.simulation.rollout import Rollout
-from walkerlab.text.html import Html, inline_svg, tag
+from walkerlab.text.html import inline_svg
+from walkerlab.text.templates import Markup
 from walkerlab.view import plots, summary
 from walkerlab.view.plots.appearance import offscreen_axes
+from walkerlab.view.snapshots import image_html
 
 FORMATS = ("svg", "pdf", "png")
 FOLDER = "pictures"
@@ -184,7 +185,7 @@ PICTURES = (
 """All pictures, in the order in which they are drawn."""
 
 
-def draw_all(run: Subject, folder: Path | None) -> Iterator[tuple[Picture, Html]]:
+def draw_all(run: Subject, folder: Path | None) -> Iterator[tuple[Picture, Markup]]:
     """Draw all pictures.
 
     Args:
@@ -205,7 +206,7 @@ def draw_all(run: Subject, folder: Path | None) -> Iterator[tuple[Picture, Html]
             yield picture, _picture_html(axes, picture_folder / f"{picture.name}.svg", picture.name)
 
 
-def inline(draw: Callable[[Axes], object], size: tuple[float, float]) -> Html:
+def inline(draw: Callable[[Axes], object], size: tuple[float, float]) -> Markup:
     """Draw a picture for a notebook without saving it.
 
     Args:
@@ -220,7 +221,7 @@ def inline(draw: Callable[[Axes], object], size: tuple[float, float]) -> Html:
         return _picture_html(axes, path, f"p{crc32(path.read_bytes()):08x}")
 
 
-def _picture_html(axes: Axes, svg: Path, name: str) -> Html:
+def _picture_html(axes: Axes, svg: Path, name: str) -> Markup:
     """Return the HTML of a saved picture: SVG, whose text can be searched, or PNG if the SVG is too large.
 
     Args:
@@ -234,4 +235,4 @@ def _picture_html(axes: Axes, svg: Path, name: str) -> Html:
         return inline_svg(text, name, alt)
     png = svg.with_suffix(".png")
     plots.save(axes, png)
-    return tag("img", src=f"data:image/png;base64,{b64encode(png.read_bytes()).decode()}", alt=alt)
+    return image_html("image/png", png.read_bytes(), alt)

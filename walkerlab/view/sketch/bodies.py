@@ -7,11 +7,10 @@ import numpy as np
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
-from walkerlab.text.html import Html
 from walkerlab.view.sketch.description import describe_robot
 from walkerlab.view.sketch.projection import SIDE_VIEW, Projection
 from walkerlab.view.sketch.solids import draw_solids
-from walkerlab.view.sketch.svg import TEXT_COLOUR, draw_path, svg_image
+from walkerlab.view.sketch.svg import TEXT_COLOUR, draw_path, write_image
 from walkerlab.world.geometry import surface_points
 from walkerlab.world.scene import scene_of
 
@@ -25,7 +24,7 @@ def draw_robot(
     *,
     size: tuple[float, float] = (110, 80),
     span: float | None = None,
-) -> Html:
+) -> str:
     """Draw a side view of a robot that stands on a line and faces right.
 
     The legs on its right side, which is nearer, are light; those on its left side are dark.
@@ -39,7 +38,7 @@ def draw_robot(
             fit, the robot fills the drawing.
 
     Returns:
-        An SVG element with a description of the robot.
+        The text of an SVG element with a description of the robot.
 
     Raises:
         GenomeError: If ``genome`` is text but not a valid genome.
@@ -48,7 +47,7 @@ def draw_robot(
 
 
 @lru_cache(maxsize=MAX_CACHED_DRAWINGS)
-def _draw_robot(genome: Genome, robot: Robot | None, size: tuple[float, float], span: float | None) -> Html:
+def _draw_robot(genome: Genome, robot: Robot | None, size: tuple[float, float], span: float | None) -> str:
     repaired = genome.within(robot) if robot else genome
     without_sledge = Settings(robot=robot or Robot()).with_(drag_weight=0.0)
     scene = scene_of(repaired, without_sledge)
@@ -63,7 +62,7 @@ def _draw_robot(genome: Genome, robot: Robot | None, size: tuple[float, float], 
     ground = height - margin
     origin = np.array([(width - scale * (left + right)) / 2, ground + scale * bottom])
     ground_line = np.array([(margin / 2, ground), (width - margin / 2, ground)])
-    return svg_image(
+    return write_image(
         size,
         f"A robot: {describe_robot(scene.phenotype)}.",
         draw_path([ground_line], closed=False, fill="none", stroke=TEXT_COLOUR, stroke_opacity=0.5),

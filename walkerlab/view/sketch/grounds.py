@@ -2,13 +2,13 @@
 
 from collections.abc import Iterator
 from itertools import groupby
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from walkerlab.ga.genes import Floats
 from walkerlab.settings.choices import Structure
 from walkerlab.settings.terrain import Terrain
-from walkerlab.text.html import Html
 from walkerlab.view.sketch.projection import face_brightness
 from walkerlab.view.sketch.svg import blend, draw_dashes, draw_path, hex_colour, pseudo_random
 from walkerlab.view.sketch.window import DrawnItem, Window, ground_points
@@ -104,7 +104,7 @@ def _row_faces(terrain: Terrain, x: Floats, near: float, far: float) -> tuple[Fl
     return corners, np.clip(colours * light, 0, 1)
 
 
-def _draw_speckles(terrain: Terrain, window: Window, near: float, far: float) -> Html:
+def _draw_speckles(terrain: Terrain, window: Window, near: float, far: float) -> Element:
     """Draw the evenly distributed speckles of the ground between two y [m]."""
     material = MATERIALS[terrain.texture]
     start, end = window.x_range

@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Iterator
+from typing import Any
+from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,10 +11,9 @@ from numpy.typing import NDArray
 from walkerlab.ga.genes import Floats
 from walkerlab.settings.choices import Obstacle
 from walkerlab.settings.terrain import Terrain
-from walkerlab.text.html import Html, tag
 from walkerlab.view.sketch.projection import RAISED_VIEW, Projection
 from walkerlab.view.sketch.solids import EDGE_STYLE, draw_box
-from walkerlab.view.sketch.svg import draw_path, hex_colour
+from walkerlab.view.sketch.svg import draw_path, hex_colour, make_element
 from walkerlab.view.sketch.window import DrawnItem, Window, ground_points
 from walkerlab.world.entities.obstacle import LOG_ASPECT, OBSTACLE_COLOURS, ROCK_SHAPES, body_axes
 from walkerlab.world.entities.scenery import HEARTWOOD_COLOUR, LID_COLOUR
@@ -48,8 +49,13 @@ def draw_pieces(terrain: Terrain, window: Window) -> Iterator[DrawnItem]:
                 f"a{radius:.1f},{base_height:.1f} 0 0 1 {-2 * radius:.1f},0"
                 for x, y in centres.tolist()
             )
-            style = {"fill": hex_colour(fill), "stroke": "#000", "stroke_opacity": 0.25, "stroke_width": 0.5}
-            yield band_y, tag("path", d=domes, **style)
+            style: dict[str, Any] = {
+                "fill": hex_colour(fill),
+                "stroke": "#000",
+                "stroke_opacity": 0.25,
+                "stroke_width": 0.5,
+            }
+            yield band_y, make_element("path", d=domes, **style)
 
 
 def draw_obstacles(terrain: Terrain, window: Window) -> Iterator[DrawnItem]:
@@ -64,11 +70,13 @@ def draw_obstacles(terrain: Terrain, window: Window) -> Iterator[DrawnItem]:
         centre = layout.obstacles[index] - corners[:, 2].min() * up
         points = centre + corners @ np.stack([x_axis, y_axis, up])
         colour = np.array(OBSTACLE_COLOURS[terrain.obstacle]) * (1 + 0.12 * math.sin(2.4 * number))
-        drawn = tag("g", *_draw_obstacle(terrain.obstacle, points, colour, size, window.projection), **EDGE_STYLE)
-        yield float(points[:, 1].min()), tag("g", draw_shadow(terrain, points, window), drawn)
+        drawn = make_element(
+            "g", *_draw_obstacle(terrain.obstacle, points, colour, size, window.projection), **EDGE_STYLE
+        )
+        yield float(points[:, 1].min()), make_element("g", draw_shadow(terrain, points, window), drawn)
 
 
-def draw_shadow(terrain: Terrain, points: Floats, window: Window) -> Html:
+def draw_shadow(terrain: Terrain, points: Floats, window: Window) -> Element:
     """Draw the shadow of a body on the ground vertically below it.
 
     Args:
@@ -109,7 +117,7 @@ def _unit_corners(kind: Obstacle, number: int) -> Floats:
 
 def _draw_obstacle(
     kind: Obstacle, points: Floats, colour: Floats, size: float, projection: Projection
-) -> tuple[Html, ...]:
+) -> tuple[Element, ...]:
     """Draw the outline of one obstacle and the details of its kind.
 
     Args:

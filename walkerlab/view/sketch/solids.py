@@ -2,19 +2,19 @@
 
 from collections.abc import Sequence
 from typing import Any
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from walkerlab.ga.genes import Floats
-from walkerlab.text.html import Html, tag
 from walkerlab.view.sketch.projection import Projection, face_brightness
-from walkerlab.view.sketch.svg import draw_path, hex_colour
+from walkerlab.view.sketch.svg import draw_path, hex_colour, make_element
 from walkerlab.world.geometry import ROPE_POINTS, UNIT_CUBE, convex_outline
 
 EDGE_STYLE: dict[str, Any] = {"stroke": "#1a1a1a", "stroke_width": 0.6, "stroke_linejoin": "round"}
 
 
-def draw_solids(parts: Sequence[tuple[Floats, Floats]], projection: Projection) -> Html:
+def draw_solids(parts: Sequence[tuple[Floats, Floats]], projection: Projection) -> Element:
     """Draw a robot and its loads, the most distant part first.
 
     Args:
@@ -23,10 +23,10 @@ def draw_solids(parts: Sequence[tuple[Floats, Floats]], projection: Projection) 
     """
     back_to_front = sorted(parts, key=lambda part: -part[0][:, 1].mean())
     drawn = (_draw_solid(points, colour[:3], projection) for points, colour in back_to_front)
-    return tag("g", *drawn, class_="robot", **EDGE_STYLE)
+    return make_element("g", *drawn, class_="robot", **EDGE_STYLE)
 
 
-def _draw_solid(points: Floats, colour: Floats, projection: Projection) -> Html:
+def _draw_solid(points: Floats, colour: Floats, projection: Projection) -> Element:
     if len(points) == ROPE_POINTS:
         return draw_path([projection.project(points)], closed=False, stroke=hex_colour(colour), stroke_width=1.5)
     if len(points) == len(UNIT_CUBE):
@@ -34,7 +34,7 @@ def _draw_solid(points: Floats, colour: Floats, projection: Projection) -> Html:
     return draw_path([convex_outline(projection.project(points))], fill=hex_colour(colour))
 
 
-def draw_box(corners: Floats, colour: Floats, projection: Projection) -> Html:
+def draw_box(corners: Floats, colour: Floats, projection: Projection) -> Element:
     """Draw the visible faces of a box.
 
     Args:
@@ -51,4 +51,4 @@ def draw_box(corners: Floats, colour: Floats, projection: Projection) -> Html:
         draw_path([projection.project(face)], fill=hex_colour(fill))
         for face, fill in zip(faces[is_visible], fills, strict=True)
     )
-    return tag("g", *drawn)
+    return make_element("g", *drawn)

@@ -2,12 +2,13 @@
 
 from collections.abc import Iterable, Sequence
 from typing import Any
+from xml.etree import ElementTree
+from xml.etree.ElementTree import Element
 
 import numpy as np
 from numpy.typing import NDArray
 
 from walkerlab.ga.genes import Floats, Indices
-from walkerlab.text.html import Html, tag
 
 TEXT_COLOUR = "currentColor"
 """Colour of the text around a drawing: lines in it are visible on light and on dark pages."""
@@ -15,8 +16,23 @@ TEXT_COLOUR = "currentColor"
 HASH_FACTORS = (12.9898, 78.233)  # customary shader hash: fract(sin(x · factor) · 43758.5453)
 
 
-def svg_image(size: tuple[float, float], label: str, *content: object, **attributes: Any) -> Html:
-    """Return a complete SVG image.
+def make_element(name: str, *children: Element, text: str | None = None, **attributes: object) -> Element:
+    """Create an element.
+
+    Args:
+        name: Name of the element.
+        children: Elements inside it.
+        text: Text inside it.
+        attributes: Attributes, such as ``class_="robot"`` or ``stroke_width=0.6``.
+    """
+    element = Element(name, {key.rstrip("_").replace("_", "-"): str(value) for key, value in attributes.items()})
+    element.text = text
+    element.extend(children)
+    return element
+
+
+def write_image(size: tuple[float, float], label: str, *content: Element, **attributes: Any) -> str:
+    """Return the text of a complete SVG image.
 
     Args:
         size: Width and height [pixels].
@@ -26,15 +42,19 @@ def svg_image(size: tuple[float, float], label: str, *content: object, **attribu
     """
     width, height = (f"{side:g}" for side in size)
     attributes = {
+        "xmlns": "http://www.w3.org/2000/svg",
+        "role": "img",
+        "aria_label": label,
         "class_": "wl-sketch",
         "width": width,
         "height": height,
         "viewBox": f"0 0 {width} {height}",
     } | attributes
-    return tag("svg", *content, xmlns="http://www.w3.org/2000/svg", role="img", aria_label=label, **attributes)
+    image = make_element("svg", *content, **attributes)
+    return ElementTree.tostring(image, encoding="unicode", short_empty_elements=False)
 
 
-def draw_path(outlines: Iterable[Floats], *, closed: bool = True, **attributes: Any) -> Html:
+def draw_path(outlines: Iterable[Floats], *, closed: bool = True, **attributes: Any) -> Element:
     """Draw any number of outlines as one ``path`` element.
 
     Args:
@@ -43,10 +63,10 @@ def draw_path(outlines: Iterable[Floats], *, closed: bool = True, **attributes: 
         attributes: Attributes of the element.
     """
     end = "Z" if closed else ""
-    return tag("path", d="".join(f"M{_coordinates(outline)}{end}" for outline in outlines), **attributes)
+    return make_element("path", d="".join(f"M{_coordinates(outline)}{end}" for outline in outlines), **attributes)
 
 
-def draw_dashes(centres: Floats, length: float, **attributes: Any) -> Html:
+def draw_dashes(centres: Floats, length: float, **attributes: Any) -> Element:
     """Draw a horizontal dash with round ends at each point; a dash shorter than its stroke width is a dot.
 
     Args:
@@ -54,7 +74,7 @@ def draw_dashes(centres: Floats, length: float, **attributes: Any) -> Html:
         length: Length of each dash [pixels].
         attributes: Attributes of the element.
     """
-    return tag(
+    return make_element(
         "path",
         d="".join(f"M{x - length / 2:.1f},{y:.1f}h{length:g}" for x, y in centres.tolist()),
         stroke_linecap="round",
@@ -62,9 +82,9 @@ def draw_dashes(centres: Floats, length: float, **attributes: Any) -> Html:
     )
 
 
-def draw_text(content: object, x: float, y: float, **attributes: Any) -> Html:
+def draw_text(text: str, x: float, y: float, **attributes: Any) -> Element:
     """Draw text with its baseline at a point [pixels]."""
-    return tag("text", content, x=f"{x:.1f}", y=f"{y:.1f}", **attributes)
+    return make_element("text", text=text, x=f"{x:.1f}", y=f"{y:.1f}", **attributes)
 
 
 def hex_colour(colour: Sequence[float] | NDArray[Any]) -> str:

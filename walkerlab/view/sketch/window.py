@@ -10,16 +10,16 @@ r"""The visible part of a world: a strip of ground along the walking direction, 
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
 from walkerlab.ga.genes import Floats
 from walkerlab.settings.terrain import Terrain
-from walkerlab.text.html import Html
 from walkerlab.view.sketch.projection import DEPTH_SHIFT, RAISED_VIEW, Projection
 from walkerlab.world.heights import ground_height
 
-DrawnItem = tuple[float, Html]
+DrawnItem = tuple[float, Element]
 """Smallest y [m] of something drawn, and its SVG element; distant items are drawn first."""
 
 
@@ -59,6 +59,6 @@ def ground_points(terrain: Terrain, x: Floats, y: Floats | float) -> Floats:
     return np.stack([x, np.broadcast_to(y, x.shape), ground_height(terrain, x, y)], axis=1)
 
 
-def back_to_front(items: Iterable[DrawnItem]) -> list[Html]:
+def back_to_front(items: Iterable[DrawnItem]) -> list[Element]:
     """Return the SVG elements in drawing order, the most distant first."""
     return [drawn for _, drawn in sorted(items, key=lambda item: -item[0])]

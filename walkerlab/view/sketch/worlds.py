@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from xml.etree.ElementTree import Element
 
 import numpy as np
 
@@ -10,14 +11,13 @@ from walkerlab.ga.genes import Floats
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
-from walkerlab.text.html import Html, tag
 from walkerlab.view.sketch.description import describe_world, unusual_forces
 from walkerlab.view.sketch.grounds import draw_ground
 from walkerlab.view.sketch.pieces import draw_obstacles, draw_pieces, draw_shadow
 from walkerlab.view.sketch.projection import RAISED_VIEW
 from walkerlab.view.sketch.sky import FORCE_ROW_HEIGHT, draw_force_arrows, draw_sky
 from walkerlab.view.sketch.solids import draw_solids
-from walkerlab.view.sketch.svg import TEXT_COLOUR, draw_path, draw_text, svg_image
+from walkerlab.view.sketch.svg import TEXT_COLOUR, draw_path, draw_text, make_element, write_image
 from walkerlab.view.sketch.window import DrawnItem, Window, back_to_front, ground_points
 from walkerlab.world.assembly import ROPE_LENGTH
 from walkerlab.world.entities.load import half_sledge_length
@@ -44,7 +44,7 @@ def draw_world(
     *,
     size: tuple[float, float] = (720, 300),
     width_m: float | None = None,
-) -> Html:
+) -> str:
     """Draw the ground, its texture pieces and obstacles, gravity and wind, and a robot at its start.
 
     Args:
@@ -55,7 +55,7 @@ def draw_world(
             the limits needs.
 
     Returns:
-        An SVG element with a description of the world.
+        The text of an SVG element with a description of the world.
 
     Raises:
         GenomeError: If ``genome`` is text but not a valid genome.
@@ -71,11 +71,11 @@ def draw_world(
         (window.y_range[1], _draw_start_line(settings, window)),
     ]
     if parts:
-        shadows = tag("g", *(draw_shadow(terrain, points, window) for points, _ in parts))
-        robot = tag("g", shadows, draw_solids(parts, window.projection))
+        shadows = make_element("g", *(draw_shadow(terrain, points, window) for points, _ in parts))
+        robot = make_element("g", shadows, draw_solids(parts, window.projection))
         items.append((min(float(points[:, 1].min()) for points, _ in parts), robot))
     picture_width, picture_height = window.size
-    picture = tag(
+    picture = make_element(
         "svg",
         draw_sky(terrain, window),
         *back_to_front(items),
@@ -85,7 +85,7 @@ def draw_world(
         aria_hidden="true",
     )
     label = describe_world(settings, scene.phenotype if scene else None)
-    return svg_image(size, label, picture, _draw_distance_scale(window), font_family="system-ui, sans-serif")
+    return write_image(size, label, picture, _draw_distance_scale(window), font_family="system-ui, sans-serif")
 
 
 def _scene_without_obstacles(genome: Genome, settings: Settings) -> Scene:
@@ -139,20 +139,20 @@ def _sledge_reach(robot: Robot) -> float:
     return ROPE_LENGTH + robot.leg_length_range[1] + 2 * half_sledge_length(robot.drag_weight)
 
 
-def _draw_start_line(settings: Settings, window: Window) -> Html:
+def _draw_start_line(settings: Settings, window: Window) -> Element:
     """Draw the line from which walked distances are measured, as a white line with a dark outline."""
     ends = window.projection.project(ground_points(settings.terrain, np.zeros(2), np.array(window.y_range)))
-    return tag(
+    return make_element(
         "g",
         draw_path([ends], closed=False, stroke="#000", stroke_width=5, stroke_opacity=0.25),
         draw_path([ends], closed=False, stroke="#fff", stroke_width=2.5),
     )
 
 
-def _draw_distance_scale(window: Window) -> Html:
+def _draw_distance_scale(window: Window) -> Element:
     """Draw ticks with distances in metres below the picture, along the near edge of the ground."""
 
-    def ticks() -> Iterator[Html]:
+    def ticks() -> Iterator[Element]:
         scale = window.projection.scale
         step = next((step for step in TICK_SPACINGS if step * scale >= MIN_TICK_SPACING), 100)
         first, last = np.ceil(window.left / step), np.floor((window.left + window.width_m) / step)
@@ -167,4 +167,4 @@ def _draw_distance_scale(window: Window) -> Html:
                     label, x, top + 18, text_anchor="middle", fill=TEXT_COLOUR, fill_opacity=0.8, font_size=12
                 )
 
-    return tag("g", *ticks())
+    return make_element("g", *ticks())
