@@ -73,8 +73,11 @@ KNOWN = [
     (FLAILING, {"gravity": (5, 0, -9.81)}),
     (FLAILING, {"texture": "ice", "wind": (15, 0, 0)}),
 ]
-WEAK = wl.Robot(weight=(6, 12), segments=(1, 3), leg_force=(2, 4))
-MIN_WEAK_HEIGHT = 0.35  # m of the first trunk at the start
+WEAK_LEG = "| seg length=0.5 mass={mass:.3f} legs length=0.75 force={force:.3f} "
+WEAK_STEP = (
+    "| step hip amplitude={:.3f} phase={:.3f} offset={:.3f} "
+    "knee amplitude={:.3f} phase={:.3f} offset={:.3f} stride=3.1 "
+)
 SLOPES = (-20, -10, -5, 0, 5, 10, 20)
 N_WEAK = 50
 POPULATION = 20
@@ -124,7 +127,6 @@ def search(cheat, world, seed, n_evaluations):
     """Evolve cheats and return the best: counted distance times the share of it that is cheated."""
     settings = wl.Settings().with_(**WORLDS[world])
     genes = build_genes(settings.robot)
-    low, high = np.array([(gene.low, gene.high) for gene in genes]).T
     rng = np.random.default_rng([seed, *map(ord, cheat + world)])
     found = []
     for number in range(n_evaluations):
@@ -132,9 +134,9 @@ def search(cheat, world, seed, n_evaluations):
             genome = wl.Genome.random(settings.robot, rng=rng)
         else:
             first, second = (found[rng.integers(POPULATION)][2] for _ in range(2))
-            values = np.where(rng.random(len(genes)) < 0.5, first.values, second.values)
-            steps = rng.normal(0, MUTATION_SCALE, len(genes)) * (high - low)
-            values = values + steps * (rng.random(len(genes)) < MUTATION_RATE)
+            values = np.where(rng.random(len(genes.names)) < 0.5, first.values, second.values)
+            steps = rng.normal(0, MUTATION_SCALE, len(genes.names)) * (genes.high - genes.low)
+            values = values + steps * (rng.random(len(genes.names)) < MUTATION_RATE)
             genome = wl.Genome(repair(values[np.newaxis], settings.robot)[0])
         rollout, share = CHEATS[cheat](genome, settings)
         gain = rollout.distance * share if rollout.counts else -math.inf
@@ -145,18 +147,21 @@ def search(cheat, world, seed, n_evaluations):
     return {"gain": gain, "distance": distance, "share": share, "genome": str(genome)}
 
 
+def draw_weak(rng):
+    """Draw a robot with two segments and long legs that can hardly carry it."""
+    body = WEAK_LEG.format(mass=rng.uniform(3, 6), force=rng.uniform(5, 15))
+    steps = "".join(WEAK_STEP.format(*rng.uniform([0.2, 0, -0.3] * 2, [1, 6, 0.3] * 2)) for _ in range(2))
+    return f"wl1 segments=2 {2 * body}| gait frequency={rng.uniform(0.5, 2):.3f} {steps}"
+
+
 def check_weak(incline):
     """Count the tall, weak robots that stay down on a slope, and those of them whose walk counts."""
-    settings = wl.Settings(robot=WEAK).with_(**slope(incline))
+    settings = wl.Settings().with_(**slope(incline))
     pitch = math.radians(incline)
     rng = np.random.default_rng(0)
-    n_robots = n_down = n_counted = 0
-    while n_robots < N_WEAK:
-        scene = compile_scene(wl.Genome.random(WEAK, rng=rng), settings)
-        if scene.start[2] < MIN_WEAK_HEIGHT:
-            continue
-        n_robots += 1
-        rollout = simulate_walk(scene, poses=False)
+    n_down = n_counted = 0
+    for _ in range(N_WEAK):
+        rollout = wl.simulate(draw_weak(rng), settings, poses=False)
         height = rollout.com @ [-math.sin(pitch), 0, math.cos(pitch)]
         is_down = height < 0.4 * height[0]
         longest = max(map(len, "".join("x" if down else " " for down in is_down).split(" ")))
