@@ -1,11 +1,14 @@
 """Footfalls agree with the height of the lowest point of each foot."""
 
+import math
+
 import mujoco
 import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.simulation.footfalls import find_footfalls, foot_names
+from walkerlab.simulation.footfalls import find_footfalls, foot_names, foot_share
+from walkerlab.world.geometry import surface_points
 
 ROBOTS = [wl.Genome.random(wl.Robot(), rng=np.random.default_rng(seed)) for seed in range(4)]
 
@@ -76,3 +79,28 @@ def test_poses_of_another_scene_raise_an_error():
         ValueError, match=r"poses must be those of a walk in this scene, shape \(n, \d+\); got \(2, 3\)"
     ):
         find_footfalls(scene, np.zeros((2, 3)))
+
+
+STANDING = (
+    "wl1 segments=2 | seg length=0.3 mass=3 legs length=0.3 force=15 | seg length=0.3 mass=3 legs length=0.3 force=15 "
+    "| gait frequency=1 | step hip amplitude=0 phase=0 offset=0 knee amplitude=0 phase=0 offset=0 stride=0 "
+    "| step hip amplitude=0 phase=0 offset=0 knee amplitude=0 phase=0 offset=0 stride=0"
+)
+
+
+@pytest.mark.parametrize(
+    ("hip", "knee", "share"),
+    [(0.0, 0.0, 1.0), (0.4, -0.8, 1.0), (0.0, -math.pi / 2, 0.0), (0.5, -2.5, 0.0), (math.pi / 2, 0.0, 0.0)],
+    ids=["straight legs", "bent legs", "flat shanks", "knees", "belly"],
+)
+def test_only_the_ends_of_the_shanks_are_feet(hip, knee, share):
+    scene = wl.compile_scene(STANDING, wl.Settings())
+    pose = scene.start
+    pose[scene.model.jnt_qposadr[scene.model.actuator_trnid[:, 0]]] = np.tile([hip, knee], 4)
+    pose[2] -= min(skin[:, 2].min() for skin, _ in surface_points(scene, pose)) + 0.001
+    assert foot_share(scene, pose[np.newaxis]) == share
+
+
+def test_a_robot_in_the_air_has_no_share_of_contacts():
+    scene = wl.compile_scene(ROBOTS[0], wl.Settings())
+    assert math.isnan(foot_share(scene, scene.start[np.newaxis]))

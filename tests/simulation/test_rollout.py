@@ -129,3 +129,12 @@ def test_robots_are_airborne_for_longer_on_the_moon():
         return sum((~wl.simulate(genome, settings, poses=False).on_ground).mean() for genome in GENOMES)
 
     assert hang_time(-1.62) > 1.5 * hang_time(-9.81)
+
+
+def test_work_hardly_depends_on_the_timestep():
+    coarse, fine = (
+        np.array([wl.simulate(genome, SETTINGS.with_(timestep=step), poses=False).work[-1] for genome in GENOMES])
+        for step in (0.004, 0.001)
+    )
+    assert np.median(coarse / fine) == pytest.approx(1, abs=0.04)
+    assert np.allclose(coarse / fine, 1, atol=0.2)

@@ -92,7 +92,8 @@ def resume(
 
     Raises:
         RunFileError: If the file does not exist, is not a run, is damaged, or was made by version 0.1; if a user
-            function is missing or is another one; or if the fitness function rates the last generation differently from the file.
+            function is missing or is another one; or if the fitness function rates the last generation differently from
+            the file.
         SettingsError: If ``generations`` is out of range.
     """
     run = restore_user_functions(load(path), functions)

@@ -129,6 +129,8 @@ class Guard(Choice):
     fell = 8, "it stood, went down and did not get up: falling forward is not walking"
     out_of_arena = 9, "it left the ground that was built"
     load_lost = 10, "its sledge broke the rope, overtook it, or sank into the ground"
+    overturned = 11, "it was on its back for too long in total: rolling or sliding, not walking"
+    carried = 12, "a slope, gravity or the wind moved it; on level ground in still air it does not walk"
 
 
 class Camera(Choice):

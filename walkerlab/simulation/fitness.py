@@ -33,7 +33,7 @@ FITNESS_SLOT = Slot(
     "fitness(rollout)",
     "com = rollout.com.copy()",
     advice="It is called with one Rollout: .distance in m, .velocity in m/s, .time (n,) in s, .com (n, 3) in m, "
-    ".on_ground (n,), .work (n,) in J, .phenotype; .poses are not recorded in an evolution.",
+    ".up (n, 3), .on_ground (n,), .work (n,) in J, .phenotype; .poses are not recorded in an evolution.",
     repeatability_advice="It must depend only on the walk.",
 )
 
@@ -216,6 +216,7 @@ def _create_made_up_walk() -> Rollout:
     return Rollout(
         time=time,
         com=com,
+        up=np.tile([0.0, 0.0, 1.0], (401, 1)),
         on_ground=on_ground,
         sink=np.where(on_ground, 0.001, 0.0),
         work=20 * time,
@@ -227,6 +228,7 @@ def _create_made_up_walk() -> Rollout:
         overlap=0.0,
         drive=1.5,
         warnings=0,
+        level_speed=math.nan,
         verdict="ok",
         reason="",
         poses=np.empty((0, 11)),

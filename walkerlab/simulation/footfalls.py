@@ -1,4 +1,7 @@
-"""Contacts of each foot with the ground, from which a gait diagram is drawn."""
+"""Contacts of the robot with the ground: those of each foot over time, and the share that feet make of all."""
+
+import math
+from collections.abc import Iterator
 
 import mujoco
 import numpy as np
@@ -7,6 +10,8 @@ from numpy.typing import NDArray
 from walkerlab.ga.genes import Floats
 from walkerlab.world.entities.walker import SIDES
 from walkerlab.world.scene import Scene
+
+FOOT_LENGTH = 0.25  # share of a shank, at its end, that is its foot
 
 
 def foot_names(scene: Scene) -> tuple[str, ...]:
@@ -30,6 +35,55 @@ def find_footfalls(scene: Scene, poses: Floats) -> NDArray[np.bool_]:
     Raises:
         ValueError: If the poses do not fit the scene.
     """
+    shanks = _shanks(scene)
+    footfalls = np.zeros((len(poses), len(shanks)), dtype=np.bool_)
+    for (geoms, _), on_ground in zip(_find_contacts(scene, poses), footfalls, strict=True):
+        on_ground[:] = np.isin(shanks, geoms)
+    return footfalls
+
+
+def foot_share(scene: Scene, poses: Floats) -> float:
+    """Return the share of a robot's contacts with the ground that its feet make, from 0 to 1.
+
+    In each pose, each part of the body (trunk, thigh or shank) that touches anything outside the robot counts once. A
+    shank counts as a foot if it touches only with its end, and not if it kneels or lies flat.
+
+    Args:
+        scene: Compiled scene.
+        poses: Poses as in ``Rollout.poses``, shape (n, nq).
+
+    Returns:
+        The share; NaN if the robot touches nothing.
+
+    Raises:
+        ValueError: If the poses do not fit the scene.
+    """
+    n_parts = 0
+    n_feet = 0
+    shanks = _shanks(scene)
+    for geoms, along in _find_contacts(scene, poses):
+        parts = set(geoms)
+        beside_foot = set(geoms[along < 1 - FOOT_LENGTH])
+        n_parts += len(parts)
+        n_feet += len(parts.intersection(shanks) - beside_foot)
+    return n_feet / n_parts if n_parts else math.nan
+
+
+def _shanks(scene: Scene) -> list[int]:
+    """Return the geom of each shank, in the order of ``foot_names``."""
+    return [scene.model.geom(f"walker/{side}_shank{number}").id for number, side in _legs_in_actuator_order(scene)]
+
+
+def _find_contacts(scene: Scene, poses: Floats) -> Iterator[tuple[NDArray[np.intc], Floats]]:
+    """Find the contacts of the robot with anything else in each pose.
+
+    Yields:
+        For each contact, the geom of the robot, shape (n,), and the place of the contact along the geom's bone, shape
+        (n,): 0 at its joint and 1 at its end; both empty for poses that are not finite.
+
+    Raises:
+        ValueError: If the poses do not fit the scene.
+    """
     model = scene.model
     if poses.ndim != 2 or poses.shape[1] != model.nq:
         raise ValueError(
@@ -37,23 +91,22 @@ def find_footfalls(scene: Scene, poses: Floats) -> NDArray[np.bool_]:
             "the genome and settings of the scene: simulate(genome, settings).poses"
         )
     data = mujoco.MjData(model)
-    n_legs = scene.phenotype.n_legs
-    foot_of_geom = np.full(model.ngeom, -1)
-    shanks = [model.geom(f"walker/{side}_shank{number}").id for number, side in _legs_in_actuator_order(scene)]
-    foot_of_geom[shanks] = np.arange(n_legs)
     is_robot = scene.is_robot_geom
-    footfalls = np.zeros((len(poses), n_legs), dtype=np.bool_)
-    for pose, on_ground in zip(poses, footfalls, strict=True):
+    length = 2 * np.maximum(model.geom_size[:, 1], mujoco.mjMINVAL)
+    for pose in poses:
         if not np.isfinite(pose).all():
+            yield np.empty(0, dtype=np.intc), np.empty(0)
             continue
         data.qpos[:] = pose
         mujoco.mj_kinematics(model, data)
         mujoco.mj_collision(model, data)
         pairs: NDArray[np.intc] = data.contact.geom
-        with_others = pairs[is_robot[pairs].sum(axis=1) == 1]
-        touching = foot_of_geom[with_others]
-        on_ground[touching[touching >= 0]] = True
-    return footfalls
+        is_outer = is_robot[pairs].sum(axis=1) == 1
+        geoms = pairs[is_outer][is_robot[pairs[is_outer]]]
+        bodies = model.geom_bodyid[geoms]
+        bone = -data.xmat[bodies].reshape(-1, 3, 3)[:, :, 2]  # legs point down in the frames of their bodies
+        along = ((data.contact.pos[is_outer] - data.xpos[bodies]) * bone).sum(axis=1) / length[geoms]
+        yield geoms, along
 
 
 def _legs_in_actuator_order(scene: Scene) -> list[tuple[int, str]]:

@@ -1,6 +1,7 @@
 """Rollouts: simulation of one walk, with everything recorded that a fitness or a verdict requires."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import mujoco
@@ -9,14 +10,17 @@ import numpy as np
 from walkerlab.ga.genes import Floats, Indices
 from walkerlab.genome.genome import Genome
 from walkerlab.readonly import ReadOnlyArrays
+from walkerlab.settings.choices import Guard
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
+from walkerlab.simulation.pushes import is_pushed_forward, remove_pushes
 from walkerlab.simulation.starts import draw_nudge, settle, start_overlap
 from walkerlab.simulation.stepping import positions_in, simulate_steps, velocities_in, warnings_counted_not_printed
-from walkerlab.simulation.validity import VERDICTS, Trace, judge
+from walkerlab.simulation.validity import MAX_REST_SPEED, UNSTABLE, VERDICTS, Trace, forgiven_guards, judge
 from walkerlab.text.numbers import format_significant, with_unit
 from walkerlab.text.templates import render
 from walkerlab.world.assembly import Sensor
+from walkerlab.world.compilation import assemble_in_place
 from walkerlab.world.scene import Scene, compile_scene, control_steps
 
 
@@ -126,8 +130,9 @@ def simulate_walk(
         time=time,
         com=readings[:, Sensor.COM],
         on_ground=readings[:, Sensor.ANY_CONTACT] > readings[:, Sensor.SELF_CONTACT],
+        up=readings[:, Sensor.UP],
         sink=np.maximum(0.0, -ground_distance),
-        work=_cumulative_work(model, time, recorded_states, targets),
+        work=_cumulative_work(model, np.concatenate([state, states[0]]), controls)[recorded],
         load=readings[:, Sensor.SLEDGE] if scene.rope_length else np.empty((0, 3)),
         rope=readings[:, Sensor.ROPE] / scene.rope_length if scene.rope_length else np.empty(0),
         phenotype=scene.phenotype,
@@ -136,10 +141,29 @@ def simulate_walk(
         overlap=overlap,
         drive=_drive_frequency(time, targets),
         warnings=int(sum(data.warning.number)),
+        level_speed=math.nan,
     )
     record = positions_in(model, recorded_states) if poses else np.empty((0, model.nq))
     verdict, reason = judge(trace, scene.settings)
+    if verdict == "ok" and _requires_level_walk(trace, scene.settings):
+        trace = replace(trace, level_speed=_measure_level_speed(scene, nudge))
+        verdict, reason = judge(trace, scene.settings)
     return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=record)
+
+
+def _requires_level_walk(trace: Trace, settings: Settings) -> bool:
+    """Return whether a robot moved forward, and did not stand still, where something pushes it forward."""
+    if Guard.carried in forgiven_guards(settings) or not is_pushed_forward(settings.terrain):
+        return False
+    return trace.mean_speed > MAX_REST_SPEED
+
+
+def _measure_level_speed(scene: Scene, nudge: Floats | None) -> float:
+    """Return the mean forward speed of the robot in its world without push [m/s]; 0 if that simulation diverges."""
+    settings = remove_pushes(scene.settings)
+    model, data = assemble_in_place(scene.phenotype, settings)
+    rollout = simulate_walk(replace(scene, model=model, settings=settings), data, nudge=nudge, poses=False)
+    return 0.0 if rollout.verdict == UNSTABLE else rollout.mean_speed
 
 
 def walk_from_every_start(scene: Scene, data: mujoco.MjData | None = None, *, poses: bool) -> list[Rollout]:
@@ -166,16 +190,25 @@ def _recorded_steps(n_steps: int, timestep: float) -> Indices:
     return recorded
 
 
-def _cumulative_work(model: mujoco.MjModel, time: Floats, states: Floats, targets: Floats) -> Floats:
-    """Return the work of the servos since the start [J], shape (n,): absolute torque times absolute speed."""
+def _cumulative_work(model: mujoco.MjModel, states: Floats, targets: Floats) -> Floats:
+    """Return the work of the servos before each physics step [J], shape (n,).
+
+    Absolute torque times absolute speed, integrated over the physics steps; torque peaks just after each new target. As
+    in the implicit integrator, the damping of a servo depends on the speed after the step.
+
+    Args:
+        model: Compiled model.
+        states: State before each physics step, and after the last, shape (n + 1, n_state).
+        targets: Servo targets of each physics step [rad], shape (n, nu).
+    """
     joint = model.actuator_trnid[:, 0]
-    angle = positions_in(model, states)[:, model.jnt_qposadr[joint]]
+    angle = positions_in(model, states)[:-1, model.jnt_qposadr[joint]]
     speed = velocities_in(model, states)[:, model.jnt_dofadr[joint]]
     gain = model.actuator_gainprm[:, 0]
     bias = model.actuator_biasprm
-    torque = np.clip(gain * targets + bias[:, 1] * angle + bias[:, 2] * speed, *model.actuator_forcerange.T)
-    power = np.abs(torque * speed).sum(axis=1)
-    return np.concatenate([[0.0], np.cumsum(power[:-1] * np.diff(time))])
+    torque = np.clip(gain * targets + bias[:, 1] * angle + bias[:, 2] * speed[1:], *model.actuator_forcerange.T)
+    work = np.abs(torque * (speed[:-1] + speed[1:]) / 2).sum(axis=1) * model.opt.timestep
+    return np.concatenate([[0.0], np.cumsum(work[:-1])])
 
 
 def _drive_frequency(time: Floats, targets: Floats) -> float:

@@ -14,6 +14,9 @@ from walkerlab.world.scene import ROTATION, TRANSLATION, Scene
 SETTLE_CHUNK = 0.25  # s between two checks whether the body is at rest
 MAX_SETTLE_TIME = 3.0  # s after which the walk starts even if the body is not at rest
 REST_SPEED = 0.02  # m/s of the centre of mass below which the body is at rest
+MIN_REST_TIME = 1.0  # s below that speed until a body counts as resting without stable support, as on a round belly
+MIN_SUPPORT_MARGIN = 0.005  # m from the centre of mass to the edge of the support polygon; less is a balance that tips
+N_MARGIN_DIRECTIONS = 16  # horizontal directions in which that distance is measured
 
 # Standard deviations of the displacement of a start.
 NUDGE_SHIFT = 0.02  # m to the side
@@ -45,7 +48,10 @@ def start_overlap(scene: Scene, data: mujoco.MjData) -> float:
 
 
 def settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float, float]:
-    """Hold the rest pose until the body is at rest.
+    """Hold the rest pose until the body is at rest: slow, and on stable support or slow for some time.
+
+    A body that balances on an edge is slow at first and topples later. Without this check it would topple during the
+    walk, and the way of its fall would count.
 
     Returns:
         The state reached, shape (1, n_state); the time that it took [s]; the speed at its end [m/s].
@@ -57,15 +63,39 @@ def settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float, float]:
     n_steps = round(SETTLE_CHUNK / timestep)
     hold = np.tile(scene.rest, (1, n_steps, 1))
     settled = 0.0
+    rest_time = 0.0
     speed = math.inf
-    while settled < MAX_SETTLE_TIME and speed > REST_SPEED:
+    while settled < MAX_SETTLE_TIME and rest_time < MIN_REST_TIME and not sum(data.warning.number):
         states, sensors = simulate_steps(model, data, state, hold)
         state = states[:, -1].copy()
         com = sensors[0, :, Sensor.COM]
         settled += SETTLE_CHUNK
         middle = n_steps // 2
         speed = float(np.linalg.norm(com[-1] - com[middle])) / ((n_steps - 1 - middle) * timestep)
+        rest_time = rest_time + SETTLE_CHUNK if speed <= REST_SPEED else 0.0
+        if rest_time and _support_margin(scene, data, state) >= MIN_SUPPORT_MARGIN:
+            break
     return state, settled, speed
+
+
+def _support_margin(scene: Scene, data: mujoco.MjData, state: Floats) -> float:
+    """Return the distance from the centre of mass to the nearest edge of the support polygon [m].
+
+    The polygon is the convex hull of the points in which the robot touches anything else, seen in the direction of
+    gravity. The distance is negative if the centre of mass is outside, and -inf without contact.
+    """
+    model = scene.model
+    mujoco.mj_setState(model, data, state[0], STATE_PARTS)
+    mujoco.mj_fwdPosition(model, data)
+    is_outer = scene.is_robot_geom[data.contact.geom].sum(axis=1) == 1
+    gravity = model.opt.gravity
+    if not (is_outer.any() and gravity.any()):
+        return -math.inf
+    points = data.contact.pos[is_outer] - data.subtree_com[ROBOT_BODY]
+    sideways = np.linalg.svd(gravity[np.newaxis])[2][1:]  # two directions at right angles to gravity
+    angle = np.arange(N_MARGIN_DIRECTIONS) * math.tau / N_MARGIN_DIRECTIONS
+    directions = np.stack([np.cos(angle), np.sin(angle)])
+    return float((points @ sideways.T @ directions).max(axis=0).min())
 
 
 def count_settling_steps(scene: Scene) -> int:

@@ -16,10 +16,10 @@ from walkerlab.genome.features import FREQUENCY_RANGE
 from walkerlab.genome.phenotype import Phenotype
 from walkerlab.settings.choices import Guard, Structure
 from walkerlab.settings.settings import Settings
-from walkerlab.world.heights import arena_bounds, ground_height
+from walkerlab.world.heights import arena_bounds, ground_height, slope
 
 MAX_START_OVERLAP = 0.001  # m by which a body may penetrate another at the start
-MAX_REST_SPEED = 0.05  # m/s of the body after settling; 0.4 m in a walk of 8 s
+MAX_REST_SPEED = 0.05  # m/s of the body after settling, and of a robot that stands still; 0.4 m in a walk of 8 s
 MAX_DRIVE_FREQUENCY = 1.1 * FREQUENCY_RANGE[1]  # Hz of a servo target; slightly above the greatest gait frequency
 MAX_RISE = 0.5  # body lengths of the centre of mass above its height at rest; gallops reach 0.15
 MIN_HEIGHT = 0.4  # of the centre of mass, as a share of its height at rest; gaits stay at 0.6 or more
@@ -27,6 +27,8 @@ MAX_TIME_DOWN = 0.5  # s below that height; a robot that gets up again has not f
 MAX_SINK = 0.05  # m of any segment in the ground; a foot has a radius of 0.02 and sinks by 0.02 at most when it lands
 MAX_SLEDGE_SINK = 0.1  # m of the sledge's middle in the ground; on a crest between its runners, the box is 0.06 m up
 MAX_ROPE_STRETCH = 1.1  # length of the rope, as a share of its length at rest
+MAX_OVERTURNED_TIME = 0.5  # s in total with the back below the horizon; gaits pitch by less than 60°
+MIN_LEVEL_SHARE = 0.2  # of the speed on a slope or in a wind, on level ground in still air; walkers keep 0.3 or more
 MAX_LOAD_LEAD = 0.0  # m by which the sledge may be ahead of the robot
 
 UNSTABLE = "unstable"
@@ -49,6 +51,7 @@ class Trace:
     Attributes:
         time: Time since the gait began, s, shape (n,).
         com: Centre of mass, m, shape (n, 3); x forward, y left, z up.
+        up: Unit vector that points up from the back of the middle segment, shape (n, 3).
         on_ground: Whether any part of the body touched something other than itself, shape (n,).
         sink: Greatest depth of a body part in the ground, m, shape (n,).
         work: Work of the legs since the start, J, shape (n,); forward and backward motion both count.
@@ -60,10 +63,13 @@ class Trace:
         overlap: Greatest penetration of another body at the start, m.
         drive: Frequency of the servo target that reversed its direction most often, Hz.
         warnings: Number of warnings that MuJoCo gave.
+        level_speed: Mean forward speed of the robot in the same world without push, m/s; NaN if it was not measured,
+            because nothing pushes the robot forward, it stood still, or another guard found a fault.
     """
 
     time: Floats
     com: Floats
+    up: Floats
     on_ground: NDArray[np.bool_]
     sink: Floats
     work: Floats
@@ -75,6 +81,12 @@ class Trace:
     overlap: float
     drive: float
     warnings: int
+    level_speed: float
+
+    @property
+    def mean_speed(self) -> float:
+        """Mean forward speed of the whole walk, in m/s."""
+        return float((self.com[-1, 0] - self.com[0, 0]) / self.time[-1])
 
 
 def judge(trace: Trace, settings: Settings) -> tuple[str, str]:
@@ -89,12 +101,17 @@ def judge(trace: Trace, settings: Settings) -> tuple[str, str]:
     is_finite = np.isfinite(positions).all(axis=1)
     if not is_finite.all():
         return UNSTABLE, f"at {trace.time[int(np.argmin(is_finite))]:.2f} s a value was not finite"
-    forgive = settings.simulation.forgive
-    forgiven = forgive if isinstance(forgive, tuple) else (forgive,)
+    forgiven = forgiven_guards(settings)
     for guard, find_fault in GUARD_FUNCTIONS.items():
         if guard not in forgiven and (reason := find_fault(trace, settings)):
             return guard.name.replace("_", " "), reason
     return "ok", ""
+
+
+def forgiven_guards(settings: Settings) -> tuple[Guard, ...]:
+    """Return the guards that are off."""
+    forgive = settings.simulation.forgive
+    return forgive if isinstance(forgive, tuple) else (forgive,)
 
 
 def _bad_start(trace: Trace, _: Settings) -> str:
@@ -123,8 +140,7 @@ def _too_fast(trace: Trace, settings: Settings) -> str:
 
 
 def _too_high(trace: Trace, settings: Settings) -> str:
-    _, highest = _ground_heights(trace, settings)
-    com_height = trace.com[:, 2] - highest
+    com_height = _com_height(trace, settings, np.max)
     rise = (com_height - com_height[0]) / trace.phenotype.body_length
     text = "its centre of mass was {:.2f} body lengths higher than at rest; {:g} is allowed"
     return _describe_excess(trace.time, rise, MAX_RISE, text)
@@ -145,8 +161,7 @@ def _airborne(trace: Trace, settings: Settings) -> str:
 
 
 def _fell(trace: Trace, settings: Settings) -> str:
-    lowest, _ = _ground_heights(trace, settings)
-    com_height = trace.com[:, 2] - lowest
+    com_height = _com_height(trace, settings, np.median)
     is_down = (com_height < MIN_HEIGHT * com_height[0]) & (com_height[0] > 0)
     start, duration = _longest_period(trace.time, is_down)
     if duration <= MAX_TIME_DOWN:
@@ -175,6 +190,23 @@ def _load_lost(trace: Trace, settings: Settings) -> str:
     return next(filter(None, reasons), "")
 
 
+def _overturned(trace: Trace, settings: Settings) -> str:
+    pitch = slope(settings.terrain)
+    upward = trace.up @ [-math.sin(pitch), 0.0, math.cos(pitch)]
+    duration = float(np.diff(trace.time) @ (upward[1:] < 0))
+    if duration <= MAX_OVERTURNED_TIME:
+        return ""
+    return f"for {duration:.2f} s in total it was on its back; {MAX_OVERTURNED_TIME:g} is allowed"
+
+
+def _carried(trace: Trace, _: Settings) -> str:
+    least = MIN_LEVEL_SHARE * trace.mean_speed
+    if trace.mean_speed <= MAX_REST_SPEED or not trace.level_speed < least:
+        return ""
+    level = f"on level ground in still air it moved at {trace.level_speed:.2f} m/s"
+    return f"it moved at {trace.mean_speed:.2f} m/s, and {level}; {least:.2f} or more is required"
+
+
 GUARD_FUNCTIONS: dict[Guard, Callable[[Trace, Settings], str]] = {
     Guard.bad_start: _bad_start,
     Guard.restless: _restless,
@@ -186,6 +218,8 @@ GUARD_FUNCTIONS: dict[Guard, Callable[[Trace, Settings], str]] = {
     Guard.fell: _fell,
     Guard.out_of_arena: _out_of_arena,
     Guard.load_lost: _load_lost,
+    Guard.overturned: _overturned,
+    Guard.carried: _carried,
 }
 """Function of each guard, in the order in which they are checked."""
 
@@ -208,14 +242,22 @@ def _describe_excess(time: Floats, values: Floats, limit: float, text: str) -> s
     return f"at {time[worst]:.2f} s " + text.format(float(values[worst]), limit)
 
 
-def _ground_heights(trace: Trace, settings: Settings) -> tuple[Floats, Floats]:
-    """Return the lowest and the highest point of the ground below the robot at each sample [m], shape (n,) each."""
-    if settings.terrain.structure == Structure.gaps:  # height of the surface between the trenches
-        return np.zeros(len(trace.time)), np.zeros(len(trace.time))
+def _com_height(trace: Trace, settings: Settings, reduce: Callable[..., Floats]) -> Floats:
+    """Return the height of the centre of mass above the ground below the robot at each sample [m], shape (n,).
+
+    On a plane, it is measured at right angles to the ground.
+
+    Args:
+        trace: Recorded walk.
+        settings: Settings with the terrain.
+        reduce: Function such as ``np.median`` that reduces the heights of the ground along the body to one.
+    """
+    if settings.terrain.structure == Structure.gaps:  # above the surface between the trenches
+        return trace.com[:, 2]
     offset = trace.phenotype.body_length / 2 * np.linspace(-1, 1, 5)[:, np.newaxis]
     x, y = np.broadcast_arrays(trace.com[:, 0] + offset, trace.com[:, 1])
-    heights = ground_height(settings.terrain, x, y)
-    return heights.min(axis=0), heights.max(axis=0)
+    ground = reduce(ground_height(settings.terrain, x, y), axis=0)
+    return (trace.com[:, 2] - ground) * math.cos(slope(settings.terrain))
 
 
 def _longest_period(time: Floats, holds: NDArray[np.bool_]) -> tuple[float, float]:

@@ -48,8 +48,9 @@ class Sensor:
     GROUND_DISTANCE = 4  # least distance of these contacts [m]; negative is penetration
     ANY_CONTACT = 5  # number of contacts of the robot
     SELF_CONTACT = 6  # number of contacts of the robot with itself
-    SLEDGE = slice(7, 10)  # position of the sledge [m]; only if there is one
-    ROPE = 10  # distance between the ends of the rope [m]; only if there is one
+    UP = slice(7, 10)  # unit vector that points up from the back of the middle segment
+    SLEDGE = slice(10, 13)  # position of the sledge [m]; only if there is one
+    ROPE = 13  # distance between the ends of the rope [m]; only if there is one
 
 
 def describe_world(phenotype: Phenotype, settings: Settings, *, scenery: bool) -> mujoco.MjSpec:
@@ -104,6 +105,7 @@ def _world_xml(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain:
     add_sensor("contact", name="ground", subtree1=body, body2="world", data="found dist", num=1, reduce="mindist")
     add_sensor("contact", name="anything", subtree1=body, data="found", num=1)
     add_sensor("contact", name="itself", subtree1=body, subtree2=body, data="found", num=1)
+    add_sensor("framezaxis", name="up", objtype="site", objname=walker.back)
     if sledge:
         add_rope(root, walker.hitch, sledge.ring)
         add_sensor("framepos", name="load", objtype="xbody", objname=sledge.root_body)

@@ -34,6 +34,8 @@ VERDICT_STYLES = (
     ("#F0E442", "xx"),
     ("#E69F00", "oo"),
     ("#FFFFFF", "++"),
+    ("#D55E00", "\\\\"),
+    ("#999999", "--"),
     ("#CC79A7", "**"),
 )
 """Colour and hatching of the verdicts after ``ok``, in the order of ``VERDICTS``; the same in all plots."""
