@@ -82,7 +82,15 @@ LIGHT |= {
 LIGHT |= {
     f"walkerlab.{name}": {"mujoco", "dm_control", "matplotlib", "ipywidgets", "jinja2"}
     for name in (
-        *("genome.repair", "world.heights", "world.placement", "world.materials", "genome.genome", "breeding"),
+        *(
+            "genome.features",
+            "genome.repair",
+            "world.heights",
+            "world.placement",
+            "world.materials",
+            "genome.genome",
+            "breeding",
+        ),
         "simulation.validity",
     )
 }

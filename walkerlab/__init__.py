@@ -43,7 +43,7 @@ _PUBLIC_NAMES = {
     "ga.user_functions": ("OperatorError",),
     "genome.genome": ("Genome",),
     "genome.text": ("GenomeError",),
-    "genome.repair": ("gene_table",),
+    "genome.features": ("gene_table",),
     "genome.phenotype": ("Phenotype", "express"),
     "settings.model": ("SettingsError",),
     "simulation.rollout": ("Rollout", "simulate"),
