@@ -27,8 +27,8 @@ MAX_TIME_DOWN = 0.5  # s below that height; a robot that gets up again has not f
 MAX_SINK = 0.05  # m of any segment in the ground; a foot has a radius of 0.02 and sinks by 0.02 at most when it lands
 MAX_SLEDGE_SINK = 0.1  # m of the sledge's middle in the ground; on a crest between its runners, the box is 0.06 m up
 MAX_ROPE_STRETCH = 1.1  # length of the rope, as a share of its length at rest
-MAX_OVERTURNED_TIME = 0.5  # s in total with the back below the horizon; gaits pitch by less than 60°
-MIN_LEVEL_SHARE = 0.2  # of the speed on a slope or in a wind, on level ground in still air; walkers keep 0.3 or more
+MAX_OVERTURNED_TIME = 0.5  # s in total with the back below the horizon; champions tilt by 50° at most on flat ground
+MIN_LEVEL_SHARE = 0.15  # of the speed where something pushes; walkers evolved on flat ground keep 0.2 or more, on ice
 MAX_LOAD_LEAD = 0.0  # m by which the sledge may be ahead of the robot
 
 UNSTABLE = "unstable"
