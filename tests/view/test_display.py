@@ -46,7 +46,7 @@ def test_every_setting_is_shown_with_value_unit_and_description(domain):
             value = getattr(domain(), name)
             assert name in text
             assert declared.about in text
-            if isinstance(declared, Quantity) and not declared.parts:
+            if isinstance(declared, Quantity) and not declared.components:
                 assert f"{value:.10g}{f' {declared.unit}' if declared.unit else ''}" in text
             assert not isinstance(declared, Quantity) or declared.unit in text
 
