@@ -57,7 +57,7 @@ class Recorded:
 
     Attributes:
         path: Run file.
-        facts: What its last generation was made with.
+        facts: Provenance of its last generation.
         is_elsewhere: Whether it was made with other versions or on another processor, where walks can differ.
         has_fitness: Whether any robot of the run has a fitness other than -inf.
     """
@@ -76,7 +76,7 @@ def confirm_ratings(
     *,
     rerate: bool,
 ) -> tuple[Population[EvaluationRow], bool]:
-    """Let the last generation walk again if its fitness is a user function, and compare the ratings.
+    """Simulate the last generation again if its fitness is a user function, and compare the ratings.
 
     Args:
         population: Last generation, with the ratings in the file.
@@ -109,7 +109,7 @@ def confirm_ratings(
 def _rerate(
     population: Population[EvaluationRow], evaluate: Callable[[Floats], Sequence[Evaluation]]
 ) -> Population[EvaluationRow]:
-    """Return a population with new ratings; equal genomes walk once."""
+    """Return a population with new ratings; equal genomes are simulated once."""
     texts = [walked.genome for walked in population.evaluations]
     rows = {text: row for row, text in enumerate(texts)}
     try:
