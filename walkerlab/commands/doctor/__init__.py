@@ -30,7 +30,7 @@ CHECKS: dict[Check, tuple[Check, ...]] = {
     check_workers: (check_walk,),
     check_graphics: (check_walk,),
 }
-"""All checks, quickest first, and those that each of them requires to pass."""
+"""All checks, quickest first, each with the checks that must pass before it."""
 
 
 def run_checks() -> Iterator[Finding]:
