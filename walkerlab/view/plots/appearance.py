@@ -54,7 +54,7 @@ class StyledFigure(Figure):
             super().draw(renderer)
 
     def savefig(self, fname: Any, **options: Any) -> None:
-        """Save the figure with its own background colour rather than that of the current style."""
+        """Save the figure with its own background colour rather than the current style's."""
         background: Any = {"facecolor": self.get_facecolor()}
         super().savefig(fname, **(background | options))
 
@@ -71,7 +71,7 @@ def styled_plot(draw: Callable[P, Axes]) -> Callable[P, Axes]:
         ax: Any = parameters.bind(*args, **named).arguments.get("ax")
         if ax is not None and getattr(ax, "name", "") != "rectilinear":
             given = type(ax).__name__
-            raise TypeError(f"{draw.__name__} needs plain axes, such as figure.add_subplot() returns; got {given}")
+            raise TypeError(f"{draw.__name__} requires plain Axes, as returned by figure.add_subplot(); got {given}")
         if ax is not None and not isinstance(ax.get_figure(root=True), StyledFigure):
             return draw(*args, **named)
         with walkerlab_style():
@@ -81,11 +81,11 @@ def styled_plot(draw: Callable[P, Axes]) -> Callable[P, Axes]:
 
 
 def foreground_colour(axes: Axes, strength: float = 1.0) -> tuple[float, float, float]:
-    """Return a colour between those of the background and the text of an Axes.
+    """Return a colour between the background colour and the text colour of an Axes.
 
     Args:
         axes: Axes to draw on.
-        strength: 0 for the colour of the background, 1 for that of the text.
+        strength: 0 for the background colour, 1 for the text colour.
     """
     candidates: tuple[Any, ...] = (axes.get_facecolor(), axes.figure.get_facecolor(), "white")
     background = np.array(next(rgba for rgba in map(to_rgba, candidates) if rgba[3] > 0)[:3])
