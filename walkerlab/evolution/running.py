@@ -120,7 +120,7 @@ def resume(
     if changed := changed_operators(facts, function_facts(settings)):
         warnings.warn(
             f"{display_path(path)} was made with different code for its {changed}. The run continues with the "
-            "functions given; its file records for each generation which code it was made with.",
+            "given functions; its file records for each generation which code it was made with.",
             stacklevel=2,
         )
     with _progress_bar(settings, progress, done=done) as bar:

@@ -18,7 +18,7 @@ class Children(NamedTuple):
 
     Attributes:
         genomes: Genomes of the children, shape (n_children, n_genes).
-        parents: Parents of each child as indices into the parents given, shape (n_children, k); any k, and a parent may
+        parents: Parents of each child as indices into the given parents, shape (n_children, k); any k, and a parent may
             occur several times.
     """
 

@@ -105,7 +105,7 @@ def run_cross(
             f"for k parents each; it returned {describe_result(parents_of_each)}",
             "With one parent for each child, that is mothers[:, None]; with two, np.stack([mothers, fathers], axis=1).",
         )
-    return Children(genomes, _check_indices(indices, label, len(parents), "the parents given"))
+    return Children(genomes, _check_indices(indices, label, len(parents), "the given parents"))
 
 
 def run_mutate(

@@ -82,7 +82,7 @@ def source_digest(function: Callable[..., Any]) -> str | None:
 
 
 def _describe_value(value: Any, depth: int = 0) -> Any:
-    """Describe a function, or a value that it holds, as JSON data."""
+    """Describe a function, or a value stored in it, as JSON data."""
     if depth > MAX_DEPTH:
         raise ValueError("too many functions within functions")
     match value:

@@ -21,7 +21,7 @@ from walkerlab.settings.choices import Choice
 from walkerlab.settings.values import did_you_mean, number_text, short_repr, vector_text
 
 MIN_MAX = ("min", "max")
-"""Components of a range that holds each robot between two numbers."""
+"""Components of a range within which each robot must be."""
 
 XYZ = ("x", "y", "z")
 """Components of a vector: x forward, y left, z up."""

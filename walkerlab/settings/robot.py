@@ -19,7 +19,7 @@ _LENGTH_TOLERANCE = 1e-12  # m, for rounding errors: 3 × 0.1 is more than 0.3
 
 
 class Robot(DisplayedDomain, frozen=True):
-    """Limits on the bodies of all robots; every robot is within them, whatever the operators do."""
+    """Limits on the bodies of all robots; every robot is within them after any operator."""
 
     weight: Annotated[
         tuple[float, float],

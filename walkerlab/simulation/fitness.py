@@ -128,7 +128,7 @@ def as_number(value: Any) -> float | None:
     """Convert any single real number of Python, numpy or another library to a float.
 
     Booleans count as 0 and 1, and an array of one element as that element. A number too large for a float becomes inf,
-    whatever its sign.
+    regardless of its sign.
 
     Returns:
         The number; None for anything else, such as a text, a complex number or an array of several elements.

@@ -1,4 +1,4 @@
-"""How measured numbers are written for people: to significant figures, whatever their unit and size."""
+"""How measured numbers are written for people: to significant figures, for any unit and size."""
 
 import math
 from collections.abc import Iterable

@@ -8,7 +8,7 @@ from __future__ import annotations  # old versions of Python must be able to imp
 from collections.abc import Iterator
 
 from walkerlab.commands.doctor.finding import Check
-from walkerlab.commands.doctor.finding import Finding as Finding
+from walkerlab.commands.doctor.finding import Finding as Finding  # re-exported for users of this package
 from walkerlab.commands.doctor.hardware import (
     check_cores,
     check_current_folder,

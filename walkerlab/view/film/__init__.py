@@ -77,8 +77,8 @@ def film(
 ) -> Film:
     """Render one walk to a video file.
 
-    If there are several starts, it is the walk with the lowest fitness, rated by the default fitness whatever the
-    settings say. A notebook plays the returned film.
+    If there are several starts, it is the walk with the lowest fitness, rated by the default fitness, not by the
+    fitness in the settings. A notebook plays the returned film.
 
     Args:
         genome: Genome, its text, its values of shape (n_genes,), or an individual.

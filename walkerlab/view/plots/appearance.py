@@ -1,4 +1,4 @@
-"""Figures in the style of walkerlab, whatever style the user has set, and colours that suit the Axes of a user."""
+"""Figures in the style of walkerlab, regardless of the user's style, and colours that suit the user's Axes."""
 
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
@@ -34,7 +34,7 @@ P = ParamSpec("P")
 
 @contextmanager
 def walkerlab_style() -> Generator[None]:
-    """Use the default style of matplotlib within the block, whatever style the user has set; one thread at a time."""
+    """Use the default style of matplotlib within the block, regardless of the user's style; one thread at a time."""
     with _STYLE_LOCK:
         before: Any = {name: mpl.rcParams[name] for name in _STYLE}
         mpl.rcParams.update(_STYLE)
