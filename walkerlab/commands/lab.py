@@ -19,7 +19,7 @@ LOCAL_ONLY_OPTIONS = [
     "--KernelManager.ip=127.0.0.1",
     "--ServerKernelManager.ip=127.0.0.1",
 ]
-"""Options that make the server and its kernels reachable from this computer only, overriding the user's configuration."""
+"""Options that limit access to the server and its kernels to this computer; they override the user's configuration."""
 
 
 def find_notebooks() -> list[Path]:
