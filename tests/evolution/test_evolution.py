@@ -107,7 +107,7 @@ class TestRepeatable:
         assert len(caught) == 1
 
     def test_a_fitness_that_rejects_every_robot_warns(self, threads):
-        with pytest.warns(UserWarning, match="returned None for every robot.*ends with return") as caught:
+        with pytest.warns(UserWarning, match="returned None for every robot.*ends with a return statement") as caught:
             run = evolve(threads, fitness=lambda rollout: None, population_size=4, generations=2)
         assert len(caught) == 1
         assert run.n_generations == 2

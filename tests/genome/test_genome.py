@@ -182,7 +182,7 @@ def test_objects_that_are_not_numbers_are_rejected_with_an_explanation():
         with pytest.raises(ValueError, match=r"must be a row of numbers|a genome has 2 genes|finite number"):
             Genome.of(bad)
     for bad in (None, 3, b"wl1", Genome.random(Robot(), rng=rng(0))):
-        with pytest.raises(GenomeError, match="a genome is read from its text, a str; got "):
+        with pytest.raises(GenomeError, match="a genome's text must be a str; got "):
             Genome.parse(bad)
 
 

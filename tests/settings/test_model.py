@@ -61,8 +61,8 @@ def test_all_errors_of_one_call_are_reported_together():
 
 def test_all_errors_within_one_setting_are_reported_together():
     x, z = error_message(Terrain, gravity=(99, 0, nan)).splitlines()
-    assert x.startswith("Terrain.gravity's x is 99 m/s²; it must be -30 to 30 m/s².")
-    assert z.startswith("Terrain.gravity's z is nan m/s²; it must be -30 to 30 m/s².")
+    assert x.startswith("Terrain.gravity's x is 99 m/s²; it must be between -30 and 30 m/s².")
+    assert z.startswith("Terrain.gravity's z is nan m/s²; it must be between -30 and 30 m/s².")
     assert len(error_message(Robot, weight=("heavy", -1), legs=(0, 99)).splitlines()) == 4
 
 

@@ -247,7 +247,7 @@ def test_axes_with_another_projection_are_rejected(records):
         axes = Figure().add_subplot(projection=kind)
         for draw in all_plots(records).values():
             with pytest.raises(
-                TypeError, match=rf"needs plain axes, such as figure.add_subplot\(\) returns; got {name}"
+                TypeError, match=rf"requires plain Axes, as returned by figure.add_subplot\(\); got {name}"
             ):
                 draw(axes)
     with pytest.raises(TypeError, match="got ndarray"):

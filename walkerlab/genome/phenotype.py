@@ -100,8 +100,8 @@ class Phenotype:
 def express(genome: Genome) -> Phenotype:
     """Return the robot that a genome expresses; unexpressed genes are ignored.
 
-    A segment whose ``repeat`` is 1 has the legs and the step of the nearest legs in front of it. All legs are behind
-    those in front by ``lag`` for each segment between them, so that a wave of steps travels along the body.
+    A segment whose ``repeat`` is 1 has the legs and the step of the nearest legs in front of it. Legs lag by a further
+    ``lag`` for each segment towards the rear, so that a wave of steps travels along the body.
     """
     genome = Genome.of(genome)
     body = dict(zip(BODY_FEATURES, genome.values[: len(BODY_FEATURES)].tolist(), strict=True))
@@ -132,8 +132,8 @@ def _express_legs(gene: dict[Feature, float]) -> Legs:
 def stride_angle(strides: Floats, duty: float) -> Floats:
     """Return the angle that drives the joints of a leg: the thigh is foremost at π/2 and rearmost at 3π/2.
 
-    The angle increases by a full turn in each stride: by half a turn while the thigh swings forward, and by the other
-    half in the share ``duty`` of the stride, while it swings backward. With a duty of 0.5 it increases steadily.
+    The angle increases by a full turn in each stride: by half a turn while the thigh swings forward, and by half a turn
+    while it swings backward, which takes the share ``duty`` of the stride. With a duty of 0.5 it increases steadily.
 
     Args:
         strides: Phase in strides, any shape; whole numbers are full strides.
@@ -142,7 +142,7 @@ def stride_angle(strides: Floats, duty: float) -> Floats:
     Returns:
         Angles [rad], same shape, from -π/2 to 3π/2.
     """
-    position = np.mod(strides + 0.25, 1.0)  # since the last time that the thigh was rearmost, if the duty is 0.5
+    position = np.mod(strides + 0.25, 1.0)  # strides since the thigh was last rearmost, if the duty is 0.5
     is_forward = position < 1 - duty
     half_turns = np.where(is_forward, position / (1 - duty), 1 + (position - (1 - duty)) / duty)
     return math.pi * half_turns - math.pi / 2
