@@ -22,7 +22,7 @@ from walkerlab.view import plots
 from walkerlab.world.scene import compile_scene
 
 IMAGE_SIZE = (1500, 620)  # pixels, width and height
-SHOWN_TIMES = np.linspace(0.1, 0.5, 4)  # shares of the duration of the walk
+SHOWN_TIMES = np.linspace(0.2, 0.43, 4)  # shares of the duration of the walk
 
 
 def render_moments(run: Run) -> NDArray[np.uint8]:
