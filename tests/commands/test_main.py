@@ -20,6 +20,7 @@ import walkerlab as wl
 from walkerlab.__main__ import main
 from walkerlab.commands import flags, lab
 from walkerlab.evolution import outputs
+from walkerlab.text.numbers import with_unit
 
 TINY = ["--population-size", "6", "--generations", "2", "--duration", "1", "--quiet"]
 
@@ -172,7 +173,7 @@ def test_quiet_prints_nothing_and_otherwise_a_summary_and_the_next_commands_are_
     output = capfd.readouterr().out
     champion = wl.load("loud/run.walk").champion
     assert f"robot {champion.individual}, born in generation {champion.generation}" in output
-    assert f"{champion.fitness:.3f} m" in output
+    assert with_unit(champion.fitness, "m") in output
     for word in [*outputs.OUTPUT_FILES, "walkerlab show loud", "walkerlab resume loud --generations", "walkerlab lab"]:
         assert word in output
 

@@ -103,7 +103,7 @@ class TestRepeatable:
             return -1e6 if rollout.distance < 0 else rollout.distance
 
         with pytest.warns(UserWarning, match=r'-1\.00e\+06.*selection="rank"') as caught:
-            evolve(threads, fitness=punishes, population_size=12, generations=2)
+            evolve(threads, fitness=punishes, selection="gradient", population_size=12, generations=2)
         assert len(caught) == 1
 
     def test_a_fitness_that_rejects_every_robot_warns(self, threads):
@@ -382,7 +382,7 @@ class TestOperatorSlots:
         for given, message in (
             ({}, r"mutation=\[partial\(nudge, step=0.02\), 'macro'\]"),
             ({"mutation": nudge}, r"mutation=\[partial\(nudge, step=0.02\), 'macro'\]"),
-            ({"mutation": slot, "selection": "uniform"}, "'gradient'"),
+            ({"mutation": slot, "selection": "uniform"}, "'tournament'"),
             ({"mutation": slot, "mutatoin": slot}, "slots for functions are fitness, selection"),
         ):
             with pytest.raises(wl.RunFileError, match=message):

@@ -279,7 +279,11 @@ def test_an_exception_in_a_mutation_is_reported_without_mentioning_fitness():
 @pytest.mark.parametrize(
     ("slot", "check", "shifted_by"),
     [
-        ("selection", check_select, lambda shift, fitness, n: (np.arange(n) + int(1e6 * abs(shift))) % len(fitness)),
+        (
+            "selection",
+            check_select,
+            lambda shift, fitness, n: np.random.default_rng(int(1e9 * abs(shift))).integers(len(fitness), size=n),
+        ),
         (
             "crossover",
             partial(check_cross, genes=GENES),

@@ -39,7 +39,7 @@ def genome_html(values: Floats) -> Markup:
     rows_of_values = values[len(BODY_FEATURES) :].reshape(n_segments, -1).tolist()
     segments: list[dict[Feature, float]] = [dict(zip(SEGMENT_FEATURES, row, strict=True)) for row in rows_of_values]
     expressed = is_expressed(values[None])[0, len(BODY_FEATURES) :].reshape(n_segments, -1).tolist()
-    is_grown = [i < wanted for i in range(n_segments)]
+    is_grown = [i < round(wanted) for i in range(n_segments)]
 
     def rows(features: tuple[Feature, ...]) -> list[list[Cell]]:
         return [

@@ -119,10 +119,11 @@ def is_expressed(genomes: Floats) -> NDArray[np.bool_]:
     """Return which genes have an effect on the robot, shape (n, n_genes), for (n, n_genes) genomes.
 
     Genes of segments that are not grown have no effect, nor have the genes of legs that do not exist or repeat others.
+    The lag has no effect if only the first segment has legs.
     """
     segments = genomes[:, len(BODY_FEATURES) :].reshape(len(genomes), -1, len(SEGMENT_FEATURES))
     numbers = np.arange(segments.shape[1])
-    is_grown = numbers < genomes[:, BODY_FEATURES.index(Feature.segments), np.newaxis]
+    is_grown = numbers < np.rint(genomes[:, BODY_FEATURES.index(Feature.segments), np.newaxis])
     sources = find_leg_sources(segments)
     has_front_legs = np.cumsum(sources >= 0, axis=1) > 1  # legs on the segment itself and on one in front of it
     can_repeat = is_grown & (sources >= 0) & has_front_legs
@@ -130,6 +131,7 @@ def is_expressed(genomes: Floats) -> NDArray[np.bool_]:
     masks: dict[Feature, NDArray[np.bool_]] = {Feature.repeat: can_repeat, **dict.fromkeys(LEG_FEATURES, has_own_legs)}
     of_segments = np.stack([masks.get(feature, is_grown) for feature in SEGMENT_FEATURES], axis=2)
     of_body = np.ones((len(genomes), len(BODY_FEATURES)), dtype=np.bool_)
+    of_body[:, BODY_FEATURES.index(Feature.lag)] = (is_grown & (sources >= 0))[:, 1:].any(axis=1)
     return np.concatenate([of_body, of_segments.reshape(len(genomes), -1)], axis=1)
 
 

@@ -105,15 +105,16 @@ def express(genome: Genome) -> Phenotype:
     """
     genome = Genome.of(genome)
     body = dict(zip(BODY_FEATURES, genome.values[: len(BODY_FEATURES)].tolist(), strict=True))
-    rows = genome.values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)[: int(body[Feature.segments])]
+    rows = genome.values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)[: max(0, round(body[Feature.segments]))]
     segments: list[Segment] = []
     legs: Legs | None = None
     for number, row in enumerate(rows.tolist()):
         gene: dict[Feature, float] = dict(zip(SEGMENT_FEATURES, row, strict=True))
-        if gene[Feature.legs] and not (legs and gene[Feature.repeat]):
+        has_legs = gene[Feature.legs] > 0
+        if has_legs and not (legs and gene[Feature.repeat] > 0):
             legs = _express_legs(gene)
         shifted = legs and replace(legs, phase=legs.phase - number * body[Feature.lag])
-        segments.append(Segment(gene[Feature.length], gene[Feature.mass], shifted if gene[Feature.legs] else None))
+        segments.append(Segment(gene[Feature.length], gene[Feature.mass], shifted if has_legs else None))
     return Phenotype(tuple(segments), body[Feature.frequency], body[Feature.duty])
 
 
