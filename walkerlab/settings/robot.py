@@ -129,8 +129,7 @@ class Robot(DisplayedDomain, frozen=True):
             shortest, longest = self.segment_length
             errors.append(
                 f"Robot.segments, Robot.legs, Robot.body_length and Robot.segment_length cannot all be satisfied: a "
-                f"body "
-                f"of {number_text(short)} to {number_text(long)} m from segments of {number_text(shortest)} to "
+                f"body of {number_text(short)} to {number_text(long)} m from segments of {number_text(shortest)} to "
                 f"{number_text(longest)} m with {self.legs[0]} legs or more needs at least "
                 f"{fewest} segments, and at most {most} fit."
             )

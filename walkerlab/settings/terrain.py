@@ -138,8 +138,7 @@ class Terrain(DisplayedDomain, frozen=True):
             errors.append(
                 f"Terrain.texture_size {size} m and Terrain.texture_density {number_text(self.texture_density)} "
                 f"require about {self.n_pieces} pieces; at most {MAX_PIECES} are allowed, because more would make "
-                f"walks "
-                f"too slow to compute. At this density, {fix}."
+                f"walks too slow to compute. At this density, {fix}."
             )
         level = _LEVEL_GROUND.get(self.structure)
         if level and self.texture_density and MIN_LEVEL_LENGTH * self.texture_size > getattr(self, level):
