@@ -147,4 +147,16 @@ def gene_table(robot: Robot) -> pd.DataFrame:
     genes = build_genes(robot)
     columns = ("names", "units", "low", "high", "kinds", "meanings")
     titles = ("gene", "unit", "low", "high", "kind", "meaning")
-    return pd.DataFrame({title: list(getattr(genes, column)) for title, column in zip(titles, columns, strict=True)})
+    return GeneTable({title: list(getattr(genes, column)) for title, column in zip(titles, columns, strict=True)})
+
+
+class GeneTable(pd.DataFrame):
+    """Table that notebooks display with whole sentences, which pandas would cut off after 50 characters."""
+
+    @property
+    def _constructor(self) -> "type[GeneTable]":
+        return GeneTable
+
+    def _repr_html_(self) -> str | None:
+        with pd.option_context("display.max_colwidth", None):
+            return super()._repr_html_()  # type: ignore[operator]

@@ -110,9 +110,9 @@ class Feature(Choice):
     knee_phase = 11, "how far the shank is ahead of its thigh in the stride"
     knee_offset = 12, "angle about which the shank swings: positive is forward"
     stride = 13, "how far the right leg is behind the left in the stride; half a turn is a trot"
-    lag = 14, "how far the legs of each segment are behind the legs of the segment in front of it in the stride"
-    duty = 15, "share of the stride in which the thighs swing backward, pushing; the rest brings them forward"
-    repeat = 16, "whether the segment repeats the legs and the step of the legs in front of it (1) or has its own (0)"
+    lag = 14, "how far in the stride each pair of legs is behind that of the segment in front; 0: all move together"
+    duty = 15, "share of each stride in which a leg swings backward and pushes; in the rest, it swings forward"
+    repeat = 16, "whether the legs copy the nearest legs in front, shape and motion (1), or have genes of their own (0)"
 
 
 class Guard(Choice):
