@@ -189,8 +189,8 @@ class Form(Component):
             functions = {field: list(named) for (other, field), named in self._functions.items() if other == domain}
             shown = self._shown[domain]
             controls = [control for control in make_controls(domain_class, functions) if control["name"] in shown]
-            about = (domain_class.__doc__ or "").strip()
             if controls:
+                about = domain_class.summary()
                 tabs.append({"domain": domain, "title": domain, "about": about, "controls": controls})
         return tabs
 
