@@ -16,8 +16,9 @@ from hypothesis import strategies as st
 
 import walkerlab as wl
 from benchmarks import plain_walk
+from walkerlab.genome.features import BODY_FEATURES, DUTY_RANGE
 from walkerlab.randomness import random_stream
-from walkerlab.settings.choices import Obstacle, Structure
+from walkerlab.settings.choices import Feature, Obstacle, Structure
 from walkerlab.simulation.export import _exact_xml
 from walkerlab.simulation.rollout import simulate_walk
 from walkerlab.world.scene import describe_scene
@@ -31,8 +32,15 @@ WORLDS += [{"carry_weight": 1, "drag_weight": 2, "wind": (1, 0, 0)}, {"texture":
 SCHEMA = Path(__file__).parents[1] / "kept" / "mjcf_3.9.txt"
 
 
-def export(world, folder, name="walker"):
-    return wl.export_mjcf(GENOME, wl.Settings().with_(**world), folder, name)
+def export(world, folder, name="walker", genome=GENOME):
+    return wl.export_mjcf(genome, wl.Settings().with_(**world), folder, name)
+
+
+def with_duty(duty):
+    """Return GENOME with another duty: 0.5 makes the motion of each joint a sine."""
+    values = GENOME.values.copy()
+    values[BODY_FEATURES.index(Feature.duty)] = duty
+    return wl.Genome(values)
 
 
 ADDED = re.compile(r"_|n(names|text|numeric|key|buffer)|(name|text|numeric|key)_|names|paths|\w+_nameadr|signature")
@@ -59,14 +67,25 @@ def test_the_file_compiles_to_the_same_model_bit_for_bit(world, tmp_path):
 
 
 def test_plain_mujoco_repeats_the_walk_without_walkerlab(tmp_path):
-    worlds = [{}, {"structure": "stairs", "obstacle": "rock"}, {"drag_weight": 1, "timestep": 0.004}]
-    files = [str(export(world, tmp_path / "new", str(number))) for number, world in enumerate(worlds)]
+    worlds = [
+        ({}, 0.5),
+        ({}, DUTY_RANGE[0]),
+        ({"structure": "stairs", "obstacle": "rock"}, DUTY_RANGE[1]),
+        ({"drag_weight": 1, "timestep": 0.004}, 0.6),
+    ]
+    files = [
+        str(export(world, tmp_path / "new", str(number), with_duty(duty)))
+        for number, (world, duty) in enumerate(worlds)
+    ]
     script = Path(plain_walk.__file__)
     assert "walkerlab" not in script.read_text(encoding="utf-8").partition('"""\n\n')[2]
     command = [sys.executable, script, "1", *files]
     lines = subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
-    distances = [wl.simulate(GENOME, wl.Settings().with_(duration=1, **world)).distance for world in worlds]
+    distances = [
+        wl.simulate(with_duty(duty), wl.Settings().with_(duration=1, **world)).distance for world, duty in worlds
+    ]
     assert [json.loads(line)["distance"] for line in lines] == pytest.approx(distances, abs=1e-6)
+    assert abs(distances[0] - distances[1]) > 1e-3, "precondition of this test: the duty changes the walk"
 
 
 def test_the_file_holds_the_start_the_gait_and_the_genome(tmp_path):
@@ -74,10 +93,9 @@ def test_the_file_holds_the_start_the_gait_and_the_genome(tmp_path):
     scene = wl.compile_scene(GENOME, wl.Settings().with_(structure="incline"))
     np.testing.assert_array_equal(model.key("start").qpos, scene.start)
     np.testing.assert_array_equal(model.key("start").ctrl, scene.rest)
-    np.testing.assert_array_equal(
-        [model.numeric(f"gait_{of}").data for of in ("amplitude", "phase", "offset")], scene.gait
-    )
+    np.testing.assert_array_equal([model.numeric(f"gait_{name}").data for name in scene.gait._fields], scene.gait)
     assert model.numeric("gait_frequency").data.item() == scene.phenotype.frequency
+    assert model.numeric("gait_duty").data.item() == scene.phenotype.duty
     assert (
         model.numeric("settle_steps").data.item() == simulate_walk(scene).settled / scene.settings.simulation.timestep
     )

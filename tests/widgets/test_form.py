@@ -284,6 +284,12 @@ def test_an_invalid_value_is_reported_at_its_setting_and_raises_nothing(place, s
         assert form.fault == ""
 
 
+def test_each_tab_is_described_by_one_sentence():
+    for tab in Form().tabs:
+        assert tab["about"].endswith(".")
+        assert not {"\n", "="} & set(tab["about"])
+
+
 @given(st.dictionaries(st.sampled_from(sorted(Form().keys)), garbage), garbage)
 @settings(deadline=None)
 def test_the_form_stays_consistent_for_any_message(state, values):

@@ -1,6 +1,7 @@
 """Export of one robot and its world as MJCF, which MuJoCo loads without walkerlab."""
 
 import ctypes
+import math
 import re
 import sys
 from collections.abc import Generator
@@ -104,6 +105,9 @@ def _exact_xml(spec: mujoco.MjSpec) -> str:
         if element.tag == "geom" and "mesh" in element.attrib:  # MuJoCo converts these to the inertial frame and back
             geom = spec.geom(element.attrib["name"])
             element.attrib |= {"pos": _join_numbers(geom.pos), "quat": _join_numbers(geom.quat)}
+        if element.tag == "geom" and "name" in element.attrib:  # MuJoCo omits a mass that is almost that of the density
+            mass = spec.geom(element.attrib["name"]).mass
+            element.attrib |= {"mass": repr(float(mass))} if math.isfinite(mass) else {}
         for key, value in element.items():
             element.set(key, _LONG_NUMBER.sub(lambda found: repr(float(found[0])), value))
     root.set("model", spec.modelname)
