@@ -80,7 +80,7 @@ def search_by_evolution(
         table = run.records
         table = table[table.generation < count_generations(settings, budget)]
         n_evaluations = table.individual.nunique() * settings.simulation.n_starts
-        champions[budget] = Champion(records.champion(table).genome, n_evaluations)
+        champions[budget] = Champion(records.find_champion(table).genome, n_evaluations)
     return champions
 
 

@@ -47,16 +47,16 @@ def parse_changes(words: Sequence[str]) -> dict[str, str]:
     Raises:
         ValueError: If a word has no value, or there is no setting of that name.
     """
-    places = {name: f"{domain}.{field}" for name, (domain, field) in wl.Settings.places().items()}
+    locations = {name: f"{domain}.{field}" for name, (domain, field) in wl.Settings.field_locations().items()}
     changes: dict[str, str] = {}
     for word in words:
         name, _, text = word.partition("=")
         if not text:
             raise ValueError(f"--set {word} has no value; write NAME=VALUE, such as selection=tournament")
-        place = places.get(name, name)
-        if place not in places.values():
-            raise ValueError(f"--set {word}: there is no setting {name!r}.{did_you_mean(name, places)}")
-        changes[place] = text
+        location = locations.get(name, name)
+        if location not in locations.values():
+            raise ValueError(f"--set {word}: there is no setting {name!r}.{did_you_mean(name, locations)}")
+        changes[location] = text
     return changes
 
 

@@ -105,7 +105,8 @@ def standing():
     genome[genes.find("legs")] = 1
     for feature in ("hip_offset", "knee_offset", "hip_amplitude", "knee_amplitude"):
         genome[genes.find(feature)] = 0
-    genome[genes.find("leg_length")] = 0.4
+    for feature, value in (("length", 0.3), ("mass", 2.0), ("leg_length", 0.4)):  # equal, so that all feet are level
+        genome[genes.find(feature)] = value
     scene = wl.compile_scene(genome, wl.Settings())
     pose = scene.start
     pose[2] -= 0.006  # from just above the ground to just below it
