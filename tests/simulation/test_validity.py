@@ -442,7 +442,7 @@ def test_an_ordinary_walk_counts_in_every_world_and_with_every_load(world):
 
 TIME = np.arange(8 * 64 + 1) / 64  # s; most values here are exact in binary
 SETTINGS = wl.Settings(terrain=wl.Terrain(obstacle="ball"), robot=wl.Robot(drag_weight=1))
-ROBOT = Phenotype((Segment(0.5, 4.0, legs=None),), frequency=1.0)
+ROBOT = Phenotype((Segment(0.5, 4.0, legs=None),), frequency=1.0, duty=0.5)
 PLAIN = Trace(  # at 0.5 m/s, with a sledge 1 m behind
     time=TIME,
     com=np.stack([TIME / 2, 0 * TIME, 0 * TIME + 0.25], axis=1),
