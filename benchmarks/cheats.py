@@ -27,6 +27,9 @@ from walkerlab.simulation.footfalls import foot_share
 from walkerlab.simulation.rollout import simulate_walk
 from walkerlab.world.scene import Scene, compile_scene
 
+LIMITS = wl.Robot(segments=(1, 4), legs=(2, 8))
+"""Limits of all robots here; bodies of one segment are easier to cheat with."""
+
 ON_ITS_BACK = (
     "wl1 segments=1 | seg length=0.4 mass=10.589 legs length=0.6 force=18.393 | gait frequency=1.532 "
     "| step hip amplitude=0.659 phase=3.987 offset=-0.264 knee amplitude=0.999 phase=6.02 offset=-1.163 stride=2.939"
@@ -127,7 +130,7 @@ CHEATS = {"on its back": walk_on_back, "not driven": stand_still, "not on feet":
 
 def search(cheat, world, seed, n_evaluations):
     """Evolve cheats and return the best: counted distance times the share of it that is cheated."""
-    settings = wl.Settings().with_(**WORLDS[world])
+    settings = wl.Settings(robot=LIMITS).with_(**WORLDS[world])
     genes = build_genes(settings.robot)
     rng = np.random.default_rng([seed, *map(ord, cheat + world)])
     found = []
@@ -158,7 +161,7 @@ def draw_weak(rng):
 
 def check_weak(incline):
     """Count the tall, weak robots that stay down on a slope, and those of them whose walk counts."""
-    settings = wl.Settings().with_(**slope(incline))
+    settings = wl.Settings(robot=LIMITS).with_(**slope(incline))
     pitch = math.radians(incline)
     rng = np.random.default_rng(0)
     n_down = n_counted = 0
@@ -191,7 +194,7 @@ def tasks(arguments):
 
 def judge(genome, changes):
     """Return distance and verdict of a walk."""
-    rollout = wl.simulate(genome, wl.Settings().with_(**changes), poses=False)
+    rollout = wl.simulate(genome, wl.Settings(robot=LIMITS).with_(**changes), poses=False)
     return {"changes": changes, "distance": rollout.distance, "verdict": rollout.verdict, "reason": rollout.reason}
 
 

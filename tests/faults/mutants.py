@@ -54,8 +54,9 @@ VAST = 4 * 10**7  # characters
 
 
 def genome_text(rng):
-    """Return the text of a valid genome of 1 to 8 segments."""
-    return str(Genome.random(WIDE_LIMITS[rng.integers(8)], rng=rng))
+    """Return the text of a valid genome of 1 to 8 segments, in version 1 or 2 of the text form."""
+    text = str(Genome.random(WIDE_LIMITS[rng.integers(8)], rng=rng))
+    return text if rng.integers(2) else re.sub(r" (own|repeat)\b| (lag|duty)=\S+", "", text.replace("wl2", "wl1"))
 
 
 def settings(rng):

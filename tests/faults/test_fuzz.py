@@ -27,7 +27,7 @@ from walkerlab.settings.settings import Settings
 ROBOTS = [
     Robot(),
     *mutants.WIDE_LIMITS,
-    Robot(weight=(0.1, 0.1), body_length=(0.05, 0.05), segments=(1, 8), segment_length=(0.05, 2.0)),
+    Robot(weight=(0.1, 0.1), body_length=(0.05, 0.05), segments=(1, 8), segment_length=(0.05, 2.0), legs=(2, 8)),
     Robot(weight=(200, 200), body_length=(8, 8), segments=(1, 8), segment_length=(0.05, 2.0), legs=(16, 16)),
     Robot(weight=(1.23456789, 1.23456789), body_length=(1 / 3, 2 / 3), segment_length=(0.1, 1 / 7)),
 ]

@@ -71,7 +71,7 @@ def gambles(answer, given):
         case (genomes, parents):
             return genomes + drawn, parents
         case np.ndarray() if answer.ndim == 1:  # chosen parents
-            return np.roll(answer, 1 + int(drawn * (len(answer) - 1))) if len(set(answer)) > 1 else answer
+            return np.random.default_rng(int(1e9 * drawn)).permutation(answer)
         case _:
             return answer + drawn
 

@@ -28,11 +28,11 @@ def first_generation(n):
 
 
 def test_most_random_robots_stand_on_their_shanks():
-    names = [touching_geoms(wl.compile_scene(genome, wl.Settings())) for genome in first_generation(100)]
+    names = [touching_geoms(wl.compile_scene(genome, wl.Settings())) for genome in first_generation(60)]
     assert np.mean([bool(touching) and all("_shank" in name for name in touching) for touching in names]) >= 0.75
 
 
 def test_many_random_robots_move_forward():
     settings = wl.Settings()
-    distances = [wl.simulate(genome, settings, poses=False).distance for genome in first_generation(40)]
+    distances = [wl.simulate(genome, settings, poses=False).distance for genome in first_generation(30)]
     assert np.mean(np.array(distances) > 0.2) >= 0.35

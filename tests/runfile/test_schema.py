@@ -1,18 +1,22 @@
 """Layouts of run files: those of every release can be used, and no other."""
 
+import re
 import shutil
 import sqlite3
 import warnings
 from contextlib import closing
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 import walkerlab as wl
 from tests.faults.standins import evaluate
 from tests.runfile.test_store import broken
+from walkerlab.__main__ import main
 from walkerlab.evolution import evolution
-from walkerlab.runfile import opening, provenance, schema, store
+from walkerlab.runfile import opening, schema, store
+from walkerlab.text.numbers import with_unit
 
 KEPT = Path(__file__).parents[1] / "kept"
 FILES = sorted(KEPT.glob("layout_*.walk"))
@@ -36,9 +40,15 @@ def test_there_is_a_test_file_of_every_layout():
     assert [layout(file) for file in FILES] == [*range(schema.OLDEST_LAYOUT, schema.LAYOUT_VERSION + 1)]
 
 
+def warns_of_version_1():
+    return pytest.warns(UserWarning, match=r"run\.walk was made by walkerlab 0\.1\. .* its robots walk differently")
+
+
 def test_each_layout_is_read_without_changing_the_file(kept):
     before = kept.read_bytes()
-    assert wl.load(kept).records.to_csv(index=False).encode() == (KEPT / "records.csv").read_bytes()
+    with warns_of_version_1():
+        run = wl.load(kept)
+    assert run.records.to_csv(index=False).encode() == (KEPT / "records.csv").read_bytes()
     facts, made_with = store.read_facts(kept)
     assert facts == store.read_facts(kept)[0]
     assert made_with["mujoco"] == "3.17.0"
@@ -46,20 +56,46 @@ def test_each_layout_is_read_without_changing_the_file(kept):
     assert [one.name for one in kept.parent.iterdir()] == [kept.name]
 
 
-def test_each_layout_is_resumed_and_upgraded(kept, monkeypatch):
+def test_a_run_of_version_1_has_the_same_champion_and_can_be_shown(kept):
+    with warns_of_version_1():
+        run = wl.load(kept)
+    table = pd.read_csv(KEPT / "records.csv")
+    best = table.iloc[table.fitness.idxmax()]
+    assert (run.champion.fitness, run.champion.genome) == (best.fitness, wl.Genome.parse(best.genome))
+    assert with_unit(best.fitness, "m") in run._repr_html_()
+
+
+def test_a_run_of_version_1_is_not_resumed_but_can_be_evolved_again(kept, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(evolution, "evaluate", evaluate)
-    before = wl.load(kept).records.to_csv(index=False)
+    before = kept.read_bytes()
+    advice = r"made by walkerlab 0\.1, .* cannot be resumed\. Evolve again .* wl\.evolve"
+    for functions in ({"mutation": nudge}, {}):
+        with warns_of_version_1(), pytest.raises(wl.RunFileError, match=advice):
+            wl.resume(kept, 5, progress=False, **functions)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # the run was made with other versions
-        run = wl.resume(kept, 5, progress=False, mutation=nudge)
-    assert run.n_generations == 5
-    assert wl.load(kept).records.to_csv(index=False).startswith(before)
+        warnings.simplefilter("always")  # the command prints warnings
+        assert main(["resume", str(kept)]) == 2
+    assert re.search(advice, " ".join(capsys.readouterr().err.split()))
+    assert kept.read_bytes() == before
+    with warns_of_version_1():
+        settings = wl.load(kept).settings
+    again = wl.evolve(settings.with_(mutation=nudge), tmp_path / "new.walk", progress=False)
+    assert again.n_generations == settings.algorithm.generations
+    assert again.settings.robot == settings.robot
+
+
+def test_each_layout_is_upgraded_before_anything_is_written(kept):
+    with warns_of_version_1():
+        run = wl.load(kept)
+    store.prepare_resume(kept, run.settings.model_dump())
     assert layout(kept) == schema.LAYOUT_VERSION
-    assert provenance.current_facts().items() <= store.read_facts(kept)[1].items()
+    with warns_of_version_1():
+        assert wl.load(kept).records.equals(run.records)
 
 
 def test_each_layout_can_be_rescued(kept, tmp_path):
-    run = wl.rescue(kept, tmp_path / "rescued.walk")
+    with pytest.warns(UserWarning, match=r"rescued\.walk was made by walkerlab 0\.1"):
+        run = wl.rescue(kept, tmp_path / "rescued.walk")
     assert run.records.to_csv(index=False).encode() == (KEPT / "records.csv").read_bytes()
     assert store.read_facts(run.path)[1] == store.read_facts(kept)[1]
 

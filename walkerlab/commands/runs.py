@@ -50,12 +50,14 @@ def resume_command(arguments: argparse.Namespace) -> int:
     """Resume a run; if it is complete, write missing output files. Return the exit code."""
     with interrupts_held():
         from walkerlab.evolution import outputs
-        from walkerlab.evolution.loading import load
+        from walkerlab.evolution.loading import load, reject_version_1
         from walkerlab.evolution.stored_functions import restore_user_functions
         from walkerlab.simulation.workers import n_cores
         from walkerlab.view import summary
 
-    run = restore_user_functions(load(arguments.path), {})
+    run = load(arguments.path)
+    reject_version_1(run)
+    run = restore_user_functions(run, {})
     done = run.n_generations
     wanted = arguments.generations
     wanted = run.settings.algorithm.generations if wanted is None else wanted

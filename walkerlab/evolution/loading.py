@@ -41,13 +41,31 @@ def load(path: str | Path) -> Run:
     if sizes.to_dict() != dict.fromkeys(range(len(sizes)), settings.algorithm.population_size):
         raise DamagedError(path, "its table has too few or too many robots")
     remember_walks(settings, table)
-    if is_of_version_1(str(table.genome.get(0, ""))):
+    run = Run(settings, table, path, since)
+    if _is_made_by_version_1(run):
         warnings.warn(
             f"{display_path(path)} was made by walkerlab 0.1. Its table and genomes are complete, but its robots walk "
             "differently in this version, so that replays and pictures can differ from the table.",
             stacklevel=2,
         )
-    return Run(settings, table, path, since)
+    return run
+
+
+def reject_version_1(run: Run) -> None:
+    """Check that the robots of a run walk in this version as they did when they were rated.
+
+    Raises:
+        RunFileError: If the run was made by version 0.1.
+    """
+    if _is_made_by_version_1(run):
+        raise RunFileError(
+            f"{display_path(run.path)} was made by walkerlab 0.1, whose robots walked differently, and cannot be "
+            "resumed. Evolve again with its settings: wl.evolve(wl.load(path).settings, new_path)"
+        )
+
+
+def _is_made_by_version_1(run: Run) -> bool:
+    return bool(run.n_generations) and is_of_version_1(str(run.records.genome[0]))
 
 
 def rescue(path: str | Path, to: str | Path) -> Run:

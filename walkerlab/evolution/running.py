@@ -10,13 +10,11 @@ from tqdm.auto import tqdm
 from walkerlab.evolution.evolution import Evolution, reject_unknown_arguments
 from walkerlab.evolution.forecast import n_walks
 from walkerlab.evolution.interruption import interrupted_message
-from walkerlab.evolution.loading import load
+from walkerlab.evolution.loading import load, reject_version_1
 from walkerlab.evolution.rerating import changed_operators, function_facts
 from walkerlab.evolution.run import Run
 from walkerlab.evolution.stored_functions import restore_user_functions
-from walkerlab.genome.text import is_of_version_1
 from walkerlab.runfile import paths, provenance, store
-from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
@@ -96,13 +94,10 @@ def resume(
             differently from the file.
         SettingsError: If ``generations`` is out of range.
     """
-    run = restore_user_functions(load(path), functions)
+    run = load(path)
+    reject_version_1(run)
+    run = restore_user_functions(run, functions)
     path = paths.locate_run_file(path)
-    if run.n_generations and is_of_version_1(str(run.records.genome[0])):
-        raise RunFileError(
-            f"{display_path(path)} was made by walkerlab 0.1, whose robots walked differently, and cannot be resumed. "
-            "Evolve again with its settings: wl.evolve(wl.load(path).settings, new_path)"
-        )
     done = run.n_generations
     _, facts = store.read_facts(path)
     if changed := provenance.describe_differences(facts, provenance.current_facts()):
