@@ -9,7 +9,8 @@ known    robots that got far on their back, rolling or trembling, in worlds wher
 weak     50 tall, weak robots on slopes: how many stay down for over 0.5 s, and how many of these count all the same
 search   the greatest distance that counts in an evolution of cheats: robots on their back, robots whose drive is cut
          after settling, robots that touch the ground with anything but feet, and robots that are slower without push
-walker   a robot that walks on its feet, on every ground: its walk must count
+walker   a robot that walks on its feet, on every ground: its walk must count, except on ice at -5°, where robots slide
+         while they stand
 """
 
 import argparse

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from hypothesis import strategies as st
 
-from walkerlab.genome.features import build_genes
+from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES, build_genes
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.fields import OneOf, Quantity
@@ -71,10 +71,15 @@ def tables(draw, robot, n=6):
 finite = st.floats(allow_nan=False, allow_infinity=False)
 
 
+def count_genes(n_segments):
+    """Return the number of genes of a genome that describes this many segments."""
+    return len(BODY_FEATURES) + len(SEGMENT_FEATURES) * n_segments
+
+
 @st.composite
 def genomes(draw, max_parts=8):
     """Any finite numbers, of any number of segments, as no repair would leave them."""
-    n_genes = 2 + 12 * draw(st.integers(1, max_parts))
+    n_genes = count_genes(draw(st.integers(1, max_parts)))
     some = draw(st.lists(finite, min_size=1, max_size=n_genes))
     return Genome(np.resize(some, n_genes))
 

@@ -7,7 +7,7 @@ import pytest
 
 import walkerlab as wl
 from benchmarks import searches, walker_jobs, walkers
-from benchmarks.champions import measure_champion, measure_ground_contact
+from benchmarks.champions import measure_champion
 from benchmarks.walker_tables import compare_folders, describe_folder, read_folder
 from walkerlab.genome.features import build_genes
 
@@ -95,42 +95,6 @@ def test_gait_genes_are_those_of_the_grown_legs():
     assert {"frequency", "seg1.hip_amplitude", "seg1.stride"} <= names
     assert not names & {"segments", "seg1.length", "seg1.mass", "seg1.legs", "seg1.leg_length", "seg1.leg_force"}
     assert not any(name.startswith("seg2") for name in names)
-
-
-@pytest.fixture
-def standing():
-    """Scene of a robot on straight legs, and its pose."""
-    genome = wl.generate_robot_population(wl.Robot(), 1, seed=0)[0]
-    genes = build_genes(wl.Robot())
-    genome[genes.find("legs")] = 1
-    for feature in ("hip_offset", "knee_offset", "hip_amplitude", "knee_amplitude"):
-        genome[genes.find(feature)] = 0
-    genome[genes.find("leg_length")] = 0.4
-    scene = wl.compile_scene(genome, wl.Settings())
-    pose = scene.start
-    pose[2] -= 0.006  # from just above the ground to just below it
-    return scene, pose
-
-
-def test_a_robot_on_straight_legs_touches_the_ground_by_its_feet_only(standing):
-    scene, pose = standing
-    n_legs = scene.phenotype.n_legs
-    assert measure_ground_contact(scene, np.tile(pose, (3, 1))) == (3 * n_legs, 3 * n_legs)
-
-
-def test_a_robot_on_its_back_touches_the_ground_without_its_feet(standing):
-    scene, pose = standing
-    pose[2] = 0.01
-    pose[3:7] = [0, 1, 0, 0]
-    feet, total = measure_ground_contact(scene, pose[np.newaxis])
-    assert feet == 0
-    assert total >= len(scene.phenotype.segments)
-
-
-def test_a_robot_in_the_air_touches_nothing(standing):
-    scene, pose = standing
-    pose[2] += 1
-    assert measure_ground_contact(scene, pose[np.newaxis]) == (0, 0)
 
 
 def test_the_measures_of_a_champion_are_those_of_its_walk():

@@ -19,7 +19,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Run one command.
 
     Args:
-        argv: Arguments without the name of the program; those of this process if None.
+        argv: Arguments without the program's name; if None, the arguments of this process.
 
     Returns:
         Exit code: 0; 1 if the computer has a fault or a run failed; 2 for an invalid request; 130 after Ctrl-C.
@@ -53,7 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _repeat_interrupt(unraisable: sys.UnraisableHookArgs) -> None:
-    """Interrupt the main thread again if Ctrl-C came during a cleanup of Python, which ignores exceptions."""
+    """Interrupt the main thread again if Ctrl-C arrived during a cleanup by Python, which ignores exceptions."""
     if unraisable.exc_type is KeyboardInterrupt:
         _thread.start_new_thread(_thread.interrupt_main, ())  # takes effect after this call
     else:
@@ -88,7 +88,7 @@ def _run_command(words: Sequence[str]) -> int:
         try:
             return arguments.run(arguments)
         except KeyboardInterrupt:
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # from now on, further ones are ignored
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # a further Ctrl-C is ignored
             return print_error(f"\n{runs.describe_stop(arguments)}", EXIT_INTERRUPTED)
         except WalkerlabError as error:
             if not hasattr(error, "saved_path"):

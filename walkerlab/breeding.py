@@ -1,6 +1,6 @@
-"""The steps of one generation, and the operators that the settings of an algorithm name, with parameters bound.
+"""The steps of one generation, and the operators named in an algorithm's settings, with their parameters bound.
 
-The public functions at the end keep the names of the design of 2017.
+The public functions at the end keep the names used in the 2017 design.
 """
 
 import inspect
@@ -30,8 +30,8 @@ from walkerlab.settings.robot import Robot
 from walkerlab.settings.values import function_name, short_repr
 from walkerlab.text.numbers import format_significant
 
-MIN_LEAD = 0.05  # of the best fitness over the median, as a share of the larger of their absolute values
-MIN_COUNTED = 8  # individuals; with fewer, the median can be close to the best by coincidence
+MIN_LEAD = 0.05  # minimum lead of the best fitness over the median, as a fraction of the larger absolute value
+MIN_COUNTED = 8  # minimum number of individuals that count; with fewer, the median can be near the best by chance
 
 GENERATION_MEANING = "the number of the generation that is created"
 
@@ -45,14 +45,14 @@ OPERATOR_MODULES: dict[type[Choice], ModuleType] = {
     Crossover: crossover,
     Mutation: mutation,
 }
-"""Module of each kind of operator; each function has the name of its choice."""
+"""Module of each kind of operator; each function is named like the member of the enumeration that selects it."""
 
 
 def resolve_operators(algorithm: Algorithm) -> Operators:
     """Return the functions in each slot of an algorithm.
 
-    Those of ``rate``, ``scale`` and ``favored`` that a mutation has as keywords, and that are not bound already, are
-    bound to the settings. The settings therefore also control user functions that have these keywords.
+    If a mutation operator accepts ``rate``, ``scale`` or ``favored`` as a keyword that is not yet bound, it is bound to
+    the value in the settings. The settings therefore also control user functions with these keywords.
     """
     require_algorithm(algorithm)
     mutation_settings = {
@@ -89,7 +89,7 @@ def slot_entries(slot: Any) -> tuple[Choice | Operator, ...]:
 
 
 def describe_operators(algorithm: Algorithm) -> str:
-    """Return the names of all operators: ``gradient > paired > randomized``, with ``+`` between those of one slot."""
+    """Return the names of all operators: ``gradient > paired > randomized``, joined by ``+`` within a slot."""
     return " > ".join(
         "+".join(entry.name if isinstance(entry, Choice) else function_name(entry) for entry in slot_entries(slot))
         for slot in (algorithm.selection, algorithm.crossover, algorithm.mutation)
@@ -97,10 +97,11 @@ def describe_operators(algorithm: Algorithm) -> str:
 
 
 def explain_lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
-    """Explain why ``gradient`` hardly prefers the best of a generation, and how to fix it; "" if it does prefer it.
+    """Return why ``gradient`` hardly prefers the best individual and how to fix that, or "" if there is no problem.
 
-    The measure is ``selection_pressure``: the pressure is lost below ``MIN_PRESSURE`` if the best fitness exceeds the
-    median by ``MIN_LEAD`` or more. With a smaller lead the population has converged, and there is nothing to fix.
+    The measure is ``selection_pressure``. The pressure counts as lost if it is below ``MIN_PRESSURE`` although the best
+    fitness exceeds the median by at least ``MIN_LEAD``. With a smaller lead the population has converged, and there is
+    nothing to fix.
 
     Args:
         fitness: Fitness of each individual of a generation, shape (n,).
@@ -120,8 +121,8 @@ def explain_lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
         f"the lowest fitness, {format_significant(worst)}, is so far below the others that gradient selection hardly "
         f"prefers the best robot: its fitness is {format_significant(best)} and the median "
         f"{format_significant(median)}, yet "
-        f"it is selected only {pressure - 1:.2%} more often than the median robot. Select by order instead, with "
-        'settings.with_(selection="rank"), or limit the fitness from below.'
+        f"it is selected only {pressure - 1:.2%} more often than the median robot. Select by rank instead: "
+        'settings.with_(selection="rank"), or set a lower bound on the fitness.'
     )
 
 
@@ -129,7 +130,8 @@ def check_user_operators(algorithm: Algorithm, genes: Genes) -> None:
     """Check each user operator of an algorithm on a trial population, before any simulation.
 
     Raises:
-        OperatorError: If one does not work; the message names it, what is expected, what it did, and how to fix it.
+        OperatorError: If an operator does not work; the message says which one, what is expected, what it did, and how
+            to fix it.
     """
     resolved = resolve_operators(algorithm)
     slots: tuple[tuple[Any, tuple[Operator, ...], Callable[[Operator], None]], ...] = (
@@ -178,10 +180,10 @@ def generate_robot_population(robot: Robot, size: int, *, seed: int) -> Floats:
 
 
 def select_from_population(fitness: ArrayLike, n_parents: int, algorithm: Algorithm, *, generation: int) -> Indices:
-    """Select parents with the selections of an algorithm.
+    """Select parents with the algorithm's selection operators.
 
     Args:
-        fitness: Fitness of each individual, shape (n,); higher is better, -inf if it does not count.
+        fitness: Fitness of each individual, shape (n,); higher is better, -inf for an individual that does not count.
         n_parents: Number of parents to select.
         algorithm: Settings of the algorithm.
         generation: Number of the generation that is created, which determines the random numbers.
@@ -190,7 +192,7 @@ def select_from_population(fitness: ArrayLike, n_parents: int, algorithm: Algori
         Indices into ``fitness``, shape (n_parents,).
 
     Raises:
-        ValueError: If ``fitness`` is empty or not a row of numbers, or one is NaN or +inf.
+        ValueError: If ``fitness`` is empty or not a row of numbers, or contains NaN or +inf.
     """
     select = resolve_operators(algorithm).select
     values = _as_fitness(fitness)
@@ -204,11 +206,11 @@ def select_from_population(fitness: ArrayLike, n_parents: int, algorithm: Algori
 def crossover_population(
     parents: Individuals, fitness: ArrayLike, n_children: int, robot: Robot, algorithm: Algorithm, *, generation: int
 ) -> Children:
-    """Produce children with the crossovers of an algorithm.
+    """Produce children with the algorithm's crossover operators.
 
     Args:
         parents: Genomes of the parents.
-        fitness: Fitness of each parent, shape (n_parents,); -inf, if it does not count, is treated as 0.
+        fitness: Fitness of each parent, shape (n_parents,); -inf (does not count) is treated as 0.
         n_children: Number of children.
         robot: Limits of the robots.
         algorithm: Settings of the algorithm.
@@ -218,7 +220,7 @@ def crossover_population(
         Children, with the indices of their parents.
 
     Raises:
-        ValueError: If there is not one fitness for each parent, or one is NaN or +inf.
+        ValueError: If the number of fitness values differs from the number of parents, or a value is NaN or +inf.
     """
     cross = resolve_operators(algorithm).cross
     genes = build_genes(robot)
@@ -230,7 +232,7 @@ def crossover_population(
     require_count(generation, "generation", GENERATION_MEANING, low=0)
     if fitness.shape != (len(genomes),):
         raise ValueError(
-            f"fitness must have the shape ({len(genomes)},), a number for each of the parents; got {fitness.shape}. "
+            f"fitness must have the shape ({len(genomes)},), one number for each parent; got {fitness.shape}. "
             "For selected parents, that is fitness[selected]."
         )
     comparable = fitness_for_comparison(fitness)
@@ -241,7 +243,7 @@ def crossover_population(
 
 
 def mutate_population(genomes: Individuals, robot: Robot, algorithm: Algorithm, *, generation: int) -> Floats:
-    """Mutate genomes with the mutations of an algorithm, and repair them so that every robot obeys the limits.
+    """Mutate genomes with the algorithm's mutation operators, and repair them to bring every robot within the limits.
 
     Args:
         genomes: Genomes.
@@ -278,7 +280,7 @@ def _as_table(genomes: Individuals, robot: Robot) -> Floats:
     """Return genomes as an array of shape (n, n_genes).
 
     Raises:
-        ValueError: If one has a different length; the message explains how to fix it.
+        ValueError: If a genome has the wrong length; the message explains how to fix it.
     """
     rows = [genome.values for genome in read_genomes(genomes)]
     n_genes = len(build_genes(robot))

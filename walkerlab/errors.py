@@ -9,7 +9,7 @@ class WalkerlabError(Exception):
     """An error that the user can fix; the message explains how."""
 
     def _render_traceback_(self) -> list[str]:
-        """Return the lines that IPython prints instead of a traceback: those of the cell, the message and the notes."""
+        """Return the lines that IPython prints instead of a traceback: the cell's line, the message and the notes."""
         cell_lines = [
             f"In line {frame.lineno} of the cell: {frame.line}"
             for frame in extract_tb(self.__traceback__)

@@ -7,11 +7,11 @@ order in which they finish can change a result.
 from numpy.random import Generator, SeedSequence, default_rng
 
 PURPOSES = ("population", "selection", "crossover", "mutation", "perturbation", "terrain", "check")
-"""What random numbers are used for. Results depend on the order: append, never reorder."""
+"""Purposes of random numbers. Results depend on their order: append, never reorder."""
 
 
 def random_stream(seed: int, purpose: str, *address: int) -> Generator:
-    """Return the random generator of an address.
+    """Return the random generator for a purpose and an address.
 
     Args:
         seed: Seed of the run, 0 or more.

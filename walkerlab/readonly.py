@@ -1,4 +1,4 @@
-"""Objects that stay as they were made: attributes that cannot be assigned, and arrays that stay read-only in copies."""
+"""Immutable objects: attributes that cannot be assigned, and arrays that stay read-only in copies."""
 
 from dataclasses import fields
 from typing import Any, ClassVar
@@ -16,7 +16,7 @@ class ReadOnlyProperties:
     """Base of classes whose properties cannot be assigned or deleted.
 
     Attributes:
-        INSTEAD: For each property, why it is read-only and what to do instead; sentences for the error message.
+        INSTEAD: For each property, why it is read-only and what to do instead; as sentences for the error message.
     """
 
     INSTEAD: ClassVar[dict[str, str]] = {}
@@ -45,7 +45,7 @@ class ReadOnlyProperties:
 
 
 class ReadOnlyArrays:
-    """Base of dataclasses whose arrays are read-only, also in copies and in what is unpickled."""
+    """Base of dataclasses whose arrays are read-only, even in copies and after unpickling."""
 
     def __post_init__(self) -> None:
         """Make each array read-only."""

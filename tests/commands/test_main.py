@@ -20,6 +20,7 @@ import walkerlab as wl
 from walkerlab.__main__ import main
 from walkerlab.commands import flags, lab
 from walkerlab.evolution import outputs
+from walkerlab.text.numbers import with_unit
 
 TINY = ["--population-size", "6", "--generations", "2", "--duration", "1", "--quiet"]
 
@@ -134,7 +135,7 @@ def test_all_errors_are_reported_together_and_nothing_is_written(here, capsys):
     assert main(words.split()) == 2
     output = capsys.readouterr().err
     for fault in (
-        "Terrain.step_height is 0.9 m; it must be 0.01 to 0.4 m.",
+        "Terrain.step_height is 0.9 m; it must be between 0.01 and 0.4 m.",
         "Robot.segments is [2]; it must be 2 numbers: min, max.",
         "Terrain.gravity's z is 'down'; it must be a number, -30 to 30 m/s².",
         "Algorithm.selection is 'best'; it must be one of gradient (0)",
@@ -172,7 +173,7 @@ def test_quiet_prints_nothing_and_otherwise_a_summary_and_the_next_commands_are_
     output = capfd.readouterr().out
     champion = wl.load("loud/run.walk").champion
     assert f"robot {champion.individual}, born in generation {champion.generation}" in output
-    assert f"{champion.fitness:.3f} m" in output
+    assert with_unit(champion.fitness, "m") in output
     for word in [*outputs.OUTPUT_FILES, "walkerlab show loud", "walkerlab resume loud --generations", "walkerlab lab"]:
         assert word in output
 
@@ -376,7 +377,7 @@ def test_rescue_saves_the_intact_generations_and_the_run_can_be_resumed(
     before = (damaged / "run.walk").read_bytes()
     assert main(["show", "damaged"]) == 2
     message = capsys.readouterr().err
-    assert "generation 1 is not as it was written" in message
+    assert "generation 1 was changed or damaged after it was written" in message
     assert main(re.search(r"walkerlab (rescue \S+),", message).group(1).replace('"', "").split()) == 0
     assert "1 of 2 intact generations are saved in rescued" in capsys.readouterr().out
     assert main(["rescue", "damaged"]) == 2

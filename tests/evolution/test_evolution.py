@@ -103,11 +103,11 @@ class TestRepeatable:
             return -1e6 if rollout.distance < 0 else rollout.distance
 
         with pytest.warns(UserWarning, match=r'-1\.00e\+06.*selection="rank"') as caught:
-            evolve(threads, fitness=punishes, population_size=12, generations=2)
+            evolve(threads, fitness=punishes, selection="gradient", population_size=12, generations=2)
         assert len(caught) == 1
 
     def test_a_fitness_that_rejects_every_robot_warns(self, threads):
-        with pytest.warns(UserWarning, match="returned None for every robot.*ends with return") as caught:
+        with pytest.warns(UserWarning, match="returned None for every robot.*ends with a return statement") as caught:
             run = evolve(threads, fitness=lambda rollout: None, population_size=4, generations=2)
         assert len(caught) == 1
         assert run.n_generations == 2
@@ -382,7 +382,7 @@ class TestOperatorSlots:
         for given, message in (
             ({}, r"mutation=\[partial\(nudge, step=0.02\), 'macro'\]"),
             ({"mutation": nudge}, r"mutation=\[partial\(nudge, step=0.02\), 'macro'\]"),
-            ({"mutation": slot, "selection": "uniform"}, "'gradient'"),
+            ({"mutation": slot, "selection": "uniform"}, "'tournament'"),
             ({"mutation": slot, "mutatoin": slot}, "slots for functions are fitness, selection"),
         ):
             with pytest.raises(wl.RunFileError, match=message):

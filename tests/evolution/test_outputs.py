@@ -55,13 +55,11 @@ def test_if_a_part_fails_the_old_files_stay_and_the_error_names_it(written, here
     monkeypatch.setattr(mujoco.MjModel, "from_xml_string", unreadable)
     monkeypatch.setattr(mujoco.MjModel, "from_xml_path", unreadable)
     before = texts(here / "walk")
-    with pytest.raises(
-        OutputError, match=r"walk\. All files stay as they were\.\n  champion\.xml: ValueError: XML Error"
-    ):
+    with pytest.raises(OutputError, match=r"walk\. No file was changed\.\n  champion\.xml: ValueError: XML Error"):
         outputs.write_outputs(written, here / "walk")
     assert texts(here / "walk") == before
     os.utime(here / "walk" / "champion.xml")
-    with pytest.raises(OutputError, match="All other files are written"):
+    with pytest.raises(OutputError, match="All other files were written"):
         outputs.write_outputs(wl.load("walk"), Path("walk"))
     assert texts(here / "walk")["champion.xml"] == "old", "it is up to date"
     assert texts(here / "walk")["champion.png"] == "new"

@@ -166,7 +166,7 @@ def test_a_changed_operator_warns_and_is_recorded(begin, tmp_path):
         return nudge
 
     resume = begin("distance", mutation=make(0.01))
-    with pytest.warns(UserWarning, match="another source of its mutation"):
+    with pytest.warns(UserWarning, match="different code for its mutation"):
         resume(mutation=make(0.02))
     assert source_digest(make(0.02)) in store.read_facts(tmp_path / "m.walk")[1]["mutation function"]
 

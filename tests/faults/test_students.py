@@ -186,7 +186,7 @@ def test_a_late_fault_is_reported_with_its_generation_and_the_run_can_be_resumed
     truth = whole(slot)
     same(wl.load(path).records, truth[truth.generation < late])
     fixed_source = (
-        nullcontext() if slot == "fitness" else pytest.warns(UserWarning, match=f"another source of its {slot}")
+        nullcontext() if slot == "fitness" else pytest.warns(UserWarning, match=f"different code for its {slot}")
     )
     with fixed_source:
         same(wl.resume(path, executor=pool, progress=False, **{slot: create_function(slot)}).records, truth)
@@ -237,9 +237,7 @@ def test_evaluate_reports_the_index_and_genome_of_a_robot(pool):
     genomes = [wl.Genome.random(SETTINGS.robot, rng=np.random.default_rng(i)) for i in range(5)]
     faulty = walks([genomes[3].within(SETTINGS.robot)], SETTINGS)[0][0].distance
     settings = SETTINGS.with_(fitness=create_function("fitness", knows_nothing, lambda walk: walk.distance == faulty))
-    with pytest.raises(
-        wl.OperatorError, match=r"'mine' must .*; it returned nan, for robot 3 of those given"
-    ) as caught:
+    with pytest.raises(wl.OperatorError, match=r"'mine' must .*; it returned nan, for the robot at index 3") as caught:
         wl.evaluate(genomes, settings, pool)
     assert caught.value.genome == genomes[3].within(SETTINGS.robot)
 

@@ -46,7 +46,7 @@ def test_workers_that_hang_are_replaced_and_the_records_do_not_change(n_stopped,
     monkeypatch.setattr(
         timeouts, "replace_hung_workers", lambda executor, silence: replace_hung_workers(executor, silence / 200)
     )
-    with pytest.warns(WorkerLostWarning, match="they gave no answer any more"):
+    with pytest.warns(WorkerLostWarning, match="they stopped responding"):
         for _ in evolution:
             pass
     pd.testing.assert_frame_equal(evolution.run.records, expected, check_exact=True)

@@ -104,16 +104,26 @@ def fails_for_equal_fitness(fitness, n_parents, *, rng):
             "np.resize(selected, n_parents)",
         ),
         (returns_none, "n_parents = 18 parents", "nothing (None)", "np.resize"),
-        (returns_mask, "whole numbers 0 to 19", "shape (18,), bool", "np.flatnonzero(mask)"),
-        (returns_index_out_of_range, "whole numbers 0 to 19", "it returned 20", "rng.integers(len(fitness)"),
+        (returns_mask, "whole numbers from 0 to 19", "shape (18,), bool", "np.flatnonzero(mask)"),
+        (
+            returns_index_out_of_range,
+            "whole numbers from 0 to 19",
+            "one of the values it returned is 20",
+            "rng.integers(len(fitness)",
+        ),
         (
             returns_index_out_of_range,
             "0 to 19",
             "when tried on a trial population of 20 individuals",
             "rng.integers(len(fitness)",
         ),
-        (returns_fractional_indices, "whole numbers 0 to 19", "float64", "np.argsort returns indices"),
-        (returns_negative_indices, "whole numbers 0 to 19", "it returned -", "rng.integers(len(fitness)"),
+        (returns_fractional_indices, "whole numbers from 0 to 19", "float64", "np.argsort returns indices"),
+        (
+            returns_negative_indices,
+            "whole numbers from 0 to 19",
+            "one of the values it returned is -",
+            "rng.integers(len(fitness)",
+        ),
         (sorts_in_place, "not modify its arguments", "it tried to (line ", "fitness.copy()"),
         (uses_own_generator, "the same result for the same rng", "it returned two different", "rng.random()"),
     ],
@@ -195,8 +205,8 @@ def crosses_in_place(parents, fitness, n_children, *, rng):
         (returns_too_few_children, "(n_children, n_genes) = (20, 18)", "shape (10, 18)", "axis=0"),
         (
             returns_parents_out_of_range,
-            "indices of the parents given, whole numbers 0 to 19",
-            "it returned 20",
+            "indices of the given parents, whole numbers from 0 to 19",
+            "one of the values it returned is 20",
             "Draw from",
         ),
         (returns_nan, "finite numbers", "it returned nan", "division by zero"),
@@ -269,7 +279,11 @@ def test_an_exception_in_a_mutation_is_reported_without_mentioning_fitness():
 @pytest.mark.parametrize(
     ("slot", "check", "shifted_by"),
     [
-        ("selection", check_select, lambda shift, fitness, n: (np.arange(n) + int(1e6 * abs(shift))) % len(fitness)),
+        (
+            "selection",
+            check_select,
+            lambda shift, fitness, n: np.random.default_rng(int(1e9 * abs(shift))).integers(len(fitness), size=n),
+        ),
         (
             "crossover",
             partial(check_cross, genes=GENES),

@@ -351,7 +351,7 @@ def test_a_nan_fitness_is_reported_with_the_individual():
 def test_missing_evaluations_too_many_elites_and_empty_slots_are_rejected():
     with pytest.raises(ValueError, match="returned 4 results for 5 genomes"):
         first_population(random_genomes(bits(3), 5), lambda genomes: ones(genomes)[1:])
-    with pytest.raises(ValueError, match="n_elites is 6; it must be 0 to 5"):
+    with pytest.raises(ValueError, match="n_elites is 6; it must be between 0 and 5"):
         evolve(operators(), bits(4), 6, 1, n_elites=6)
     with pytest.raises(ValueError, match=r"Operators\.cross is empty"):
         Operators((selection.rank,), (), (no_mutation,))

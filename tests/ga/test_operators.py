@@ -53,7 +53,7 @@ def test_a_rate_of_zero_changes_nothing_and_a_rate_in_percent_is_rejected(mutate
     table = body()
     genomes = random_genomes(table, 50)
     assert np.array_equal(mutate(genomes, table, rate=0.0, rng=rng()), genomes)
-    with pytest.raises(ValueError, match="must be 0 to 1"):
+    with pytest.raises(ValueError, match="must be between 0 and 1"):
         mutate(genomes, table, rate=8, rng=rng())
 
 

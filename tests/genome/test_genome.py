@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from tests.strategies import finite, genomes, robots, tables
+from tests.strategies import count_genes, finite, genomes, robots, tables
 from walkerlab.breeding import crossover_population, generate_robot_population, mutate_population
 from walkerlab.evolution.run import Run
 from walkerlab.genome.features import build_genes, gene_table
@@ -103,7 +103,7 @@ def is_in_its_ranges(population, robot):
 def test_the_gene_table_has_a_row_for_each_gene_and_its_ranges_are_the_limits(robot):
     table = gene_table(robot).set_index("gene", drop=False)
     assert list(table.columns) == ["gene", "unit", "low", "high", "kind", "meaning"]
-    assert len(table) == len(build_genes(robot)) == 2 + 12 * robot.segments[1]
+    assert len(table) == len(build_genes(robot)) == 4 + 13 * robot.segments[1]
     assert table.index.is_unique
     assert set(table.kind) <= {"real", "count", "cyclic"}
     assert (table.low <= table.high).all()
@@ -152,15 +152,15 @@ def test_genomes_are_equal_when_their_values_are(one, other):
 
 
 def test_zero_and_minus_zero_are_the_same_gene():
-    plus, minus = Genome(np.zeros(14)), Genome(-np.zeros(14))
+    plus, minus = Genome(np.zeros(17)), Genome(-np.zeros(17))
     assert plus == minus
     assert (hash(plus), str(plus)) == (hash(minus), str(minus))
 
 
 def test_values_that_are_not_a_genome_are_rejected():
     good = Genome.random(Robot(), rng=rng(0)).values
-    for bad in (good[:-1], good[:2], [], good[np.newaxis], np.zeros(2 + 12 * 9), 3.0):
-        with pytest.raises(ValueError, match="a genome has 2 genes and 12 more for each of 1 to 8 segments"):
+    for bad in (good[:-1], good[:2], [], good[np.newaxis], np.zeros(count_genes(9)), 3.0):
+        with pytest.raises(ValueError, match="a genome has 4 genes and 13 more for each of 1 to 8 segments"):
             Genome(bad)
     for bad in (np.nan, np.inf, -np.inf):
         with pytest.raises(ValueError, match=r"gene 3 .* not a finite number"):
@@ -178,11 +178,11 @@ def test_a_genome_is_the_same_as_its_text_and_its_values(genome):
 
 
 def test_objects_that_are_not_numbers_are_rejected_with_an_explanation():
-    for bad in ({}, object(), b"wl1", [None], "wl1".split, [[1], [2, 3]], [10**400] * 14):
-        with pytest.raises(ValueError, match=r"must be a row of numbers|a genome has 2 genes|finite number"):
+    for bad in ({}, object(), b"wl2", [None], "wl2".split, [[1], [2, 3]], [10**400] * 17):
+        with pytest.raises(ValueError, match=r"must be a row of numbers|a genome has 4 genes|finite number"):
             Genome.of(bad)
-    for bad in (None, 3, b"wl1", Genome.random(Robot(), rng=rng(0))):
-        with pytest.raises(GenomeError, match="a genome is read from its text, a str; got "):
+    for bad in (None, 3, b"wl2", Genome.random(Robot(), rng=rng(0))):
+        with pytest.raises(GenomeError, match="a genome's text must be a str; got "):
             Genome.parse(bad)
 
 
@@ -236,7 +236,7 @@ def test_a_single_genome_is_rejected_where_several_are_expected():
     for single in (genome, str(genome), genome.values, run_of_one(genome).champion):
         with pytest.raises(ValueError, match="put it in a list"):
             read_genomes(single)
-    for empty in ([], (), np.array([]), np.empty((0, 50))):
+    for empty in ([], (), np.array([]), np.empty((0, 56))):
         assert read_genomes(empty) == []
 
 
@@ -253,11 +253,11 @@ def test_a_random_genome_depends_on_rng_only_and_obeys_the_limits(robot, seed):
 
 
 def test_random_genomes_differ_and_reach_every_body_plan():
-    drawn = generate_robot_population(Robot(), 1000, seed=1)
-    assert len(np.unique(drawn, axis=0)) == 1000
-    plans = Counter(express(Genome(values)).plan for values in drawn)
-    for n in range(1, 5):
-        assert sum(len(plan) == n for plan in plans) == 2**n - 1  # all but the one without legs
+    drawn = generate_robot_population(Robot(), 3000, seed=1)
+    assert len(np.unique(drawn, axis=0)) == 3000
+    plans = {express(Genome(values)).plan for values in drawn}
+    for n in range(2, 5):
+        assert sum(len(plan) == n for plan in plans) == 2**n - 1 - n  # all but those with less than two pairs of legs
 
 
 def test_weights_and_lengths_of_random_robots_fill_their_range():
@@ -267,7 +267,7 @@ def test_weights_and_lengths_of_random_robots_fill_their_range():
     for found in (weights, [body.body_length for body in bodies]):
         assert Counter(np.round(found, 3)).most_common(1)[0][1] <= 50
     assert np.min(np.histogram(weights, bins=10, range=robot.weight)[0]) > 50
-    for n in range(1, 5):
+    for n in range(2, 5):
         lengths = [body.body_length for body in bodies if len(body.segments) == n]
         low, high = max(0.4, 0.2 * n), min(1.2, 0.5 * n)
         assert np.min(np.histogram(lengths, bins=4, range=(low - 1e-9, high + 1e-9))[0]) > 0.15 * len(lengths)
@@ -317,10 +317,11 @@ def test_numbers_of_repaired_genomes_have_at_most_three_decimals():
 def test_the_text_follows_the_order_of_the_body():
     text = str(Genome.random(Robot(segments=(2, 2)), rng=rng(0)))
     number = r"-?\d+(\.\d+)?"
-    segment = rf"\| seg length={number} mass={number} (no)?legs length={number} force={number}"
+    segment = rf"\| seg length={number} mass={number} (no)?legs (own|repeat) length={number} force={number}"
     swing = rf"amplitude={number} phase={number} offset={number}"
     step = rf"\| step hip {swing} knee {swing} stride={number}"
-    assert re.fullmatch(rf"wl1 segments=2 {segment} {segment} \| gait frequency={number} {step} {step}", text)
+    gait = rf"\| gait frequency={number} lag={number} duty={number}"
+    assert re.fullmatch(rf"wl2 segments=2 {segment} {segment} {gait} {step} {step}", text)
 
 
 def test_a_text_may_be_edited():
@@ -351,39 +352,52 @@ def points_at(text, place):
 
 
 SHORT = str(Genome.random(Robot(segments=(2, 2)), rng=rng(4)))
+SHORT_OF_VERSION_1 = (
+    "wl1 segments=2 | seg length=0.34 mass=3.59 legs length=0.441 force=3.4 "
+    "| seg length=0.331 mass=8.41 nolegs length=0.399 force=2.753 | gait frequency=1.38 "
+    "| step hip amplitude=0.733 phase=4.806 offset=0.391 knee amplitude=0.965 phase=1.66 offset=0.274 stride=4.078 "
+    "| step hip amplitude=0.838 phase=0.135 offset=-0.794 knee amplitude=0.443 phase=4.351 offset=-0.108 stride=3.992"
+)
+both_versions = pytest.mark.parametrize("text", [SHORT, SHORT_OF_VERSION_1], ids=["version 2", "version 1"])
 
 
 def starts(tokens):
     return [sum(len(token) + 1 for token in tokens[:i]) for i in range(len(tokens) + 1)]
 
 
-def test_each_missing_word_is_pointed_at():
-    tokens = SHORT.split()
+@both_versions
+def test_each_missing_word_is_pointed_at(text):
+    tokens = text.split()
     for i, missing in enumerate(tokens):
         left = tokens[:i] + tokens[i + 1 :]
         at_end = i == len(left)
         head = points_at(" ".join(left), len(" ".join(left)) if at_end else starts(left)[i])
         assert f"got '{'the end of the text' if at_end else left[i]}'" in head
-        if missing != "seg":  # without its name a segment is taken for the gait
-            assert f"expected '{missing.removeprefix('no').partition('=')[0]}" in head
+        if missing == "wl1":  # a text without a version has the current one
+            assert "expected 'wl2'" in head
+        elif missing != "seg":  # without its name a segment is taken for the gait
+            assert f"'{missing.partition('=')[0]}" in head.partition(" expected ")[2].partition(", got ")[0]
 
 
-def test_each_word_too_many_is_pointed_at():
-    tokens = SHORT.split()
+@both_versions
+def test_each_word_too_many_is_pointed_at(text):
+    tokens = text.split()
     for i in range(len(tokens)):
         more = tokens[: i + 1] + tokens[i:]
         assert f"got '{tokens[i]}'" in points_at(" ".join(more), starts(more)[i + 1])
 
 
-def test_each_two_words_in_the_wrong_order_are_pointed_at():
-    tokens = SHORT.split()
+@both_versions
+def test_each_two_words_in_the_wrong_order_are_pointed_at(text):
+    tokens = text.split()
     for i, (one, other) in enumerate(pairwise(tokens)):
         swapped = [*tokens[:i], other, one, *tokens[i + 2 :]]
         assert f"got '{other}'" in points_at(" ".join(swapped), starts(swapped)[i])
 
 
-def test_each_corrupt_word_is_pointed_at():
-    tokens = SHORT.split()
+@both_versions
+def test_each_corrupt_word_is_pointed_at(text):
+    tokens = text.split()
     for i, token in enumerate(tokens):
         key = token.partition("=")[0] if "=" in token else token
         bad = [f"{token}x", f"x{token}", token.upper(), "…", "0", "=", "\0", "\x1b[2J", "\u202e", "１"]
@@ -398,16 +412,16 @@ def test_each_corrupt_word_is_pointed_at():
             assert f"got {corrupt!r}" in points_at(" ".join(words), starts(words)[i])
 
 
+@both_versions
 @pytest.mark.parametrize("blank", [" ", "\n", "\t", "\r\n", "  \n  ", "\v", "\u2028", "\u3000"])
-def test_the_caret_points_at_the_position_for_any_white_space(blank):
-    tokens = SHORT.replace("frequency", "freqency").split()
-    text = blank.join(tokens)
-    assert "expected 'frequency=' and a number" in points_at(text, text.index("freqency"))
+def test_the_caret_points_at_the_position_for_any_white_space(blank, text):
+    spaced = blank.join(text.replace("frequency", "freqency").split())
+    assert "expected 'frequency=' and a number" in points_at(spaced, spaced.index("freqency"))
 
 
 def test_too_many_segments_are_reported():
-    most = str(Genome(np.zeros(2 + 12 * 8)))
-    one_more = most.replace("| gait", "| seg length=0 mass=0 nolegs length=0 force=0 | gait")
+    most = str(Genome(np.zeros(count_genes(8))))
+    one_more = most.replace("| gait", "| seg length=0 mass=0 nolegs own length=0 force=0 | gait")
     head = points_at(one_more, one_more.rindex("seg "))
     assert "after at most 8 segments" in head
 
@@ -420,10 +434,10 @@ def test_too_many_segments_are_reported():
         "|" * 19_999,
         " " * 10**6,
         "seg " * 4_999,
-        "wl1 segments=" + "1" * 19_000 + "x",
-        "wl1 segments=1." + "1" * 19_000 + "x",
-        "wl1 segments=" + "1" * 19_000,
-        "wl1 segments=2 | seg length=1e" + "9" * 19_000,
+        "wl2 segments=" + "1" * 19_000 + "x",
+        "wl2 segments=1." + "1" * 19_000 + "x",
+        "wl2 segments=" + "1" * 19_000,
+        "wl2 segments=2 | seg length=1e" + "9" * 19_000,
     ],
 )
 def test_huge_texts_are_rejected_quickly_with_a_short_message(text):
@@ -443,16 +457,20 @@ def is_genome_or_rejected(text):
 @given(st.text())
 def test_any_text_is_a_genome_or_rejected(text):
     assert is_genome_or_rejected(text)
-    assert is_genome_or_rejected("wl1 segments=" + text)
+    for version in (1, 2):
+        assert is_genome_or_rejected(f"wl{version} segments={text}")
 
 
 words = st.sampled_from([*dict.fromkeys(SHORT.split()), "legs=0.5", "length=-1", "length=.", "|seg", "12", "١٢", "²"])
 
 
-@hypothesis_settings(max_examples=200)
-@given(st.lists(st.tuples(st.integers(0, len(SHORT)), st.integers(0, 9), st.text(max_size=4) | words), max_size=4))
-def test_a_mutated_text_is_a_genome_or_rejected(edits):
-    text = SHORT
+edit_lists = st.lists(st.tuples(st.integers(0, len(SHORT)), st.integers(0, 9), st.text(max_size=4) | words), max_size=4)
+
+
+@both_versions
+@hypothesis_settings(max_examples=100)
+@given(edits=edit_lists)
+def test_a_mutated_text_is_a_genome_or_rejected(edits, text):
     for start, n_lost, new in edits:
         text = text[:start] + new + text[start + n_lost :]
     assert is_genome_or_rejected(text)
@@ -460,7 +478,7 @@ def test_a_mutated_text_is_a_genome_or_rejected(edits):
 
 @given(st.lists(words, max_size=60))
 def test_words_in_any_order_are_a_genome_or_rejected(several):
-    assert is_genome_or_rejected(" ".join(["wl1", "segments=1", "|", *several]))
+    assert is_genome_or_rejected(" ".join(["wl2", "segments=1", "|", *several]))
 
 
 # --------------------------------------------------------------------------------------------------- the limits
@@ -513,12 +531,12 @@ def test_repair_rejects_other_shapes_and_infinite_values():
     good = generate_robot_population(robot, 3, seed=0)
     for bad in (good[0], good[:, :-1], good[np.newaxis], np.zeros((3, 0))):
         with pytest.raises(
-            ValueError, match=re.escape(f"must have the shape (n, 50) for these limits; got {bad.shape}")
+            ValueError, match=re.escape(f"must have the shape (n, 56) for these limits; got {bad.shape}")
         ):
             repair(bad, robot)
     for bad in (np.nan, np.inf, -np.inf):
         with pytest.raises(ValueError, match=f"genome 2: seg1.mass is {bad}; it must be a finite number"):
-            repair(np.where((np.arange(150) == 2 * 50 + 3).reshape(3, 50), bad, good), robot)
+            repair(np.where((np.arange(3 * 56) == 2 * 56 + 5).reshape(3, 56), bad, good), robot)
 
 
 def test_robots_at_the_lightest_and_heaviest_weight_have_plausible_densities():
@@ -566,7 +584,7 @@ def test_a_genome_within_wider_limits_keeps_its_robot(narrow, wide, seed):
 def test_only_grown_segments_are_expressed(robot, noise):
     values = generate_robot_population(robot, 1, seed=len(noise))[0]
     n_grown = int(values[0])
-    other = np.where(np.arange(len(values)) < 2 + 12 * n_grown, values, np.resize(noise, len(values)))
+    other = np.where(np.arange(len(values)) < count_genes(n_grown), values, np.resize(noise, len(values)))
     assert express(Genome(values)) == express(Genome(other))
     assert len(express(Genome(values)).segments) == n_grown
 

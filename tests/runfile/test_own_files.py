@@ -102,7 +102,7 @@ spaced.__name__ = "my height"
 )
 def test_settings_that_cannot_be_stored_raise_before_any_walk(path, fitness, monkeypatch):
     monkeypatch.setattr(evolution, "evaluate", None)
-    with pytest.raises(wl.SettingsError, match=r"cannot be stored|a run file cannot hold"):
+    with pytest.raises(wl.SettingsError, match=r"cannot be stored|a run file cannot store"):
         wl.evolve(SETTINGS.with_(fitness=fitness), path, progress=False)
     assert not path.exists()
 

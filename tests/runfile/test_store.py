@@ -235,13 +235,13 @@ def test_without_hard_links_a_failed_copy_leaves_nothing(tmp_path, monkeypatch):
 
 
 def test_a_folder_stands_for_its_run_file(tmp_path):
-    with pytest.raises(RunFileError, match="has no run file in it"):
+    with pytest.raises(RunFileError, match="contains no run file"):
         paths.locate_run_file(tmp_path)
     assert paths.locate_run_file(tmp_path / "mine.walk") == tmp_path / "mine.walk"
     (tmp_path / "mine.walk").touch()
     assert paths.locate_run_file(tmp_path) == tmp_path / "mine.walk", "the only run file of the folder"
     (tmp_path / "yours.walk").touch()
-    with pytest.raises(RunFileError, match=r"2 run files in it: mine\.walk, yours\.walk"):
+    with pytest.raises(RunFileError, match=r"contains 2 run files: mine\.walk, yours\.walk"):
         paths.locate_run_file(tmp_path)
     (tmp_path / paths.RUN_FILE).touch()
     assert paths.locate_run_file(tmp_path) == tmp_path / paths.RUN_FILE

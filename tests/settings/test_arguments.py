@@ -38,7 +38,7 @@ SETTINGS_WANTED = "settings must be a Settings"
         # run files and folders
         ("wl.load(at / 'two')", ["2 run files", "a.walk, b.walk", "Name one of them: ", "two/a.walk"]),
         ("wl.resume(at / 'two')", ["2 run files"]),
-        ("wl.load(at / 'empty')", ["empty has no run file", ".walk"]),
+        ("wl.load(at / 'empty')", ["empty contains no run file", ".walk"]),
         ("wl.load(at / 'table.csv')", ["table.csv", "not a run file", ".walk"]),
         ("wl.load(None)", ["path must be a path", "got None"]),
         ("wl.load(run)", ["path must be a path", "run.path"]),
@@ -48,7 +48,10 @@ SETTINGS_WANTED = "settings must be a Settings"
         ("wl.evolve(S, 3)", ["path must be a path", "got 3"]),
         ("wl.evolve(S, X)", ["path must be a path", "executor=…"]),
         # names of arguments
-        ("wl.evolve(seed=3)", ["no argument 'seed'", "wl.evolve(wl.Settings().with_(seed=3))"]),
+        (
+            "wl.evolve(seed=3)",
+            ["'seed' is a setting, not an argument of evolve", "wl.evolve(wl.Settings().with_(seed=3))"],
+        ),
         ("wl.evolve(S, pth='x')", ["no argument 'pth'", "settings, path, executor, progress", "Did you mean 'path'?"]),
         ("wl.Evolution(S, seed=3)", ["wl.Evolution(wl.Settings().with_(seed=3))"]),
         ("wl.Settings({'seed': 3})", ["by name", "{'seed': 3}"]),
@@ -95,7 +98,7 @@ SETTINGS_WANTED = "settings must be a Settings"
         ("wl.replay(None)", ["replay takes a genome", "got None"]),
         ("wl.replay(W)", ["replay takes a genome", "got Rollout"]),
         ("wl.replay(T)", ["table.genome[0]"]),
-        ("wl.timelapse(T, at / 'x.mp4')", ["made from a run", "got a DataFrame"]),
+        ("wl.timelapse(T, at / 'x.mp4')", ["a time-lapse requires a run", "got a DataFrame"]),
         # numbers
         ("wl.Genome.random(S.robot, rng=1)", ["numpy random Generator; got 1", "np.random.default_rng(1)"]),
         ("wl.generate_robot_gene(S.robot, rng=None)", ["numpy random Generator; got None"]),

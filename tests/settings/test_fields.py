@@ -125,15 +125,15 @@ def test_a_min_over_its_max_is_rejected(name):
     declared = Robot.declared()[name]
     message = error_message(Robot, **{name: (declared.high, declared.low)})
     assert message.startswith(f"Robot.{name} is ({declared.high:g}, {declared.low:g})")
-    assert "its min must not be over its max" in message
+    assert "its min must not exceed its max" in message
     assert f" {declared.unit}; " in message or not declared.unit
 
 
 def test_the_message_has_value_range_and_meaning():
     assert error_message(Terrain, step_height=0.9) == (
-        "Terrain.step_height is 0.9 m; it must be 0.01 to 0.4 m. It is the rise of each stair."
+        "Terrain.step_height is 0.9 m; it must be between 0.01 and 0.4 m. It is the rise of each stair."
     )
-    assert error_message(Algorithm, seed=-1).startswith("Algorithm.seed is -1; it must be 0 to 2147483647. ")
+    assert error_message(Algorithm, seed=-1).startswith("Algorithm.seed is -1; it must be between 0 and 2147483647. ")
 
 
 @every_choice
@@ -204,7 +204,7 @@ def test_a_partial_is_converted_to_what_a_run_file_returns():
 
 def test_functions_and_lists_are_rejected_where_the_declaration_does_not_allow_them():
     assert Algorithm(fitness=user_function).fitness is user_function
-    assert "or a function of your own" in error_message(Algorithm, fitness="nonsense")
+    assert "or your own function" in error_message(Algorithm, fitness="nonsense")
     for domain, name, bad in (
         (Terrain, "structure", user_function),
         (Terrain, "structure", ["flat"]),

@@ -24,7 +24,7 @@ from tests.settings.cases import (
 )
 from tests.strategies import all_settings
 from walkerlab.settings.algorithm import Algorithm
-from walkerlab.settings.choices import Selection
+from walkerlab.settings.choices import Crossover, Selection
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.terrain import Terrain
@@ -61,8 +61,8 @@ def test_all_errors_of_one_call_are_reported_together():
 
 def test_all_errors_within_one_setting_are_reported_together():
     x, z = error_message(Terrain, gravity=(99, 0, nan)).splitlines()
-    assert x.startswith("Terrain.gravity's x is 99 m/s²; it must be -30 to 30 m/s².")
-    assert z.startswith("Terrain.gravity's z is nan m/s²; it must be -30 to 30 m/s².")
+    assert x.startswith("Terrain.gravity's x is 99 m/s²; it must be between -30 and 30 m/s².")
+    assert z.startswith("Terrain.gravity's z is nan m/s²; it must be between -30 and 30 m/s².")
     assert len(error_message(Robot, weight=("heavy", -1), legs=(0, 99)).splitlines()) == 4
 
 
@@ -95,7 +95,10 @@ def test_settings_return_unchanged_from_json(settings):
 def test_json_has_choices_by_name_and_functions_by_module_name_and_arguments():
     bound = partial(user_function, size=np.int64(7), table=np.ones(2), how="fast")
     algorithm = Algorithm(
-        fitness=user_function, selection=[Selection.top_half, bound], mutation=lambda genomes: genomes
+        fitness=user_function,
+        selection=[Selection.top_half, bound],
+        crossover=Crossover.paired,
+        mutation=lambda genomes: genomes,
     )
     settings = Settings(algorithm=algorithm)
     plain = json.loads(settings.model_dump_json())["algorithm"]

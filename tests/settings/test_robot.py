@@ -64,8 +64,12 @@ def test_limits_are_accepted_exactly_when_some_robot_obeys_them(drawn):
 @pytest.mark.parametrize(
     ("limits", "end", "message"),
     [
-        ({"weight": (60.0, 80.0), "body_length": (0.4, 0.4)}, 0, r"asks for 60 kg or more, .* weigh 57\.7 kg at most"),
-        ({"weight": (200.0, 200.0), "segments": (4, 4)}, 0, r"asks for 200 kg or more, .* weigh 97\.5 kg at most"),
+        (
+            {"weight": (60.0, 80.0), "body_length": (0.4, 0.4), "segments": (1, 4), "legs": (2, 8)},
+            0,
+            r"requires 60 kg or more, .* weigh 57\.7 kg at most",
+        ),
+        ({"weight": (200.0, 200.0), "segments": (4, 4)}, 0, r"requires 200 kg or more, .* weigh 97\.5 kg at most"),
         (
             {"weight": (0.1, 1.0), "body_length": (4, 5), "segment_length": (1, 2)},
             1,

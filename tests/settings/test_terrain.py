@@ -16,7 +16,8 @@ def test_gravity_can_be_given_by_the_name_of_a_planet():
     assert Settings().with_(gravity="jupiter").terrain.gravity == (0, 0, -24.79)
     message = error_message(Terrain, gravity="mooon")
     assert (
-        "it must be 3 numbers: x, y, z. Or the name of one: earth, moon, mars, jupiter. Did you mean 'moon'?" in message
+        "it must be 3 numbers: x, y, z. Or the name of a preset: earth, moon, mars, jupiter. Did you mean 'moon'?"
+        in message
     )
 
 
@@ -25,13 +26,13 @@ class TestImpossibleTerrain:
 
     def test_too_many_pieces(self):
         message = error_message(Terrain, texture_size=0.03, texture_density=0.4)
-        assert "Terrain.texture_size 0.03 m and Terrain.texture_density 0.4 ask for some" in message
-        larger = float(re.search(r"texture_size ([\d.]+) m would do", message).group(1))
+        assert "Terrain.texture_size 0.03 m and Terrain.texture_density 0.4 require about" in message
+        larger = float(re.search(r"texture_size ([\d.]+) m would work", message).group(1))
         assert Terrain(texture_size=larger, texture_density=0.4).n_pieces <= MAX_PIECES
 
     def test_too_many_obstacles(self):
         message = error_message(Terrain, obstacle="log", obstacle_size=0.5, obstacle_density=2)
-        fewer = float(re.search(r"a density of ([\d.]+) per m² would do", message).group(1))
+        fewer = float(re.search(r"a density of ([\d.]+) per m² would work", message).group(1))
         assert Terrain(obstacle="log", obstacle_size=0.5, obstacle_density=fewer)
         assert Terrain(obstacle="none", obstacle_size=0.5, obstacle_density=2), (
             "without obstacles, density does not matter"

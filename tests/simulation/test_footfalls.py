@@ -75,9 +75,7 @@ def test_a_pose_that_is_not_finite_has_no_footfalls():
 
 def test_poses_of_another_scene_raise_an_error():
     scene = wl.compile_scene(ROBOTS[0], wl.Settings())
-    with pytest.raises(
-        ValueError, match=r"poses must be those of a walk in this scene, shape \(n, \d+\); got \(2, 3\)"
-    ):
+    with pytest.raises(ValueError, match=r"poses must come from a walk in this scene, shape \(n, \d+\); got \(2, 3\)"):
         find_footfalls(scene, np.zeros((2, 3)))
 
 

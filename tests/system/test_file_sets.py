@@ -91,10 +91,10 @@ def test_a_failed_part_is_named_and_an_outdated_file_of_it_keeps_the_old_set(fol
     with pytest.raises(OutputError, match=rf"{name}: ValueError: no {name}") as caught:
         replace(folder, failing=[name])
     if name in OLD:
-        assert "All files stay as they were" in str(caught.value)
+        assert "No file was changed" in str(caught.value)
         assert contents(folder) == OLD | OTHERS
     else:
-        assert "All other files are written" in str(caught.value)
+        assert "All other files were written" in str(caught.value)
         assert contents(folder) == {one: text for one, text in AFTER.items() if one != name}
     assert not (folder / HIDDEN_FOLDER).exists()
 
@@ -109,7 +109,7 @@ def test_in_an_empty_folder_all_other_parts_are_written_and_all_failed_parts_nam
 
 
 def test_a_failed_part_with_an_up_to_date_file_does_not_block_the_others(folder):
-    with pytest.raises(OutputError, match="All other files are written"):
+    with pytest.raises(OutputError, match="All other files were written"):
         replace(folder, failing=["records.csv"], is_current=lambda path: path.name == "records.csv")
     assert contents(folder) == AFTER | {"records.csv": "old"}
 

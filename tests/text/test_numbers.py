@@ -204,7 +204,7 @@ def test_a_fitness_is_read_back_from_every_picture(value):
     wl.plots.trait(run.records, "fitness", trait)
     wl.plots.family_tree(run, tree, individual=0)
     texts = found(r"best stays at (\S+), the median stays at (\S+)\.", wl.plots.alt_text(curve))
-    texts += found(r"median stays at (\S+), that of the best robot stays at (\S+)\.", wl.plots.alt_text(trait))
+    texts += found(r"median stays at (\S+), the value of the best robot stays at (\S+)\.", wl.plots.alt_text(trait))
     texts += found(r": fitness (\S+)\. It", wl.plots.alt_text(tree))
     texts += [text.get_text() for text in tree.texts if text.get_weight() == "bold"]
     assert len(texts) == 6

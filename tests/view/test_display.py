@@ -1,5 +1,6 @@
 """The HTML representations of objects in notebooks are complete, have units, and escape hostile text."""
 
+import re
 from functools import partial
 
 import numpy as np
@@ -10,6 +11,8 @@ from hypothesis import settings as hypothesis_settings
 import walkerlab as wl
 from tests.strategies import all_settings, genomes
 from tests.text.test_html import HOSTILE, Seen, assert_harmless
+from walkerlab.commands.worlds import WALKER_GENOME
+from walkerlab.genome.features import LEG_FEATURES
 from walkerlab.runfile.records import Individual, concatenate_tables
 from walkerlab.settings.fields import Quantity
 from walkerlab.settings.glossary import glossary_rows
@@ -19,7 +22,7 @@ from walkerlab.text.numbers import with_unit
 from walkerlab.view.summary import list_changed_settings
 
 DOMAINS = (wl.Terrain, wl.Robot, wl.Algorithm, wl.Simulation)
-GENOME = wl.Genome.random(wl.Robot(segments=(2, 4)), rng=np.random.default_rng(2))
+GENOME = wl.Genome.random(wl.Robot(segments=(2, 4)), rng=np.random.default_rng(3))
 
 
 def render_html(value):
@@ -46,7 +49,7 @@ def test_every_setting_is_shown_with_value_unit_and_description(domain):
             value = getattr(domain(), name)
             assert name in text
             assert declared.about in text
-            if isinstance(declared, Quantity) and not declared.parts:
+            if isinstance(declared, Quantity) and not declared.components:
                 assert f"{value:.10g}{f' {declared.unit}' if declared.unit else ''}" in text
             assert not isinstance(declared, Quantity) or declared.unit in text
 
@@ -97,7 +100,7 @@ def test_function_names_that_are_not_identifiers_are_not_evaluated_when_pasted()
 def test_a_genome_is_shown_with_all_genes_and_its_text(genome):
     parsed = render_html(genome)
     assert str(genome) in parsed.text
-    assert len(parsed.all("tr")) == 3 + 2 * genome.n_parts
+    assert len(parsed.all("tr")) == 2 * (2 + genome.n_parts)
 
 
 def test_genes_that_are_not_grown_are_faint_and_labelled():
@@ -108,11 +111,28 @@ def test_genes_that_are_not_grown_are_faint_and_labelled():
     assert [row.get("class") for row in parsed.all("tr")].count("faint") == 2 * (GENOME.n_parts - n_grown)
 
 
+def test_genes_of_legs_that_repeat_others_are_faint_and_explained():
+    for word, is_explained in (("own", False), ("repeat", True)):
+        genome = wl.Genome.parse(WALKER_GENOME.replace("legs own", f"legs {word}"))
+        html = genome._repr_html_()
+        faint = re.findall(r'<span class="faint">(.+?)</span>', html)
+        assert len(faint) == (1 + 2 * len(LEG_FEATURES) if is_explained else 1), "the first legs have none to repeat"
+        assert ("Legs marked <i>repeat</i>" in html) == is_explained
+
+
 def test_gene_names_are_those_of_the_genome_text():
     text = render_html(GENOME).text
-    for word in ("seg", "length", "mass", "legs", "force", "frequency", "hip", "knee", "amplitude", "phase", "stride"):
+    joints = ("hip", "knee", "amplitude", "phase", "stride")
+    for word in ("seg", "length", "mass", "legs", "force", "frequency", "lag", "duty", "repeat", *joints):
         assert word in str(GENOME)
         assert word in text
+
+
+def test_the_meaning_of_each_gene_is_shown_in_full():
+    table = wl.gene_table(wl.Robot())
+    for shown in (table, table.head(9), table[["gene", "meaning"]]):
+        text = render_html(shown).text
+        assert all(meaning in text for meaning in shown.meaning)
 
 
 def test_an_individual_is_shown_with_meaning_of_the_verdict_and_parents():

@@ -485,9 +485,9 @@ def test_invalid_arguments_of_a_film_are_rejected_before_rendering(jobs, argumen
         ({"seconds": "2"}, "seconds is '2'; it must be a number above 0"),
         ({"seconds": None}, "seconds is None; it must be a number above 0"),
         ({"seconds": float("nan")}, "seconds is nan; it must be a number above 0"),
-        ({"at_most": 1}, "at_most is 1; it must be a whole number, 2 to 1000"),
-        ({"at_most": 2.5}, "at_most is 2.5; it must be a whole number, 2 to 1000"),
-        ({"at_most": "7"}, "at_most is '7'; it must be a whole number, 2 to 1000"),
+        ({"at_most": 1}, "at_most is 1; it must be a whole number between 2 and 1000"),
+        ({"at_most": 2.5}, "at_most is 2.5; it must be a whole number between 2 and 1000"),
+        ({"at_most": "7"}, "at_most is '7'; it must be a whole number between 2 and 1000"),
     ],
 )
 def test_invalid_arguments_of_a_time_lapse_are_rejected(jobs, arguments, message):

@@ -17,6 +17,7 @@ from walkerlab.ga.selection import tournament
 from walkerlab.runfile.records import RECORD_COLUMNS, concatenate_tables
 from walkerlab.simulation.fitness import distance
 from walkerlab.simulation.robustness import Confirmation
+from walkerlab.text.numbers import with_unit
 from walkerlab.view import report
 from walkerlab.view.report.code import as_python
 from walkerlab.view.report.pictures import FORMATS, PICTURES
@@ -89,7 +90,7 @@ def test_the_page_contains_settings_versions_and_the_champion(run, seen):
         "python",
         str(champion.genome),
         f"robot {champion.individual}",
-        f"{champion.fitness:.3f} m",
+        with_unit(champion.fitness, "m"),
     ):
         assert text in seen.text
     for domain in (wl.Terrain, wl.Robot, wl.Algorithm, wl.Simulation):

@@ -200,7 +200,7 @@ def test_only_unusual_gravity_and_wind_have_labelled_arrows():
 
 def test_text_that_is_not_a_genome_is_rejected_with_the_position():
     for draw in (sketch.draw_robot, lambda text: sketch.draw_world(wl.Settings(), text)):
-        with pytest.raises(GenomeError, match="at character 1 expected 'wl1'"):
+        with pytest.raises(GenomeError, match="at character 1 expected 'wl2'"):
             draw(HOSTILE)
 
 

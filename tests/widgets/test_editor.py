@@ -1,4 +1,4 @@
-"""The gene editor parses while the user types, marks errors, and reports genes beyond the limits."""
+"""The genome editor parses while the user types, marks errors, and reports genes beyond the limits."""
 
 import json
 
@@ -71,7 +71,7 @@ BEYOND = {
     "Segment 2: leg length 0.9 m is over the limit 0.6 m: 0.6 m is used.": ("legs length=0.42", "legs length=0.9", 2),
     "Segment 1: leg force 0.5 N·m is under the limit 2 N·m: 2 N·m is used.": ("force=14", "force=0.5", 1),
     "segments 9 is over the limit 4: 4 is used.": ("segments=3", "segments=9", 1),
-    "The robot has 4 segments, and the gene describes 3: the last one is repeated.": ("segments=3", "segments=9", 1),
+    "The robot has 4 segments, and the genome describes 3: the last one is repeated.": ("segments=3", "segments=9", 1),
     "segments 2.4 is not a whole number: 2 is used.": ("segments=3", "segments=2.4", 1),
     "frequency 9 Hz is over the limit 2.2 Hz: 2.2 Hz is used.": ("frequency=1.2", "frequency=9", 1),
     "Segment 1: hip phase 7 rad is not within one turn: 0.717 rad is used.": ("phase=0", "phase=7", 1),
@@ -89,15 +89,17 @@ def test_each_gene_beyond_the_limits_is_named_with_the_used_value(sentence):
 
 def test_a_gene_that_does_not_fit_with_the_others_is_reported_with_the_reason():
     heavy = describe_repairs(wl.Genome.parse(GENOME.replace("mass=2", "mass=9")), wl.Robot())
-    assert heavy[0] == "Segment 1: mass 9 kg does not fit, because the robot must weigh 3 to 12 kg: 4 kg is used."
+    assert (
+        heavy[0] == "Segment 1: mass 9 kg does not fit, because the robot must weigh between 3 and 12 kg: 4 kg is used."
+    )
     limits = wl.Robot(weight=(3, 40), legs=(2, 2), body_length=(0.4, 0.6))
     dense = describe_repairs(wl.Genome.parse(GENOME.replace("mass=2", "mass=9")), limits)
-    reason = "because the density of a segment of this size must be 400 to 2500 kg/m³: 7.372 kg is used."
+    reason = "because the density of a segment of this size must be between 400 and 2500 kg/m³: 7.372 kg is used."
     assert f"Segment 2: mass 9 kg does not fit, {reason}" in dense
     bare = describe_repairs(G, wl.Robot(legs=(2, 4)))
-    assert bare == ["Segment 3: legs 1 does not fit, because the robot must have 2 to 4 legs: 0 is used."]
+    assert bare == ["Segment 3: legs 1 does not fit, because the robot must have between 2 and 4 legs: 0 is used."]
     long = describe_repairs(G, wl.Robot(body_length=(0.4, 0.6)))
-    assert all("because the body must be 0.4 to 0.6 m long" in one for one in long[-2:])
+    assert all("because the body must be between 0.4 and 0.6 m long" in one for one in long[-2:])
 
 
 # --------------------------------------------------------------------------------------------------- widget
@@ -217,7 +219,7 @@ def shown(page):
 
 
 def test_in_a_browser_an_error_is_marked_and_disables_the_buttons(shown):
-    text = shown.get_by_label("Gene")
+    text = shown.get_by_label("Genome")
     assert text.input_value() == format_genome(G)
     assert shown.get_by_role("img").get_attribute("aria-label").startswith("A robot: 3 segments")
     assert shown.get_by_role("button", name="Play its walk").is_enabled()
@@ -244,7 +246,7 @@ def test_in_a_browser_an_error_is_marked_and_disables_the_buttons(shown):
 
 
 def test_in_a_browser_the_current_text_is_sent_before_a_button_acts(shown):
-    shown.get_by_label("Gene").press("End")
+    shown.get_by_label("Genome").press("End")
     shown.keyboard.type(" ")
     shown.get_by_role("button", name="Play its walk").click()
     sent = shown.evaluate("sent")

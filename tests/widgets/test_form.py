@@ -1,6 +1,7 @@
 """The form follows its controls, reports invalid values next to them, and survives any message of a browser."""
 
 import json
+import re
 from functools import partial
 
 import pytest
@@ -48,6 +49,11 @@ def send(form, **values):
 
 def test_every_setting_has_a_control():
     assert list(controls(Form())) == setting_names()
+
+
+def test_each_tab_describes_its_domain_in_one_sentence():
+    for tab in Form().tabs:
+        assert re.fullmatch(r"[A-Z][^.]*\.", tab["about"])
 
 
 @pytest.mark.parametrize("kind", DOMAINS)

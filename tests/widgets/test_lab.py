@@ -50,7 +50,7 @@ def load(lab, path):
 
 
 def insert(lab):
-    """Insert the gene in the editor into the next generation; return the message."""
+    """Insert the genome in the editor into the next generation; return the message."""
     lab.robot.editor._handle_message(lab.robot.editor, {"press": "insert"}, [])
     [message] = lab.robot.editor.notes
     return message
@@ -244,7 +244,7 @@ def test_before_a_run_an_edited_gene_walks_in_the_world_of_the_form(lab):
     lab.settings = SMALL.with_(gravity="moon")
     lab.robot.editor._handle_message(None, {"press": "walk"}, [])
     assert lab.robot.frame._make().settings.terrain.gravity == lab.settings.terrain.gravity
-    assert "gene in the editor" in lab.robot.card.value
+    assert "robot in the editor" in lab.robot.card.value
 
 
 def test_the_settings_of_a_run_are_copied_to_the_form(lab):
@@ -351,7 +351,7 @@ def test_a_gene_inserted_during_a_generation_is_in_the_reported_later_one(lab):
     wait_until(lambda: lab.transport.state == "finished")
     born = lab.run.records[lab.run.records.operators == "by hand"].born
     assert set(born) == {2}
-    assert messages[0].startswith("The gene will be in generation 2,")
+    assert messages[0].startswith("The genome will be in generation 2,")
 
 
 def test_a_failed_run_reports_the_error(lab):

@@ -106,7 +106,7 @@ def test_a_student_evolves_a_walker(page, jupyter):
     picture(page, "replay")
     page.locator('button[title="Close the replay"]').click()
     page.get_by_role("button", name="Insert into the next generation").click()
-    says(page, "The gene will be in generation", ".wl-robot")
+    says(page, "The genome will be in generation", ".wl-robot")
 
     # stop, export and code
     button(page, "Continue").click()
@@ -197,10 +197,10 @@ def test_invalid_settings_disable_the_start_button(page, jupyter):
     open_panel(page, jupyter, "JupyterLab")
     page.get_by_role("tab", name="algorithm").click()
     page.get_by_role("spinbutton", name="elites").fill("20")
-    says(page, "Cannot start. Elites is 20; it must be under population size")
+    says(page, "Cannot start. Elites is 20; it must be less than population size")
     assert button(page, "Start").is_disabled()
     assert button(page, "One generation").is_disabled()
-    assert "Elites is 20; it must be under population size" in page.locator(".wl-form").text_content()
+    assert "Elites is 20; it must be less than population size" in page.locator(".wl-form").text_content()
     picture(page, "fault")
     page.get_by_role("spinbutton", name="elites").fill("2")
     page.locator(".wl-transport", has_not_text="Cannot start").wait_for()

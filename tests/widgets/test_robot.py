@@ -72,7 +72,7 @@ def test_an_edited_gene_is_played(area, monkeypatch):
     monkeypatch.setattr(Frame, "send", lambda _, message: sent.append(message))
     area.editor._handle_custom_msg({"press": "walk"}, [])
     assert sent == [{"play": True}]
-    assert "gene in the editor" in area.frame.alt
+    assert "genome in the editor" in area.frame.alt
 
 
 def test_the_result_of_an_insertion_is_shown_below_the_gene(area):

@@ -133,7 +133,7 @@ def test_a_snapshot_is_self_contained_named_and_small(kind, done, monkeypatch, t
 def test_a_widget_without_content_has_a_snapshot(kind):
     html = snapshot_html(kind())
     assert "could not be drawn" not in html
-    assert Seen(html).all("img") or "No generation was done yet." in html or "<table>" in html
+    assert Seen(html).all("img") or "No generation is complete yet." in html or "<table>" in html
 
 
 def test_a_snapshot_of_a_population_shows_at_most_twelve_robots(done):

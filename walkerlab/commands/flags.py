@@ -48,11 +48,8 @@ def flag_names() -> dict[tuple[str, str], str]:
 
 def add_flags(parser: argparse.ArgumentParser) -> None:
     """Add a flag for each setting to a parser, grouped by domain; flags that are not given are not in the namespace."""
-    parser._negative_number_matcher = NEGATIVE_NUMBER  # by default, argparse takes -1. and -1e5 for flags
-    groups = {
-        domain: parser.add_argument_group(domain, (model.__doc__ or "").partition("\n")[0])
-        for domain, model in DOMAINS.items()
-    }
+    parser._negative_number_matcher = NEGATIVE_NUMBER  # by default, argparse treats -1. and -1e5 as flags
+    groups = {domain: parser.add_argument_group(domain, model.summary()) for domain, model in DOMAINS.items()}
     for (domain, field), flag in flag_names().items():
         model = DOMAINS[domain]
         declared = model.declared()[field]

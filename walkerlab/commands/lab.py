@@ -19,7 +19,7 @@ LOCAL_ONLY_OPTIONS = [
     "--KernelManager.ip=127.0.0.1",
     "--ServerKernelManager.ip=127.0.0.1",
 ]
-"""Options by which only this computer reaches the server and its kernels; they override the user's configuration."""
+"""Options that limit access to the server and its kernels to this computer; they override the user's configuration."""
 
 
 def find_notebooks() -> list[Path]:
@@ -32,7 +32,7 @@ def find_notebooks() -> list[Path]:
 
 
 def copy_notebooks(folder: Path) -> list[Path]:
-    """Copy those notebooks into a folder that are not there yet; existing files are not overwritten.
+    """Copy into a folder those notebooks that it does not yet contain; existing files are not overwritten.
 
     Returns:
         The new copies.

@@ -24,7 +24,7 @@ PANEL_CODE = """import walkerlab as wl
 lab = wl.Lab(wl.Settings().with_(generations=20, seed=3))
 lab"""
 PAGE_SIZE = (1180, 1650)  # pixels
-N_COLOURS = 200  # for a small file
+N_COLOURS = 200  # number of colours, few for a small file
 
 
 def draw_panel(path: Path) -> None:

@@ -1,4 +1,4 @@
-"""Evolve one generation at a time: breed it, let it walk, store it."""
+"""Evolve one generation at a time: breed it, evaluate it, store it."""
 
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -50,7 +50,7 @@ class Generation:
     """One evaluated generation.
 
     Attributes:
-        number: Number of the generation; 0 is the random one.
+        number: Number of the generation; 0 is the initial random generation.
     """
 
     number: int
@@ -96,10 +96,10 @@ class Evolution(RunProperties):
 
         Args:
             settings: Complete settings of the run.
-            path: Run file to create; if None, the run is lost once it is unused.
+            path: Run file to create; if None, the run is discarded when it is no longer referenced.
             executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
-            on_walks: Function that is called with the number of further walks that are done.
-            **unknown: Rejected; single settings belong to ``settings``.
+            on_walks: Function that is called with the number of newly finished walks.
+            **unknown: Rejected; individual settings belong in ``settings``.
 
         Raises:
             TypeError: If an argument is of the wrong type, or its name is unknown.
@@ -114,7 +114,7 @@ class Evolution(RunProperties):
         fitness.check_user_function(settings.algorithm.fitness)
         workers.check_executor(executor)
         workers.check_open(executor)
-        effective_limit(1.0)  # a wrong environment variable raises before the file is created
+        effective_limit(1.0)  # fails here, before the file is created, if the environment variable is invalid
         check_storable(settings)
         self._settings = settings
         self._path = None if path is None else paths.new_path(path)
@@ -137,7 +137,7 @@ class Evolution(RunProperties):
             run: Loaded run, with its user functions.
             path: Its run file.
             settings: Settings of the run, perhaps with more generations.
-            facts: What the last generation was made with.
+            facts: Provenance of the last generation.
             rerate: Whether to continue from new ratings of the last generation if they differ from the stored ones.
             **options: Keyword arguments of ``Evolution``.
 
@@ -158,7 +158,7 @@ class Evolution(RunProperties):
                 evolution._confirm_ratings(table, facts, rerate)
         if evolution._rated_since:
             evolution._functions[provenance.RATED_SINCE] = str(evolution._rated_since)
-        current = table.loc[table.generation >= evolution._rated_since, :]  # older ratings are of another function
+        current = table.loc[table.generation >= evolution._rated_since, :]  # older ratings come from another function
         evolution._archive = Archive.resume(path, current, settings.model_dump())
         return evolution
 
@@ -186,17 +186,17 @@ class Evolution(RunProperties):
         return 0 if self._population is None else self._population.generation + 1
 
     def insert(self, genome: Genome | str) -> int:
-        """Insert a genome into the next generation to be bred, in the place of a child.
+        """Insert a genome into the next generation to be bred, in place of a child.
 
         Args:
             genome: Genome or its text; its genes are clipped to the limits of the settings.
 
         Returns:
-            Number of that generation; a generation that is walking has been bred already.
+            Number of that generation. If a generation is being evaluated now, it is the one after.
 
         Raises:
             GenomeError: If a text is not a valid genome.
-            ValueError: If the next generation has no place for it, or there is no generation before or after it.
+            ValueError: If there is no room for the genome, no generation is done yet, or the run is complete.
         """
         return self._inserted.add(Genome.of(genome).within(self.settings.robot))
 
@@ -222,12 +222,13 @@ class Evolution(RunProperties):
             yield Generation(population.generation, table)
 
     def _warn_once(self, population: Population[EvaluationRow]) -> None:
-        """Warn if selection cannot distinguish the robots of a generation, once in a run."""
+        """Warn, at most once per run, if selection cannot distinguish the robots of a generation."""
         if self._has_warned:
             return
         if all(walked.verdict == REJECTED for walked in population.evaluations):
             cause = population.evaluations[0].reason
-            problem = f"{cause} for every robot, so parents are random. Check that the function ends with return."
+            advice = "Check that the function ends with a return statement."
+            problem = f"{cause} for every robot, so parents are chosen at random. {advice}"
         else:
             problem = explain_lost_pressure(population.fitness, self.settings.algorithm)
         if problem:
@@ -254,7 +255,7 @@ class Evolution(RunProperties):
             )
 
     def _evaluate_new(self, genomes: Floats) -> list[EvaluationRow]:
-        """Evaluate (n, n_genes) genomes; those that the run has evaluated before, or that are equal, do not walk."""
+        """Evaluate (n, n_genes) genomes; duplicates, and genomes already evaluated in the run, are not simulated."""
         texts = [str(Genome(values)) for values in genomes]
         known = self._archive.find(texts)
         new = {text: row for row, text in enumerate(texts) if text not in known}
@@ -273,7 +274,7 @@ class Evolution(RunProperties):
 
 
 def reject_unknown_arguments(function: str, unknown: dict[str, Any]) -> None:
-    """Raise a TypeError if there are arguments of unknown names; for a setting, it says where that belongs.
+    """Raise a TypeError for unknown arguments; if one is a setting, the message shows where to put it.
 
     Args:
         function: Name of the function that was called, ``evolve`` or ``Evolution``.
@@ -282,6 +283,6 @@ def reject_unknown_arguments(function: str, unknown: dict[str, Any]) -> None:
     for name, value in unknown.items():
         if name in Settings.field_locations():
             call = f"wl.{function}(wl.Settings().with_({name}={code_text(value)}))"
-            raise TypeError(f"{function} has no argument {name!r}, which is a setting: {call}")
+            raise TypeError(f"{name!r} is a setting, not an argument of {function}. Use: {call}")
         known = ("settings", "path", "executor", "progress" if function == "evolve" else "on_walks")
         raise TypeError(f"{function} has no argument {name!r}; it has {', '.join(known)}.{did_you_mean(name, known)}")

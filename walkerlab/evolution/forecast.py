@@ -14,13 +14,13 @@ from walkerlab.settings.terrain import Terrain
 from walkerlab.simulation.rollout import simulate
 from walkerlab.simulation.workers import n_cores
 
-N_SAMPLES = 4  # robots that are timed
+N_SAMPLES = 4  # number of robots that are timed
 SHORT_WALK = 1.0  # s of simulated time
 LONG_WALK = 3.0  # s of simulated time
 
 
 def n_walks(settings: Settings, done: int = 0) -> int:
-    """Count the walks that a run still requires; elites do not walk again.
+    """Count the walks that a run still requires; elites are not simulated again.
 
     Args:
         settings: Complete settings of the run.

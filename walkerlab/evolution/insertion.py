@@ -12,7 +12,7 @@ class InsertedGenomes:
     """The queue of inserted genomes; one thread may insert while another breeds."""
 
     def __init__(self, algorithm: Algorithm) -> None:
-        """Create an empty queue for a run with these settings, of which no generation is done."""
+        """Create an empty queue for a run with these settings, before its first generation."""
         self._n_children = algorithm.population_size - algorithm.n_elites
         self._n_generations = algorithm.generations
         self._next_bred: int | None = None
@@ -20,7 +20,7 @@ class InsertedGenomes:
         self._lock = Lock()
 
     def set_next_generation(self, generation: int) -> None:
-        """Accept genomes, which the given generation or a later one will receive."""
+        """Accept genomes for the given generation and later ones."""
         with self._lock:
             self._next_bred = generation
 
@@ -28,7 +28,7 @@ class InsertedGenomes:
         """Add a genome, and return the number of the generation that will contain it.
 
         Raises:
-            ValueError: If the next generation has no place for it, or there is no generation before or after it.
+            ValueError: If there is no room for the genome, no generation is done yet, or the run is complete.
         """
         with self._lock:
             if self._next_bred is None:

@@ -32,7 +32,7 @@ def save_after(error: Exception, archive: Archive, settings: Settings, n_generat
 
 
 def interrupted_message(path: Path | None, settings: Settings) -> str:
-    """Say what is saved of a run that was interrupted in its first generation, and how to resume it.
+    """Return what is saved of a run that was interrupted in its first generation, and how to resume it.
 
     Args:
         path: Run file, or None.

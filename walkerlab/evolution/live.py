@@ -58,7 +58,7 @@ class LiveRun(ReadOnlyProperties):
 
         Args:
             settings: Complete settings of the run.
-            path: Run file to create; if None, the run is lost once it is unused.
+            path: Run file to create; if None, the run is discarded when it is no longer referenced.
             executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
             on_change: Function that is called with the run when walks are done or its state has changed, in the thread
                 of the run or of the caller.
@@ -78,9 +78,9 @@ class LiveRun(ReadOnlyProperties):
         self._pausable = PausableExecutor(self._create_executor, n_workers)
         self._evolution = Evolution(settings, path, self._pausable, on_walks=self._count_walks)
         self._may_continue = threading.Event()
-        self._pause_at = settings.algorithm.generations  # number of generations
+        self._pause_at = settings.algorithm.generations  # number of generations at which the run pauses
         self._resumed_at = 0.0  # s, of the monotonic clock
-        self._seconds = 0.0  # until the last pause
+        self._seconds = 0.0  # running time until the last pause
         self._first_results = (0.0, 0)  # seconds and number of walks
         self._lock = threading.RLock()
         self._thread = threading.Thread(target=self._evolve, name="walkerlab run", daemon=True)
@@ -129,7 +129,7 @@ class LiveRun(ReadOnlyProperties):
         self._on_change(self)
 
     def pause(self) -> None:
-        """Let the current walks finish, and begin no other."""
+        """Let the current walks finish, and start no others."""
         self._change_state(State.paused, self._pausable.pause, self._may_continue.clear)
 
     def stop(self) -> None:
@@ -162,7 +162,7 @@ class LiveRun(ReadOnlyProperties):
             ValueError: If the run is over, or ``Evolution.insert`` raises it.
         """
         if self.is_over:
-            raise ValueError("this run is over; start another one, and insert the genome into that")
+            raise ValueError("this run is over; start another run and insert the genome there")
         return self._evolution.insert(genome)
 
     @property
@@ -173,7 +173,7 @@ class LiveRun(ReadOnlyProperties):
 
     @property
     def seconds_per_walk(self) -> float | None:
-        """Seconds per walk since the first results, with all cores together; None before there are any others."""
+        """Seconds per walk since the first results, with all cores together; None until there are further results."""
         first_seconds, n_first = self._first_results
         n_further = self.n_done - n_first
         return (self.seconds - first_seconds) / n_further if n_further else None
@@ -204,7 +204,7 @@ class LiveRun(ReadOnlyProperties):
         self._on_change(self)
 
     def _change_state(self, state: State, *steps: Callable[[], None]) -> None:
-        """Change to a state other than running, call the steps to it, and report it; do nothing if the run is over."""
+        """Change to a state other than running, call the given steps, and report it; do nothing if the run is over."""
         with self._lock:
             if self.is_over or self.state == state:
                 return

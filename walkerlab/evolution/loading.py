@@ -1,4 +1,4 @@
-"""Read a run from its file, also from a damaged one."""
+"""Read a run from its file, even if the file is damaged."""
 
 import warnings
 from pathlib import Path
@@ -19,7 +19,7 @@ def load(path: str | Path) -> Run:
     ``resume`` and ``run.confirm(fitness=my_function)`` require the user functions themselves.
 
     Args:
-        path: Run file, or the folder that holds it.
+        path: Run file, or the folder that contains it.
 
     Warns:
         UserWarning: If the run was made by version 0.1, whose robots walked differently.
@@ -54,14 +54,14 @@ def rescue(path: str | Path, to: str | Path) -> Run:
     """Save the undamaged part of a damaged run, its generations before the damage, in a new run file.
 
     Args:
-        path: Damaged run file, or the folder that holds it; it is not changed.
+        path: Damaged run file, or the folder that contains it; it is not changed.
         to: Run file to create.
 
     Returns:
         The new run, which ``resume(to)`` continues; without generations if only the settings could be saved.
 
     Raises:
-        RunFileError: If nothing can be saved, or the new file exists already or cannot be created.
+        RunFileError: If nothing can be recovered, or the new file exists already or cannot be created.
     """
     path = paths.locate_run_file(path)
     to = paths.new_path(to, "to")
@@ -70,4 +70,4 @@ def rescue(path: str | Path, to: str | Path) -> Run:
         return load(to)
     except DamagedError as error:  # the damage is older than the seals of the generations
         to.unlink()
-        raise RunFileError(f"nothing can be saved of {display_path(path)}: {error.what}.") from error
+        raise RunFileError(f"nothing can be recovered from {display_path(path)}: {error.what}.") from error

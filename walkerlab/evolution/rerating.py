@@ -42,7 +42,7 @@ def changed_operators(then: Mapping[str, str], now: Mapping[str, str]) -> str:
 
     Args:
         then: Recorded facts.
-        now: Facts of the functions given.
+        now: Facts of the given functions.
     """
     return " and ".join(
         name.removesuffix(" function")
@@ -57,7 +57,7 @@ class Recorded:
 
     Attributes:
         path: Run file.
-        facts: What its last generation was made with.
+        facts: Provenance of its last generation.
         is_elsewhere: Whether it was made with other versions or on another processor, where walks can differ.
         has_fitness: Whether any robot of the run has a fitness other than -inf.
     """
@@ -76,11 +76,11 @@ def confirm_ratings(
     *,
     rerate: bool,
 ) -> tuple[Population[EvaluationRow], bool]:
-    """Let the last generation walk again if its fitness is a user function, and compare the ratings.
+    """Simulate the last generation again if its fitness is a user function, and compare the ratings.
 
     Args:
         population: Last generation, with the ratings in the file.
-        settings: Settings of the run, with the functions given.
+        settings: Settings of the run, with the given functions.
         recorded: What the file records about its ratings.
         evaluate: Function that returns the evaluations of (n, n_genes) genomes.
         rerate: Whether to take new ratings if they differ.
@@ -109,7 +109,7 @@ def confirm_ratings(
 def _rerate(
     population: Population[EvaluationRow], evaluate: Callable[[Floats], Sequence[Evaluation]]
 ) -> Population[EvaluationRow]:
-    """Return a population with new ratings; equal genomes walk once."""
+    """Return a population with new ratings; equal genomes are simulated once."""
     texts = [walked.genome for walked in population.evaluations]
     rows = {text: row for row, text in enumerate(texts)}
     try:
@@ -134,10 +134,10 @@ def _difference_message(
         stored, now = (number_text(float(ratings.fitness[row])) for ratings in (population, rated))
         problem = (
             f"Robot {population.individuals[row]} of generation {number} has fitness {stored} in the file, and {now} "
-            "with the function given."
+            "with the given function."
         )
     else:
-        problem = f"No walk of generation {number} counts, so the function given cannot be compared with the file."
+        problem = f"No walk of generation {number} counts, so the given function cannot be compared with the file."
     if recorded.is_elsewhere:
         problem += " The run was made with other versions or on another processor, so the walks may differ as well."
     functions = ", ".join(f"{slot}={code}" for slot, code in user_functions(settings).items())

@@ -44,10 +44,10 @@ class Run(RunProperties):
     """The generations that an evolution has produced so far; read-only."""
 
     INSTEAD: ClassVar = {
-        "settings": "They are those that the run was made with. To evolve with other settings, start a new run: "
+        "settings": "The run was made with them. To evolve with other settings, start a new run: "
         "wl.evolve(run.settings.with_(...)).",
-        "records": "They are what was measured. Change a copy: table = run.records.",
-        "path": "It is where the run is stored. Copy that file to store the run elsewhere.",
+        "records": "They contain what was measured. Change a copy: table = run.records.",
+        "path": "The run is stored there. Copy that file to store the run elsewhere.",
     }
 
     def __init__(
@@ -118,7 +118,7 @@ class Run(RunProperties):
         Args:
             *generations: Generations whose champions race, counted from the end if negative; without any, the champion
                 of the run walks alone.
-            camera: Side, front, top, chase or orbit; that of the settings if None.
+            camera: Side, front, top, chase or orbit; if None, the camera in the settings.
 
         Raises:
             TypeError: If a generation is not a whole number.
@@ -131,7 +131,7 @@ class Run(RunProperties):
         for number in generations:
             if not isinstance(number, int | np.integer) or isinstance(number, bool):  # pyright: ignore[reportUnnecessaryIsInstance]
                 raise TypeError(
-                    f"{short_repr(number)} is not the number of a generation; generations are whole numbers, 0 to "
+                    f"{short_repr(number)} is not the number of a generation; generations are whole numbers from 0 to "
                     f"{self.n_generations - 1}, or negative to count from the end, as in run.replay(0, -1)"
                 )
         generations = tuple(n + self.n_generations if n < 0 else n for n in generations)
@@ -169,11 +169,12 @@ class Run(RunProperties):
     def confirm(
         self, n_nudges: int = N_NUDGES, fitness: Fitness | str | Callable[..., Any] | None = None
     ) -> Confirmation:
-        """Let the champion walk again at a quarter of the timestep and from other starts, and compare its fitness.
+        """Simulate the champion again at a quarter of the timestep and from other starts, and compare its fitness.
 
         Args:
             n_nudges: Number of other starts, each slightly different.
-            fitness: Fitness that rates the walks; that of the run if None. A loaded run does not hold a user function.
+            fitness: Fitness that rates the walks; if None, the fitness of the run. A loaded run contains no user
+                functions.
 
         Raises:
             RunFileError: If the run was loaded, was made with a user function, and ``fitness`` is None.

@@ -33,15 +33,15 @@ def evolve(
 ) -> Run:
     """Evolve walkers from a random first generation; Ctrl-C stops and returns the generations that are done.
 
-    If Ctrl-C comes before the first generation is done, ``KeyboardInterrupt`` is raised; a run file then holds the
-    settings.
+    If Ctrl-C comes before the first generation is done, ``KeyboardInterrupt`` is raised; a run file then contains only
+    the settings.
 
     Args:
         settings: Complete settings of the run; the defaults if None.
-        path: Run file, created before the first walk; if None, the run is lost once it is unused.
+        path: Run file, created before the first walk; if None, the run is discarded when it is no longer referenced.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: Whether to show a progress bar.
-        **unknown: Rejected; single settings belong to ``settings``.
+        **unknown: Rejected; individual settings belong in ``settings``.
 
     Returns:
         The run: ``.records``, ``.champion``, ``.lineage(individual)``.
@@ -54,10 +54,10 @@ def evolve(
         OperatorError: If a user function does not do what its slot requires.
         RunFileError: If ``path`` exists already or cannot be written.
         TypeError: If an argument is of the wrong type, or its name is unknown.
-        WorkersLostError: If the workers do not answer, or have no memory left.
+        WorkersLostError: If the workers do not answer, or run out of memory.
 
     Every error has a note that names the file with the run so far, and its path as ``error.saved_path``. A run without
-    a file of which a generation is done is saved in ``kept.walk``.
+    a file is saved in ``kept.walk`` if a generation is done.
     """
     reject_unknown_arguments("evolve", unknown)
     settings = Settings() if settings is None else require_settings(settings)
@@ -77,14 +77,14 @@ def resume(
     """Continue a run; its table becomes the same as that of a run without an interruption.
 
     Args:
-        path: Run file, or the folder that holds it.
-        generations: Total number of generations; that of the settings if None.
+        path: Run file, or the folder that contains it.
+        generations: Total number of generations; if None, the number in the settings.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: Whether to show a progress bar.
         rerate: Whether to continue from new ratings of the last generation if its fitness function has changed.
             Earlier generations keep their numbers, and the champion is taken from later ones.
-        **functions: User functions by slot, if the run was made with any: ``mutation=my_mutation``. With a fitness
-            function among them, the last generation walks again, to check that its ratings are the same.
+        **functions: User functions by slot, if the run was made with any: ``mutation=my_mutation``. If one is a fitness
+            function, the last generation is simulated again to check that its ratings are the same.
 
     Warns:
         UserWarning: If the run was made with other versions or on another kind of processor, or the source of an
@@ -92,8 +92,8 @@ def resume(
 
     Raises:
         RunFileError: If the file does not exist, is not a run, is damaged, or was made by version 0.1; if a user
-            function is missing or is another one; or if the fitness function rates the last generation differently from
-            the file.
+            function is missing or differs from the recorded one; or if the fitness function rates the last generation
+            differently from the file.
         SettingsError: If ``generations`` is out of range.
     """
     run = restore_user_functions(load(path), functions)
@@ -119,8 +119,8 @@ def resume(
         )
     if changed := changed_operators(facts, function_facts(settings)):
         warnings.warn(
-            f"{display_path(path)} was made with another source of its {changed}. The run continues with the "
-            "functions given; its file records for each generation which source it was made with.",
+            f"{display_path(path)} was made with different code for its {changed}. The run continues with the "
+            "given functions; its file records for each generation which code it was made with.",
             stacklevel=2,
         )
     with _progress_bar(settings, progress, done=done) as bar:

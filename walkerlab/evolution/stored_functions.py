@@ -32,10 +32,10 @@ def restore_settings(stored: dict[str, Any]) -> Settings:
     """Build settings from plain data; a stand-in replaces each user function.
 
     Args:
-        stored: Settings as a run file holds them.
+        stored: Settings as a run file stores them.
 
     Raises:
-        ValueError: If a value is not allowed, or a function has a name that is not.
+        ValueError: If a value is not allowed, or the name of a function is not allowed.
     """
     algorithm = stored["algorithm"]
     restored = {slot: _restore_operators(algorithm[slot], slot) for slot in _BUILT_IN}
@@ -67,7 +67,7 @@ def check_storable(settings: Settings) -> None:
 
 
 def restore_user_functions(run: Run, functions: dict[str, Any]) -> Run:
-    """Return a loaded run with the user functions that its file does not hold.
+    """Return a loaded run with the user functions that its file does not contain.
 
     Args:
         run: Loaded run.

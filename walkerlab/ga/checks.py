@@ -29,28 +29,28 @@ EQUAL_FITNESS = np.full(TRIAL_SIZE, -1.0)
 
 
 def check_select(select: Select) -> None:
-    """Check that a selection works on a trial population.
+    """Check that a selection operator works on a trial population.
 
     Args:
         select: ``select(fitness, n_parents, *, rng)``.
 
     Raises:
-        OperatorError: If it does not; the message names it, what is expected, what it did, and how to fix it.
+        OperatorError: If it does not; the message says what is expected, what it did, and how to fix it.
     """
     for fitness in (MIXED_FITNESS, EQUAL_FITNESS):
-        for n_parents in (TRIAL_SIZE - 2, 10 * TRIAL_SIZE):  # more parents than individuals, as if few of them count
+        for n_parents in (TRIAL_SIZE - 2, 10 * TRIAL_SIZE):  # also more parents than individuals, as if few count
             _check_operator(SELECTION_SLOT, select, run_select, fitness, n_parents)
 
 
 def check_cross(cross: Cross, genes: Genes) -> None:
-    """Check that a crossover works on a trial population.
+    """Check that a crossover operator works on a trial population.
 
     Args:
         cross: ``cross(parents, fitness, n_children, *, rng)``.
         genes: Gene table of the run.
 
     Raises:
-        OperatorError: If it does not; the message names it, what is expected, what it did, and how to fix it.
+        OperatorError: If it does not; the message says what is expected, what it did, and how to fix it.
     """
     for fitness in (MIXED_FITNESS, EQUAL_FITNESS):
         for n_children in (TRIAL_SIZE, TRIAL_SIZE - 1):
@@ -58,14 +58,14 @@ def check_cross(cross: Cross, genes: Genes) -> None:
 
 
 def check_mutate(mutate: Mutate, genes: Genes) -> None:
-    """Check that a mutation works on a trial population.
+    """Check that a mutation operator works on a trial population.
 
     Args:
         mutate: ``mutate(genomes, genes, *, rng)``.
         genes: Gene table of the run.
 
     Raises:
-        OperatorError: If it does not; the message names it, what is expected, what it did, and how to fix it.
+        OperatorError: If it does not; the message says what is expected, what it did, and how to fix it.
     """
     _check_operator(MUTATION_SLOT, mutate, run_mutate, _trial_genomes(genes), genes)
 
@@ -104,7 +104,7 @@ def _check_operator(
         if not all(map(np.array_equal, first, second)):
             raise OperatorError(
                 f"{slot.label(operator)} must return the same result for the same rng, or the run could not be "
-                "repeated; it returned two different ones",
+                "repeated; it returned two different results",
                 f"{slot.repeatability_advice} Do not store anything between calls.",
             )
     except OperatorError as error:

@@ -14,11 +14,11 @@ from walkerlab.ga.ranges import wrap
 
 
 class Children(NamedTuple):
-    """Result of a crossover, for which a plain pair can be returned as well.
+    """Result of a crossover. An operator may also return a plain pair.
 
     Attributes:
         genomes: Genomes of the children, shape (n_children, n_genes).
-        parents: Parents of each child as indices into the parents given, shape (n_children, k); any k, and a parent may
+        parents: Parents of each child as indices into the given parents, shape (n_children, k); any k, and a parent may
             occur several times.
     """
 
@@ -33,11 +33,10 @@ def paired(
 
     Couples are parents 0 and 1, 2 and 3, and so on, cycling as needed. Where bodies have parts, halves are counted in
     grown parts, so that short bodies do not just exchange unexpressed genes: the first child has the mother's front
-    half (the larger one of an odd number) and the father's rear half, the second the father's front and the mother's
-    rear.
-    Each part of either parent goes to exactly one child: unexpressed parts fill up the first child, then the second.
-    Genes of the whole body come with the front. Both counts lie within the range of the parents' counts, because
-    ceil(a/2) + floor(b/2) lies between a and b.
+    half (the larger half if the number of parts is odd) and the father's rear half, the second the father's front and
+    the mother's rear. Each part of either parent goes to exactly one child: unexpressed parts fill up the first child,
+    then the second. Genes of the whole body come with the front. Both counts lie within the range of the parents'
+    counts, because ceil(a/2) + floor(b/2) lies between the counts a and b.
 
     Args:
         parents: Genomes, shape (n_parents, n_genes), in the order of the couples.
@@ -47,7 +46,7 @@ def paired(
         genes: Gene table; without it, or without parts, a half is half of the gene positions.
 
     Returns:
-        Children with (n_children, 2) parents; the first is the one that gave the front.
+        Children with (n_children, 2) parents; the first contributed the front.
     """
     couples = _pair_parents(len(parents), n_children)
     if genes is None or not genes.n_parts:
@@ -80,18 +79,18 @@ def randomized(parents: Floats, fitness: Floats, n_children: int, *, rng: Genera
 def weighted(
     parents: Floats, fitness: Floats, n_children: int, *, rng: Generator, genes: Genes | None = None
 ) -> Children:
-    """Move the less fit of two parents towards the fitter one, the further the larger their fitness difference is.
+    """Move the less fit of two parents towards the fitter one by a distance that grows with their fitness difference.
 
-    The fraction is the fitness difference over the fitness range of all parents; a child of equals is the first parent
-    unchanged. Couples are parents 0 and 1, 1 and 2, and so on, cycling. (Heuristic crossover, Wright 1991, FOGA 1, but
-    between the parents instead of beyond the fitter one, and with the fraction given by fitness.)
+    The fraction is the fitness difference over the fitness range of all parents; if both parents are equally fit, the
+    child is a copy of the first. Couples are parents 0 and 1, 1 and 2, and so on, cycling. (Heuristic crossover, Wright
+    1991, FOGA 1, but between the parents instead of beyond the fitter one, and with the fraction given by fitness.)
 
     Args:
         parents: Genomes, shape (n_parents, n_genes).
         fitness: Fitness of each parent, shape (n_parents,); higher is better.
         n_children: Number of children.
         rng: Random generator; unused.
-        genes: Gene table; with it counts are rounded, and cyclic genes change in the direction of the shorter distance.
+        genes: Gene table; if given, counts are rounded, and cyclic genes move the shorter way around.
 
     Returns:
         Children with (n_children, 2) parents, the less fit first.
@@ -124,7 +123,7 @@ def one_point(parents: Floats, fitness: Floats, n_children: int, *, rng: Generat
         rng: Random generator.
 
     Returns:
-        Children with (n_children, 2) parents; the first is the one that gave the front.
+        Children with (n_children, 2) parents; the first contributed the front.
     """
     couples = _pair_parents(len(parents), n_children)
     n_genes = parents.shape[1]

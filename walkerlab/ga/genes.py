@@ -18,8 +18,8 @@ GeneKind = Literal["real", "count", "cyclic"]
 class Genes(ReadOnlyArrays):
     """Gene table: the columns of a genome, first the genes of the whole body, then the same genes for each part.
 
-    A genome holds every part that a body *may* have. The gene at ``count`` gives how many of them, from the front, are
-    grown. The others are unexpressed, but inherited and mutated too.
+    A genome contains every part that a body *may* have. The gene at ``count`` gives how many of them, from the front,
+    are grown. The others are unexpressed, but inherited and mutated too.
 
         whole body        part 1          part 2          part 3
         count frequency | length mass … | length mass … | length mass …

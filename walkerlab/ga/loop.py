@@ -1,4 +1,4 @@
-"""Generation after generation: selection, crossover, mutation, repair and evaluation; the caller iterates."""
+"""The loop over generations: selection, crossover, mutation, repair and evaluation; the caller iterates."""
 
 from collections.abc import Callable, Sequence
 
@@ -51,7 +51,7 @@ def next_population(
         population: Previous generation.
         operators: Operators in each slot.
         genes: Gene table.
-        evaluate: Function from (n_children, n_genes) genomes to as many results; elites are not evaluated again.
+        evaluate: Function from (n_children, n_genes) genomes to one result each; elites are not evaluated again.
         repair: Function that brings (n_children, n_genes) mutated genomes within all limits.
         n_elites: Number of the best individuals that are carried over unchanged, with their evaluations; fewer if fewer
             individuals count.
@@ -69,7 +69,7 @@ def next_population(
     n = len(population.genomes)
     if not 0 <= n_elites < n:
         raise ValueError(
-            f"n_elites is {n_elites}; it must be 0 to {n - 1}, so that at least one of the {n} is a child. "
+            f"n_elites is {n_elites}; it must be between 0 and {n - 1}, so that at least one of the {n} is a child. "
             "It is the number of the best individuals that are carried over unchanged."
         )
     generation = population.generation + 1

@@ -1,8 +1,8 @@
 """Mutation operators: ``mutate(genomes, genes, *, rng)`` changes a few genes within their ranges.
 
-A real gene that would leave its range is reflected at its end; a cyclic gene wraps around. A count changes by whole
-steps, at least one, and at an end of its range in the direction that leads inside. A gene selected for mutation
-therefore always changes, unless its range is a single value.
+A real gene that would leave its range is reflected at its end; a cyclic gene wraps around. A count changes by one or
+more whole steps; at an end of its range it moves inward. A gene selected for mutation therefore always changes, unless
+its range is a single value.
 """
 
 import numpy as np
@@ -12,10 +12,10 @@ from walkerlab.ga.genes import Floats, Genes
 from walkerlab.ga.ranges import reflect, wrap
 
 MIN_STEP_REFERENCE = 0.1
-"""Minimum value to which a relative step refers, as a fraction of the gene's range, so that a zero can change."""
+"""Smallest magnitude that scales a relative step, as a fraction of the gene's range, so that a zero gene can change."""
 
 FAVORED_RATE_FACTOR = 10.0
-"""Ratio of the favored feature's mutation rate to that of the other genes."""
+"""Ratio of the favored feature's mutation rate to the rate of the other genes."""
 
 MICRO_STEP_FACTOR = 0.2
 """Ratio of a step of ``micro`` to one of ``randomized``."""
@@ -38,7 +38,7 @@ def randomized(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: floa
         Mutated genomes, shape (n, n_genes).
 
     Raises:
-        ValueError: If ``rate`` is outside 0 to 1.
+        ValueError: If ``rate`` is not between 0 and 1.
     """
     return _apply_steps(genomes, genes, _relative_step(genomes, genes, scale, rng), rate=rate, rng=rng)
 
@@ -52,7 +52,7 @@ def favored(
     scale: float = 0.2,
     rng: Generator,
 ) -> Floats:
-    """Change genes as ``randomized`` does, but one feature with ``FAVORED_RATE_FACTOR`` times the rate.
+    """Change genes as ``randomized`` does, but one feature at ``FAVORED_RATE_FACTOR`` times the rate.
 
     Args:
         genomes: Genomes, shape (n, n_genes).
@@ -66,7 +66,7 @@ def favored(
         Mutated genomes, shape (n, n_genes).
 
     Raises:
-        ValueError: If there is no gene named ``favored``, or ``rate`` is outside 0 to 1.
+        ValueError: If there is no gene named ``favored``, or ``rate`` is not between 0 and 1.
     """
     rates = np.full(len(genes), rate)
     rates[genes.find(favored)] = min(1.0, FAVORED_RATE_FACTOR * rate)
@@ -80,14 +80,14 @@ def micro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
         rate: Probability that a gene that is not a count changes, 0 to 1.
-        scale: Standard deviation of a step of ``randomized``, of which these steps are a fifth.
+        scale: Standard deviation of a step of ``randomized``; steps here are a fifth as large.
         rng: Random generator.
 
     Returns:
         Mutated genomes, shape (n, n_genes).
 
     Raises:
-        ValueError: If ``rate`` is outside 0 to 1.
+        ValueError: If ``rate`` is not between 0 and 1.
     """
     rates = np.where(genes.is_count, 0.0, rate)
     return _apply_steps(
@@ -98,15 +98,16 @@ def micro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0
 def macro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0.2, rng: Generator) -> Floats:
     """Draw genes from their whole range, and duplicate or drop whole parts.
 
-    With a probability of ``PART_RATE_FACTOR`` times the rate, one grown part of a genome, all with the same
-    probability, is duplicated next to itself (the last unexpressed part is lost) or dropped (it becomes the first
-    unexpressed part); the count changes accordingly, within its range. A copy can then evolve independently (gene
-    duplication: Ohno 1970).
+    With a probability of ``PART_RATE_FACTOR`` times the rate, one grown part of a genome, drawn uniformly, is
+    duplicated next to itself (the last unexpressed part is lost) or dropped (it becomes the first unexpressed part);
+    the count changes accordingly, within its range. A copy can then evolve independently
+    (gene duplication: Ohno 1970).
 
     Args:
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
-        rate: Probability of each gene to be drawn, 0 to 1; a count for which its old value is drawn changes by one.
+        rate: Probability that a gene gets a new random value, 0 to 1; a count that gets its old value again changes by
+            one.
         scale: Unused, because the drawn value does not depend on the old one.
         rng: Random generator.
 
@@ -114,7 +115,7 @@ def macro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0
         Mutated genomes, shape (n, n_genes).
 
     Raises:
-        ValueError: If ``rate`` is outside 0 to 1.
+        ValueError: If ``rate`` is not between 0 and 1.
     """
     extra = genes.is_count.astype(float)  # half a step at each end makes all whole numbers equally probable
     drawn = genes.low - extra / 2 + (genes.high - genes.low + extra) * rng.random(genomes.shape)
@@ -138,7 +139,7 @@ def gaussian(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float 
         Mutated genomes, shape (n, n_genes).
 
     Raises:
-        ValueError: If ``rate`` is outside 0 to 1.
+        ValueError: If ``rate`` is not between 0 and 1.
     """
     step = scale * (genes.high - genes.low) * rng.standard_normal(genomes.shape)
     return _apply_steps(genomes, genes, step, rate=rate, rng=rng)
@@ -152,7 +153,9 @@ def _relative_step(genomes: Floats, genes: Genes, scale: float, rng: Generator) 
 def _apply_steps(genomes: Floats, genes: Genes, step: Floats, *, rate: float | Floats, rng: Generator) -> Floats:
     """Add each gene's step with the probability ``rate``, and bring the result into its range."""
     if not np.all((np.asarray(rate) >= 0) & (np.asarray(rate) <= 1)):
-        raise ValueError(f"rate is {np.max(rate)}; it must be 0 to 1. It is the probability that a gene changes.")
+        raise ValueError(
+            f"rate is {np.max(rate)}; it must be between 0 and 1. It is the probability that a gene changes."
+        )
     is_mutated = rng.random(genomes.shape) < rate
     moved = np.where(
         genes.is_cyclic,
@@ -164,7 +167,7 @@ def _apply_steps(genomes: Floats, genes: Genes, step: Floats, *, rate: float | F
 
 
 def _add_whole_steps(genomes: Floats, genes: Genes, step: Floats) -> Floats:
-    """Add steps rounded to whole numbers, at least one, up to the end of the range; from an end, step inside."""
+    """Add steps rounded to whole numbers, at least one, but stay within the range; at an end, step inward."""
     start = np.rint(genomes)
     length = np.maximum(np.rint(np.abs(step)), 1)
     rises = np.where(step > 0, start < genes.high, start <= genes.low)

@@ -20,9 +20,9 @@ class Operators:
     """Operators in each slot: one function, or several that are applied in turn.
 
     Attributes:
-        select: Selections; each but the first selects among the individuals that the previous one selected.
-        cross: Crossovers; each but the first crosses the children of the previous one.
-        mutate: Mutations; each but the first mutates the result of the previous one.
+        select: Selection operators; each but the first selects among the individuals that the previous one selected.
+        cross: Crossover operators; each but the first crosses the children of the previous one.
+        mutate: Mutation operators; each but the first mutates the result of the previous one.
     """
 
     select: tuple[Select, ...]
@@ -37,18 +37,18 @@ class Operators:
         """
         for slot, operators in vars(self).items():
             if not operators:
-                raise ValueError(f"Operators.{slot} is empty; it must hold at least one function.")
+                raise ValueError(f"Operators.{slot} is empty; it must contain at least one function.")
 
 
 def select_in_turn(
     operators: Sequence[Select], fitness: Floats, n_parents: int, *, seed: int, generation: int
 ) -> Indices:
-    """Apply selections in turn, each to the individuals that the previous one selected.
+    """Apply selection operators in turn, each to the individuals that the previous one selected.
 
     Args:
-        operators: Selections, in their order.
-        fitness: Fitness of each individual, shape (n,); those that are ``NOT_COUNTED`` are excluded, unless all are.
-        n_parents: Number of parents that each selection returns.
+        operators: Selection operators, in their order.
+        fitness: Fitness of each individual, shape (n,); values ``NOT_COUNTED`` are excluded, unless all are.
+        n_parents: Number of parents that each operator returns.
         seed: Seed of the run.
         generation: Number of the generation that is created.
 
@@ -80,19 +80,19 @@ def cross_in_turn(
     seed: int,
     generation: int,
 ) -> Children:
-    """Apply crossovers in turn, each to the children of the previous one, with their parents' mean fitness.
+    """Apply crossover operators in turn, each to the children of the previous one, with their parents' mean fitness.
 
     Args:
-        operators: Crossovers, in their order; all but the last produce as many children as there are parents.
+        operators: Crossover operators, in their order; all but the last produce as many children as there are parents.
         parents: Genomes of the parents, shape (n_parents, n_genes).
         fitness: Fitness of each parent, shape (n_parents,); finite.
-        n_children: Number of children that the last crossover produces.
+        n_children: Number of children that the last operator produces.
         genes: Gene table.
         seed: Seed of the run.
         generation: Number of the generation that is created.
 
     Returns:
-        Children, with indices into ``parents`` also after several crossovers.
+        Children, with indices into ``parents`` even after several crossovers.
 
     Raises:
         OperatorError: If an operator does not work.
@@ -109,10 +109,10 @@ def cross_in_turn(
 
 
 def mutate_in_turn(operators: Sequence[Mutate], genomes: Floats, genes: Genes, *, seed: int, generation: int) -> Floats:
-    """Apply mutations in turn.
+    """Apply mutation operators in turn.
 
     Args:
-        operators: Mutations, in their order.
+        operators: Mutation operators, in their order.
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
         seed: Seed of the run.

@@ -36,7 +36,7 @@ class Population(ReadOnlyArrays, Generic[EvaluationT]):
     """One generation, with a row for each individual.
 
     Attributes:
-        generation: Number of the generation; 0 is the random one.
+        generation: Number of the generation; 0 is the initial random generation.
         genomes: Genomes, shape (n, n_genes), read-only.
         individuals: Number of each individual, unique within a run, shape (n,), read-only.
         born: Generation in which each individual was born, shape (n,), read-only; elites are older than their

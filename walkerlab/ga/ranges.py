@@ -1,4 +1,4 @@
-"""Return numbers that have left their range into it: around its end (cyclic), or reflected at its end."""
+"""Bring numbers that have left their range back into it: wrapped around (cyclic), or reflected at its end."""
 
 import numpy as np
 

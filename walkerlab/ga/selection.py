@@ -16,12 +16,12 @@ In 200 generations of ordinary runs (10 runs on flat ground and stairs, 40 robot
 
 
 def gradient(fitness: Floats, n_parents: int, *, rng: Generator) -> Indices:
-    """Select each individual with a probability proportional to its fitness above the worst.
+    """Select each individual with a probability that grows linearly with its lead over the lowest fitness.
 
     One individual that is far worse than all others removes most of the selection pressure, because probabilities
-    depend on the distance to the worst: of fitness 1, 2, 3 and -1e6, the first three are each selected with probability
-    0.33. ``evolve`` warns where that happens. ``rank``, ``tournament`` and ``top_half`` depend on the order only, and
-    are not affected.
+    depend on the distance to the worst: among individuals with fitness 1, 2, 3 and -1e6, each of the first three is
+    selected with probability 0.33. ``evolve`` warns when this happens. ``rank``, ``tournament`` and ``top_half`` depend
+    on the order only, and are not affected.
 
     Args:
         fitness: Fitness of each individual, shape (n,); higher is better, and may be negative.
@@ -43,7 +43,7 @@ def gradient_probabilities(fitness: Floats) -> Floats:
     Measuring from the worst individual instead of from zero (windowing: Grefenstette 1986, IEEE Trans. SMC 16(1)) makes
     the probabilities independent of the unit and the zero of fitness, so that negative fitness needs no special
     treatment. Its weakness is an outlier at the lower end, which makes all others nearly equal: see ``gradient`` and
-    ``pressure``.
+    ``selection_pressure``.
 
     Args:
         fitness: Fitness of each individual, shape (n,); higher is better.
@@ -73,7 +73,8 @@ def top_half(fitness: Floats, n_parents: int, *, rng: Generator) -> Indices:
 
     Args:
         fitness: Fitness of each individual, shape (n,); higher is better. Among equals, the first counts as better.
-        n_parents: Number of parents to select; if it is not a multiple of the half, the best are selected once more.
+        n_parents: Number of parents to select; if it is not a multiple of the size of that half, the best are selected
+            one extra time.
         rng: Random generator; shuffles the parents.
 
     Returns:
@@ -125,7 +126,7 @@ def rank(fitness: Floats, n_parents: int, *, pressure: float = 1.8, rng: Generat
         Indices into ``fitness``, shape (n_parents,).
 
     Raises:
-        ValueError: If a fitness is NaN or infinite, or ``pressure`` is outside 1 to 2.
+        ValueError: If a fitness is NaN or infinite, or ``pressure`` is not between 1 and 2.
     """
     return rng.choice(len(fitness), size=n_parents, p=rank_probabilities(fitness, pressure=pressure))
 
@@ -141,13 +142,13 @@ def rank_probabilities(fitness: Floats, *, pressure: float = 1.8) -> Floats:
         Probabilities, shape (n,), from (2 - pressure) / n for the worst to pressure / n for the best.
 
     Raises:
-        ValueError: If a fitness is NaN or infinite, or ``pressure`` is outside 1 to 2.
+        ValueError: If a fitness is NaN or infinite, or ``pressure`` is not between 1 and 2.
     """
     require_finite(fitness)
     if not 1 <= pressure <= 2:
         raise ValueError(
-            f"pressure is {pressure}; it must be 1 to 2. It is the probability of the best individual as a multiple of "
-            "the average."
+            f"pressure is {pressure}; it must be between 1 and 2. It is the probability of the best individual as a "
+            "multiple of the average."
         )
     _, level, n_equal = np.unique(fitness, return_inverse=True, return_counts=True)
     ranks = (np.cumsum(n_equal) - (n_equal + 1) / 2)[level]  # 0 for the worst
@@ -179,5 +180,5 @@ def require_finite(fitness: Floats) -> None:
     for i in np.flatnonzero(~np.isfinite(fitness)):
         raise ValueError(
             f"individual {i} has fitness {fitness[i]}; it must be a finite number, so that it can be compared with "
-            "others. Fix the fitness function, or leave that individual out."
+            "the others. Fix the fitness function, or leave that individual out."
         )

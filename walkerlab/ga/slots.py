@@ -32,20 +32,20 @@ MUTATION_SLOT = Slot("mutation", "mutate(genomes, genes, *, rng)", "genomes = ge
 def run_select(
     select: Select, fitness: Floats, n_parents: int, *, rng: Generator, time_limit: float = RUN_TIME_LIMIT
 ) -> Indices:
-    """Call a selection and check what it returns.
+    """Call a selection operator and check what it returns.
 
     Args:
         select: Selection operator.
         fitness: Fitness of each individual, shape (n,); finite.
         n_parents: Number of parents to select; may be more than n.
-        rng: Random generator; the operator gets a copy, as it does of all arrays.
+        rng: Random generator; the operator receives copies of it and of all arrays.
         time_limit: Time limit of a call, s.
 
     Returns:
         Indices into ``fitness``, shape (n_parents,).
 
     Raises:
-        OperatorError: If the operator returns anything else, or breaks another rule of operators.
+        OperatorError: If the operator returns anything else, or breaks another rule for operators.
     """
     label = SELECTION_SLOT.label(select)
 
@@ -73,7 +73,7 @@ def run_cross(
     rng: Generator,
     time_limit: float = RUN_TIME_LIMIT,
 ) -> Children:
-    """Call a crossover, with the gene table if it has a keyword for it, and check what it returns.
+    """Call a crossover operator, with the gene table if it accepts it, and check what it returns.
 
     Args:
         cross: Crossover operator.
@@ -81,14 +81,14 @@ def run_cross(
         fitness: Fitness of each parent, shape (n_parents,); finite.
         n_children: Number of children.
         genes: Gene table.
-        rng: Random generator; the operator gets a copy, as it does of all arrays.
+        rng: Random generator; the operator receives copies of it and of all arrays.
         time_limit: Time limit of a call, s.
 
     Returns:
         Children, with genomes of shape (n_children, n_genes) and parents of shape (n_children, k).
 
     Raises:
-        OperatorError: If the operator returns anything else, or breaks another rule of operators.
+        OperatorError: If the operator returns anything else, or breaks another rule for operators.
     """
     keywords = {"genes": genes} if accepts_genes(cross) else {}
     label = CROSSOVER_SLOT.label(cross)
@@ -105,26 +105,26 @@ def run_cross(
             f"for k parents each; it returned {describe_result(parents_of_each)}",
             "With one parent for each child, that is mothers[:, None]; with two, np.stack([mothers, fathers], axis=1).",
         )
-    return Children(genomes, _check_indices(indices, label, len(parents), "the parents given"))
+    return Children(genomes, _check_indices(indices, label, len(parents), "the given parents"))
 
 
 def run_mutate(
     mutate: Mutate, genomes: Floats, genes: Genes, *, rng: Generator, time_limit: float = RUN_TIME_LIMIT
 ) -> Floats:
-    """Call a mutation and check what it returns.
+    """Call a mutation operator and check what it returns.
 
     Args:
         mutate: Mutation operator.
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
-        rng: Random generator; the operator gets a copy, as it does of all arrays.
+        rng: Random generator; the operator receives copies of it and of all arrays.
         time_limit: Time limit of a call, s.
 
     Returns:
         Mutated genomes, shape (n, n_genes).
 
     Raises:
-        OperatorError: If the operator returns anything else, or breaks another rule of operators.
+        OperatorError: If the operator returns anything else, or breaks another rule for operators.
     """
 
     def call() -> object:
@@ -135,7 +135,7 @@ def run_mutate(
 
 
 def accepts_genes(cross: Cross) -> bool:
-    """Return whether a crossover has a keyword ``genes``, for the gene table."""
+    """Return whether a crossover operator has a keyword ``genes``, for the gene table."""
     try:
         return "genes" in inspect.signature(cross).parameters
     except ValueError:  # functions of C libraries may have no signature
@@ -180,12 +180,12 @@ def _check_indices(indices: NDArray[Any], label: str, n: int, meaning: str) -> I
         indices: Indices that an operator returned.
         label: Label of the operator.
         n: Number of elements that the indices refer to.
-        meaning: These elements, for the message.
+        meaning: What the elements are, as worded in the message.
 
     Raises:
         OperatorError: If they are not whole numbers from 0 to n - 1.
     """
-    requirement = f"{label} must return indices of {meaning}, whole numbers 0 to {n - 1}"
+    requirement = f"{label} must return indices of {meaning}, whole numbers from 0 to {n - 1}"
     if indices.dtype.kind == "f" and np.isfinite(indices).all() and (indices == np.rint(indices)).all():
         indices = np.clip(indices, -1, n).astype(np.intp)  # an index out of range stays out of range
     if not np.issubdtype(indices.dtype, np.integer):
@@ -195,8 +195,8 @@ def _check_indices(indices: NDArray[Any], label: str, n: int, meaning: str) -> I
         )
     for outside in indices[(indices < 0) | (indices >= n)].flat:
         raise OperatorError(
-            f"{requirement}; it returned {outside} among them",
-            "Draw from as many as there are, as in rng.integers(len(fitness), size=n_parents).",
+            f"{requirement}; one of the values it returned is {outside}",
+            "An index must be less than len(fitness), as in rng.integers(len(fitness), size=n_parents).",
         )
     return indices.astype(np.intp)
 
@@ -219,12 +219,13 @@ def _check_genomes(result: object, label: str, shape: tuple[int, ...], symbols: 
             genomes = genomes.astype(np.float64)
     if genomes.shape != shape or genomes.dtype.kind not in "iuf":
         raise OperatorError(
-            f"{label} must return genomes, numbers of shape {symbols} = {shape}; it returned {describe_result(result)}",
+            f"{label} must return genomes as an array of numbers of shape {symbols} = {shape}; "
+            f"it returned {describe_result(result)}",
             "Each row is one individual, each column one gene. Check for a missing return, or a missing axis=0.",
         )
     for value in genomes[~np.isfinite(genomes)]:
         raise OperatorError(
-            f"{label} must return finite numbers; it returned {value} among them",
+            f"{label} must return finite numbers; one of the values it returned is {value}",
             "Check for a division by zero, or a root or logarithm of a negative number.",
         )
     return genomes.astype(np.float64)

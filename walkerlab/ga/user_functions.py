@@ -1,4 +1,4 @@
-"""Calls of user functions: with a time limit, and with an explanation of every error that they make."""
+"""Calls of user functions: with a time limit, and with an explanation of every error that they raise."""
 
 import inspect
 import sys
@@ -19,8 +19,8 @@ from walkerlab.system.time_limit import (
     raised_in_call,
 )
 
-RUN_TIME_LIMIT = 60.0  # s that one call may take in a run
-CHECK_TIME_LIMIT = 10.0  # s that one call may take in a check before the run
+RUN_TIME_LIMIT = 60.0  # s for one call in a run
+CHECK_TIME_LIMIT = 10.0  # s for one call in a check before the run
 
 THREAD_ADVICE = (
     "User functions are called in a separate thread, so that one that never returns can be stopped. Open an object "
@@ -84,7 +84,7 @@ class Slot:
 
 
 def name_of(operator: Callable[..., object]) -> str:
-    """Return the name of a function, also if ``functools.partial`` has bound its parameters."""
+    """Return the name of a function, even if ``functools.partial`` has bound its parameters."""
     function = _unwrap_partial(operator)
     return getattr(function, "__name__", type(function).__name__)
 
@@ -135,7 +135,7 @@ def describe_result(result: object) -> str:
 
 
 def _call_and_explain(slot: Slot, function: Callable[..., object], call: Callable[[], Any]) -> Any:
-    """Call a function, and convert what it raises to an OperatorError."""
+    """Call a function, and convert its exceptions to an OperatorError."""
     label = slot.label(function)
     try:
         return call()
@@ -179,7 +179,7 @@ def _are_equal(one: Any, other: Any) -> bool:
 
 
 def _shared_random_states() -> dict[str, object]:
-    """Return the state of each random generator that all code in the process shares, by the name that users know."""
+    """Return the state of each random generator that all code in the process shares, by the name that users write."""
     _, keys, *rest = np.random.get_state()  # noqa: NPY002  # only reads the state
     states: dict[str, object] = {"np.random": (np.asarray(keys).tobytes(), rest)}
     if module := sys.modules.get(RANDOM_MODULE):
@@ -194,7 +194,7 @@ def _is_ours(function: Callable[..., object]) -> bool:
 
 
 def _line_of(error: BaseException, function: Callable[..., object]) -> str:
-    """Return the line of a function in which an error was raised, for a message, counted as in its file or cell."""
+    """Return the line of a function at which an error was raised, numbered as in its file or cell, for a message."""
     code = getattr(inspect.unwrap(_unwrap_partial(function)), "__code__", None)
     lines = [line for frame, line in traceback.walk_tb(error.__traceback__) if frame.f_code is code]
     return f" (line {lines[-1]})" if lines else ""

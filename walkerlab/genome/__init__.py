@@ -1,1 +1,1 @@
-"""Genomes as numbers, text and tables, the limits that they obey, and the robot that a genome expresses."""
+"""Genomes as numbers, text and tables, their limits, and the robot that a genome expresses."""

@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.features import BODY_FEATURES, LEG_FEATURES, SEGMENT_FEATURES, TRUNK_FEATURES, is_expressed
 from walkerlab.genome.text import FEATURE_WORDS, SWING_PARAMETERS, count_segments, format_text
@@ -38,8 +40,8 @@ def genome_html(values: Floats) -> Markup:
     wanted, frequency, lag, duty = values[: len(BODY_FEATURES)].tolist()
     rows_of_values = values[len(BODY_FEATURES) :].reshape(n_segments, -1).tolist()
     segments: list[dict[Feature, float]] = [dict(zip(SEGMENT_FEATURES, row, strict=True)) for row in rows_of_values]
-    expressed = is_expressed(values[None])[0, len(BODY_FEATURES) :].reshape(n_segments, -1).tolist()
-    is_grown = [i < wanted for i in range(n_segments)]
+    expressed = is_expressed(values[np.newaxis])[0, len(BODY_FEATURES) :].reshape(n_segments, -1).tolist()
+    is_grown = [i < round(wanted) for i in range(n_segments)]
 
     def rows(features: tuple[Feature, ...]) -> list[list[Cell]]:
         return [
@@ -54,18 +56,22 @@ def genome_html(values: Floats) -> Markup:
         ]
 
     size = pluralize(n_segments, "segment")
-    all_grown = all(is_grown)
+    repeat = SEGMENT_FEATURES.index(Feature.repeat)
     return render(
         "genome/genome.html",
-        body_size=size if all_grown else f"{sum(is_grown)} of {size} grown",
+        body_size=size if all(is_grown) else f"{sum(is_grown)} of {size} grown",
         body=rows(BODY_COLUMNS),
-        frequency=_format_number(frequency),
-        lag=_format_number(lag),
-        duty=_format_number(duty),
+        summary=(
+            f"Frequency {_format_number(frequency)} Hz, lag {_format_number(lag)} rad for each segment, "
+            f"duty {_format_number(duty)}"
+        ),
         motions=list(SWING_PARAMETERS),
         gait=rows(GAIT_COLUMNS),
         row_classes=["" if grown else "faint" for grown in is_grown],
-        all_grown=all_grown,
+        has_repeats=any(
+            is_used[repeat] and segment[Feature.repeat] for is_used, segment in zip(expressed, segments, strict=True)
+        ),
+        has_unexpressed=not np.all(expressed),
         text=format_text(values.tolist()),
     )
 

@@ -103,7 +103,7 @@ def build_genes(robot: Robot) -> Genes:
 def find_leg_sources(segments: Floats) -> Indices:
     """Return the segment whose genes describe the legs of each segment, shape (n, n_segments); -1 without legs.
 
-    That is the segment itself, or the nearest one in front of it that does not repeat others.
+    That is the segment itself, or the nearest segment in front of it that does not repeat others.
 
     Args:
         segments: Genes of the segments, shape (n, n_segments, genes of one segment).
@@ -118,18 +118,20 @@ def find_leg_sources(segments: Floats) -> Indices:
 def is_expressed(genomes: Floats) -> NDArray[np.bool_]:
     """Return which genes have an effect on the robot, shape (n, n_genes), for (n, n_genes) genomes.
 
-    Genes of segments that are not grown have none, nor have those of legs that do not exist or that repeat others.
+    Genes of segments that are not grown have no effect, nor have the genes of legs that do not exist or repeat others.
+    The lag has no effect if only the first segment has legs.
     """
     segments = genomes[:, len(BODY_FEATURES) :].reshape(len(genomes), -1, len(SEGMENT_FEATURES))
     numbers = np.arange(segments.shape[1])
-    is_grown = numbers < genomes[:, BODY_FEATURES.index(Feature.segments), np.newaxis]
+    is_grown = numbers < np.rint(genomes[:, BODY_FEATURES.index(Feature.segments), np.newaxis])
     sources = find_leg_sources(segments)
-    has_front_legs = np.cumsum(sources >= 0, axis=1) > 1  # in itself and in a segment in front of it
+    has_front_legs = np.cumsum(sources >= 0, axis=1) > 1  # legs on the segment itself and on one in front of it
     can_repeat = is_grown & (sources >= 0) & has_front_legs
     has_own_legs = is_grown & (sources == numbers)
     masks: dict[Feature, NDArray[np.bool_]] = {Feature.repeat: can_repeat, **dict.fromkeys(LEG_FEATURES, has_own_legs)}
     of_segments = np.stack([masks.get(feature, is_grown) for feature in SEGMENT_FEATURES], axis=2)
     of_body = np.ones((len(genomes), len(BODY_FEATURES)), dtype=np.bool_)
+    of_body[:, BODY_FEATURES.index(Feature.lag)] = (is_grown & (sources >= 0))[:, 1:].any(axis=1)
     return np.concatenate([of_body, of_segments.reshape(len(genomes), -1)], axis=1)
 
 
@@ -145,4 +147,16 @@ def gene_table(robot: Robot) -> pd.DataFrame:
     genes = build_genes(robot)
     columns = ("names", "units", "low", "high", "kinds", "meanings")
     titles = ("gene", "unit", "low", "high", "kind", "meaning")
-    return pd.DataFrame({title: list(getattr(genes, column)) for title, column in zip(titles, columns, strict=True)})
+    return GeneTable({title: list(getattr(genes, column)) for title, column in zip(titles, columns, strict=True)})
+
+
+class GeneTable(pd.DataFrame):
+    """Table that notebooks display with whole sentences, which pandas would cut off after 50 characters."""
+
+    @property
+    def _constructor(self) -> "type[GeneTable]":
+        return GeneTable
+
+    def _repr_html_(self) -> str | None:
+        with pd.option_context("display.max_colwidth", None):
+            return super()._repr_html_()  # type: ignore[operator]

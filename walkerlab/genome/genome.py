@@ -46,7 +46,7 @@ class Genome(ReadOnlyArrays):
     values: Floats
 
     def __post_init__(self) -> None:
-        """Check the values, and replace them by a read-only copy."""
+        """Check the values, and replace them with a read-only copy."""
         try:
             values = np.asarray(self.values, dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
@@ -84,7 +84,7 @@ class Genome(ReadOnlyArrays):
 
     @classmethod
     def of(cls, given: "Genome | str | ArrayLike | HasGenome") -> "Genome":
-        """Return a genome, given as a genome, its text form, its values, or an object that has one.
+        """Return a genome, given as a genome, its text form, its values, or an object with a genome.
 
         Args:
             given: Genome, text form, values of shape (n_genes,), or object with an attribute ``genome``.
@@ -92,7 +92,7 @@ class Genome(ReadOnlyArrays):
         Raises:
             GenomeError: If a text is not a genome.
             ValueError: If values are not a genome.
-            TypeError: If it is an object without a single genome, such as a run, a table or settings.
+            TypeError: If the object does not have exactly one genome, such as a run, a table or settings.
         """
         if isinstance(given, Genome):
             return given
@@ -133,10 +133,10 @@ class Genome(ReadOnlyArrays):
         return count_segments(self.values.size)
 
     def within(self, robot: Robot) -> Self:
-        """Return the nearest genome that obeys these limits.
+        """Return the nearest genome that is within these limits.
 
         Segments beyond those that the limits allow are dropped. If the genome describes fewer, it gets copies of its
-        last segment, which are grown if its segment count includes them.
+        last segment, and the copies are grown if its segment count includes them.
 
         Args:
             robot: Limits of the robot.
@@ -152,7 +152,7 @@ class Genome(ReadOnlyArrays):
 
 
 def _check_has_one_genome(given: Any) -> None:
-    """Check that a value is not one of those that are often given by mistake in place of a genome.
+    """Check that a value is not of a kind that is often given by mistake in place of a genome.
 
     Raises:
         TypeError: If it is; the message explains what to give instead.
@@ -186,7 +186,7 @@ def read_genomes(given: Iterable[Genome | str | ArrayLike | HasGenome]) -> list[
     is_row = isinstance(given, np.ndarray) and given.ndim == 1 and given.dtype.kind in "fiu" and given.size
     if hasattr(given, "champion") or hasattr(given, "columns"):
         source = "run.records.genome" if hasattr(given, "champion") else "table.genome"
-        raise TypeError(f"several genomes are expected, as a list; those of a run or its table are {source}")
+        raise TypeError(f"several genomes are expected, as a list; the genomes of a run or its table are {source}")
     if isinstance(given, Mapping):
         raise TypeError("several genomes are expected, as a list; got a dict: give list(genomes.values())")
     if given is not None and not isinstance(given, list | tuple):  # pyright: ignore[reportUnnecessaryComparison]

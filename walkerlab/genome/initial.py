@@ -1,7 +1,8 @@
 """Random genomes of the first generation: bodies that stand on their feet, and gaits that lift the foot as it swings.
 
-Of genes drawn uniformly from their ranges, nine robots of ten lie on the belly from the start. Here angles and leg
-lengths are drawn so that most stand, and so that about as many move forward as do not. Everything else is uniform.
+If genes are drawn uniformly from their ranges, nine robots out of ten lie on their belly from the start. Here angles
+and leg lengths are drawn so that most robots stand, and about half of them move forward. Everything else is
+uniform.
 """
 
 import math
@@ -13,14 +14,14 @@ from walkerlab.ga.genes import Floats, Genes
 from walkerlab.genome.features import build_genes
 from walkerlab.settings.robot import Robot
 
-LEGS_PROBABILITY = 0.9  # that a segment has legs
-REPEAT_PROBABILITY = 0.9  # that a segment repeats the legs and the step of those in front of it
-LEG_LENGTH_SHARE = (0.2, 0.6)  # of the range; long legs topple, and with short ones the belly touches the ground
+LEGS_PROBABILITY = 0.9  # probability that a segment has legs
+REPEAT_PROBABILITY = 0.9  # probability that a segment repeats the legs and the step of those in front of it
+LEG_LENGTH_SHARE = (0.2, 0.6)  # share of the range; long legs topple, and with short ones the belly touches the ground
 LAG_RANGE = (math.pi / 2, 3 * math.pi / 2)  # rad, around half a turn, where neighbours step in turn
 KNEE_BEND = (0.2, 0.9)  # rad, forward or backward
-THIGH_TILT = 0.15  # rad, standard deviation of the thigh's angle from that with the foot below the hip
+THIGH_TILT = 0.15  # rad, standard deviation of the thigh's angle around the one with the foot below the hip
 AMPLITUDE_RANGE = (0.2, 0.6)  # rad
-LIFT_SPREAD = 0.5  # rad, standard deviation of the knee's phase from that which lifts the foot as the thigh swings
+LIFT_SPREAD = 0.5  # rad, standard deviation of the knee's phase around the one that lifts the swinging foot
 STRIDE_SPREAD = 0.3  # rad, standard deviation of the phase between left and right from 0 (bound) or π (trot)
 
 
@@ -44,12 +45,12 @@ def draw_genes(robot: Robot, rng: Generator) -> Floats:
 
 
 def _draw_standing_gait(genes: Genes, rng: Generator) -> dict[str, Floats | float]:
-    """Draw the features of which uniform values seldom stand or walk; one value, or one for each segment."""
+    """Draw the features whose uniform values seldom make a robot stand or walk; one value, or one for each segment."""
     n = genes.n_parts
     leg_length = genes.find("leg_length")
     low = genes.low[leg_length]
     high = genes.high[leg_length]
-    direction = rng.choice([-1.0, 1.0], n)  # in which the knees bend
+    direction = rng.choice([-1.0, 1.0], n)  # direction in which the knees bend
     knee_offset = direction * rng.uniform(*KNEE_BEND, n)
     return {
         "lag": rng.uniform(*LAG_RANGE),

@@ -100,20 +100,21 @@ class Phenotype:
 def express(genome: Genome) -> Phenotype:
     """Return the robot that a genome expresses; unexpressed genes are ignored.
 
-    A segment whose ``repeat`` is 1 has the legs and the step of the nearest legs in front of it. All legs are behind
-    those in front by ``lag`` for each segment between them, so that a wave of steps travels along the body.
+    A segment whose ``repeat`` is 1 has the legs and the step of the nearest legs in front of it. Legs lag by a further
+    ``lag`` for each segment towards the rear, so that a wave of steps travels along the body.
     """
     genome = Genome.of(genome)
     body = dict(zip(BODY_FEATURES, genome.values[: len(BODY_FEATURES)].tolist(), strict=True))
-    rows = genome.values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)[: int(body[Feature.segments])]
+    rows = genome.values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)[: max(0, round(body[Feature.segments]))]
     segments: list[Segment] = []
     legs: Legs | None = None
     for number, row in enumerate(rows.tolist()):
         gene: dict[Feature, float] = dict(zip(SEGMENT_FEATURES, row, strict=True))
-        if gene[Feature.legs] and not (legs and gene[Feature.repeat]):
+        has_legs = gene[Feature.legs] > 0
+        if has_legs and not (legs and gene[Feature.repeat] > 0):
             legs = _express_legs(gene)
         shifted = legs and replace(legs, phase=legs.phase - number * body[Feature.lag])
-        segments.append(Segment(gene[Feature.length], gene[Feature.mass], shifted if gene[Feature.legs] else None))
+        segments.append(Segment(gene[Feature.length], gene[Feature.mass], shifted if has_legs else None))
     return Phenotype(tuple(segments), body[Feature.frequency], body[Feature.duty])
 
 
@@ -132,8 +133,8 @@ def _express_legs(gene: dict[Feature, float]) -> Legs:
 def stride_angle(strides: Floats, duty: float) -> Floats:
     """Return the angle that drives the joints of a leg: the thigh is foremost at π/2 and rearmost at 3π/2.
 
-    The angle increases by a full turn in each stride: by half a turn while the thigh swings forward, and by the other
-    half in the share ``duty`` of the stride, while it swings backward. With a duty of 0.5 it increases steadily.
+    The angle increases by a full turn in each stride: by half a turn while the thigh swings forward, and by half a turn
+    while it swings backward, which takes the share ``duty`` of the stride. With a duty of 0.5 it increases steadily.
 
     Args:
         strides: Phase in strides, any shape; whole numbers are full strides.
@@ -142,7 +143,7 @@ def stride_angle(strides: Floats, duty: float) -> Floats:
     Returns:
         Angles [rad], same shape, from -π/2 to 3π/2.
     """
-    position = np.mod(strides + 0.25, 1.0)  # since the last time that the thigh was rearmost, if the duty is 0.5
+    position = np.mod(strides + 0.25, 1.0)  # strides since the thigh was last rearmost, if the duty is 0.5
     is_forward = position < 1 - duty
     half_turns = np.where(is_forward, position / (1 - duty), 1 + (position - (1 - duty)) / duty)
     return math.pi * half_turns - math.pi / 2

@@ -18,13 +18,13 @@ GRID_TOLERANCE = 1e-6  # steps of the grid
 
 
 def repair(genomes: ArrayLike, robot: Robot) -> Floats:
-    """Return for each genome a nearby one whose robot obeys every limit; one that obeys them already is unchanged.
+    """Return for each genome a nearby genome within all limits; a genome already within them is unchanged.
 
     Genes are brought into their ranges, including the number of segments, and rounded to a grid. Lengths and masses of
     the grown segments are moved towards an end of their range until their sum is within the limits. Pairs of legs are
-    added from the front, or removed from the rear, until their number is. The range of a mass is that which trunk and
-    legs of this length can have at a plausible density. Limits have priority over the grid: where no value on the grid
-    obeys them, a gene is not rounded.
+    added from the front, or removed from the rear, until their number is within the limits. The range of a mass is what
+    a trunk and legs of this length can weigh at a plausible density. Limits have priority over the grid: if no value on
+    the grid is within them, a gene is not rounded.
 
     Args:
         genomes: Genomes in physical units, shape (n, n_genes); not modified.
@@ -64,7 +64,7 @@ def draw_sizes(genomes: Floats, robot: Robot, rng: Generator) -> Floats:
     """Return repaired genomes with new sums of lengths and masses, drawn uniformly from what the limits allow.
 
     Repair moves a sum that is outside its limits to the nearest limit, and sums of uniform genes often are. Each length
-    and mass is moved towards an end of its range until the sum is the drawn one.
+    and mass is moved towards an end of its range until the sum has the drawn value.
 
     Args:
         genomes: Repaired genomes, shape (n, n_genes); not modified.
@@ -93,7 +93,7 @@ def _draw_sum(
     *,
     rng: Generator,
 ) -> Floats:
-    """Move the grown values of each row until their sum is one drawn within its limits; for shapes see ``_fit_sum``."""
+    """Move the values of grown segments to a random sum within its limits; shapes as in ``_fit_sum``."""
     min_sum = np.maximum(min_sum, np.where(is_grown, low, 0.0).sum(axis=1, keepdims=True))
     max_sum = np.minimum(max_sum, np.where(is_grown, high, 0.0).sum(axis=1, keepdims=True))
     drawn = np.round(rng.uniform(min_sum, np.maximum(min_sum, max_sum)), GRID_DECIMALS).clip(min_sum, max_sum)
@@ -143,8 +143,8 @@ def _fit_sum(
         is_grown: Whether each segment is grown, same shape.
         low: Minimum of each value; a number, or shape (n, n_parts).
         high: Maximum of each value, likewise.
-        min_sum: Minimum of the sum of the grown values; a number, or shape (n, 1).
-        max_sum: Maximum of the sum of the grown values, likewise.
+        min_sum: Minimum of the sum over the grown segments; a number, or shape (n, 1).
+        max_sum: Maximum of the sum over the grown segments, likewise.
 
     Returns:
         Values, shape (n, n_parts).

@@ -32,7 +32,7 @@ WORD_VALUES = {word: float(value) for words in FEATURE_WORDS.values() for value,
 
 VERSION = 2
 FEATURES_SINCE_2 = {Feature.lag: 0.0, Feature.duty: 0.5, Feature.repeat: 0.0}
-"""Features that texts of version 1 lack, and the values that express the robots of these texts."""
+"""Features that texts of version 1 lack, and the values that give the robots of these texts."""
 
 NUMBER_PATTERN = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d{1,3})?"
 DECIMAL_PATTERN = r"(-?\d{1,9}+\.?\d{0,17}+)"  # matches nearly all numbers that format_text writes
@@ -64,7 +64,7 @@ def parse_text(text: str) -> list[float]:
         GenomeError: If the text is not a genome; the message gives the position, and what was expected there.
     """
     if not isinstance(text, str):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise GenomeError(f"a genome is read from its text, a str; got {short_repr(text)}")
+        raise GenomeError(f"a genome's text must be a str; got {short_repr(text)}")
     if len(text) > MAX_TEXT_LENGTH:
         raise GenomeError(f"a genome's text has at most {MAX_TEXT_LENGTH} characters; this one has {len(text)}")
     n_segments = _clip_n_segments(text.count("| seg "))
@@ -84,7 +84,7 @@ def is_of_version_1(text: str) -> bool:
 
 
 def _initial_values(n_segments: int) -> list[float]:
-    """Return gene values in which the features that a text may lack have their values."""
+    """Return gene values to start from; features that a text may lack have the values that the text implies."""
     body = [FEATURES_SINCE_2.get(feature, 0.0) for feature in BODY_FEATURES]
     return body + n_segments * [FEATURES_SINCE_2.get(feature, 0.0) for feature in SEGMENT_FEATURES]
 
@@ -121,7 +121,7 @@ def _parse_number(text: str, start: int, token: str, word: str) -> float:
         word: The word.
 
     Raises:
-        GenomeError: If the word has another key, or no finite number.
+        GenomeError: If the word has another key, or its value is not a finite number.
     """
     key = f"{token}=" if token in CHOICES else token
     if not _key_and_number(key).fullmatch(word):

@@ -1,7 +1,7 @@
 """Generations of a run that is being evolved: stored in a file, and indexed by genome.
 
-Only a hash of each genome is held in memory, so a run of any length fits, with or without a file that is saved. The
-index finds earlier evaluations, so that no genome has to walk twice.
+Only a hash of each genome is held in memory, so a run of any length fits, whether or not it has a run file. The
+index finds earlier evaluations, so that no genome is simulated twice.
 """
 
 import weakref
@@ -26,7 +26,7 @@ class Archive:
 
         Args:
             file: Path of the run file, or a temporary one.
-            run_id: Id of the run that the file must hold.
+            run_id: Id of the run that the file must contain.
         """
         self._file = file
         self._run_id = run_id
@@ -57,7 +57,7 @@ class Archive:
 
         Args:
             path: Run file.
-            table: Its generations whose evaluations may be used again; only their index is kept in memory.
+            table: Generations of the run whose evaluations may be reused; only their index is kept in memory.
             settings: Settings of the further generations, as plain data.
 
         Raises:
@@ -72,10 +72,10 @@ class Archive:
 
         Args:
             generation: Tidy table of the generation.
-            functions: Facts about the user functions that it was made with.
+            functions: Facts about the user functions that produced it.
 
         Raises:
-            RunFileError: If it cannot be written, or the file has changed since.
+            RunFileError: If it cannot be written, or the file was changed in the meantime.
         """
         with self._lock:
             store.append(self._file, generation, self._run_id, functions)
@@ -85,7 +85,7 @@ class Archive:
         """Return the path of the run file; a temporary file is first copied to one with a name.
 
         Raises:
-            RunFileError: If the file no longer holds this run, or no file can be created.
+            RunFileError: If the file no longer contains this run, or no file can be created.
         """
         with self._lock:
             if not isinstance(self._file, Path):
@@ -108,7 +108,7 @@ class Archive:
             return copy_table(self._table.iloc[:end])
 
     def find(self, genomes: Collection[str]) -> dict[str, EvaluationRow]:
-        """Return the stored evaluations of genomes, by their texts; those without one are left out.
+        """Return the stored evaluations of genomes, by their texts; genomes without one are left out.
 
         Args:
             genomes: Texts of the genomes.

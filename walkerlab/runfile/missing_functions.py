@@ -18,11 +18,11 @@ from walkerlab.simulation.rollout import Rollout
 from walkerlab.simulation.validity import REJECTED
 
 PLACEHOLDER_NAME = "my_function"
-"""Name in suggested code for a function without a name of its own, such as a lambda."""
+"""Name used in suggested code for a function without a name, such as a lambda."""
 
 
 class MissingFunction:
-    """Stand-in for a user function of which the run file holds only the name."""
+    """Stand-in for a user function whose name, but not its code, is in the run file."""
 
     def __init__(self, name: str, slot: str) -> None:
         """Create a stand-in.
@@ -55,11 +55,11 @@ class MissingFitness(MissingFunction):
     conditions: object = None
 
     def select_counted_walk(self, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Rollout:
-        """Return the walk of a robot that counted in the run.
+        """Return the one of a robot's walks that counted in the run.
 
-        Walks are repeatable: it is the walk with the verdict, distance and velocity in the run file, or on another kind
-        of machine the nearest to them. If the table does not have the robot, or the settings are others, it is the walk
-        with the smallest distance.
+        Walks are repeatable, so this is the walk with the verdict, distance and velocity in the run file; on another
+        kind of machine, it is the walk closest to these values. If the robot is not in the table, or the settings
+        differ, it is the walk with the smallest distance.
 
         Args:
             genome: Genome of the robot, within the limits.

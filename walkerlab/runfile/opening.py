@@ -1,4 +1,4 @@
-"""Open a run file for one transaction, with limits on what an untrusted file may cost."""
+"""Open a run file for one transaction, with limits on the time and memory that an untrusted file may use."""
 
 import os
 import shutil
@@ -15,12 +15,12 @@ from walkerlab.runfile import schema
 from walkerlab.runfile.schema import LAYOUT_VERSION, LayoutError
 from walkerlab.system.files import display_path, quote_path
 
-PAGE_SIZE = 8192  # bytes; rows of nearly a kilobyte waste less of it than of SQLite's default, 4096
+PAGE_SIZE = 8192  # bytes; rows of nearly a kilobyte waste less space than with SQLite's default, 4096
 LOCK_TIMEOUT = 60  # s to wait while another program reads or writes the file
 MAX_TEXT_SIZE = 200_000  # bytes; a longer text is rejected before memory is allocated for it
-MAX_STEPS = 5_000_000  # of SQLite's virtual machine for a transaction, in addition to one per byte; ten times the usual
+MAX_STEPS = 5_000_000  # SQLite's virtual machine steps per transaction, plus one per byte; ten times the usual
 STEPS_PER_CHECK = 1000  # steps between two checks of MAX_STEPS
-MAX_FREE_PAGES = 9  # of an earlier layout; no run leaves as many
+MAX_FREE_PAGES = 9  # maximum number of unused pages in a file of an earlier layout; no run leaves that many
 
 RunFile: TypeAlias = Path | sqlite3.Connection
 """Path of a run file, or the connection to a temporary one, which has no path."""
@@ -31,7 +31,7 @@ class RunFileError(WalkerlabError, ValueError):
 
 
 class DamagedError(RunFileError):
-    """The contents of a run file are not as they were written."""
+    """The contents of a run file were changed or damaged after they were written."""
 
     def __init__(self, file: RunFile | str, what: str) -> None:
         """Compose the message, which says how to save the undamaged part.
@@ -123,12 +123,12 @@ def open_run(
     Args:
         file: Run file.
         mode: ``create`` fills an empty file; ``read`` reads; ``check`` reads after checking the integrity of all pages;
-            ``rescue`` reads as much as possible, also of a truncated file; ``write`` writes, and upgrades the layout.
-        name: Path for messages; that of the file if None.
+            ``rescue`` reads as much as possible, even from a truncated file; ``write`` writes, and upgrades the layout.
+        name: Path for messages; if None, the path of the file.
 
     Raises:
         RunFileError: If the file does not exist, is not a run, or cannot be used.
-        DamagedError: If its contents are not as they were written.
+        DamagedError: If its contents were changed or damaged.
     """
     if isinstance(file, Path) and mode != "create" and not file.is_file():
         raise RunFileError(f"there is no run file at {display_path(file)}")
@@ -183,7 +183,7 @@ def open_database(file: Path | str, n_bytes: int = 0) -> sqlite3.Connection:
 
     Args:
         file: Path of the file, or ``:memory:``.
-        n_bytes: Size of what will be copied into it.
+        n_bytes: Size of the data that will be copied into it.
     """
     db = sqlite3.connect(file, timeout=LOCK_TIMEOUT)
     db.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_TEXT_SIZE)
@@ -199,7 +199,7 @@ _SQLITE_ADVICE = {
     sqlite3.SQLITE_READONLY: "the file or its folder cannot be written to. Copy it into a folder that you can write to",
     sqlite3.SQLITE_CANTOPEN: "the file or its folder cannot be opened. Copy it into a folder that you can write to",
     sqlite3.SQLITE_PERM: "you have no permission to write to it. Copy it into a folder that you can write to",
-    sqlite3.SQLITE_BUSY: f"another program has used it for {LOCK_TIMEOUT} s. Try again when that program is done",
+    sqlite3.SQLITE_BUSY: f"another program has been using it for {LOCK_TIMEOUT} s. Try again when that program is done",
     sqlite3.SQLITE_NOTADB: "it is not a run file; walkerlab evolve writes one, with a name that ends in .walk",
     sqlite3.SQLITE_IOERR: "the disk is full or has failed, or its network connection is lost",
 }

@@ -7,14 +7,14 @@ from walkerlab.runfile.opening import RunFileError
 from walkerlab.system.files import PathError, absolute_path, display_path, file_path
 
 RUN_FILE = "run.walk"  # name of the run file in the folder of a run
-MAX_NAMED = 9  # files that a message names
+MAX_NAMED = 9  # maximum number of files that a message names
 
 
 def locate_run_file(path: str | Path) -> Path:
     """Return the absolute path of a run file.
 
     Args:
-        path: Run file, or a folder that holds ``run.walk`` or a single run file.
+        path: Run file, or a folder that contains ``run.walk`` or a single run file.
 
     Raises:
         RunFileError: If the path is not valid, or is a folder without a run file or with several.
@@ -29,10 +29,10 @@ def locate_run_file(path: str | Path) -> Path:
     if len(found) == 1 or path / RUN_FILE in found:
         return found[0] if len(found) == 1 else path / RUN_FILE
     if not found:
-        raise RunFileError(f"the folder {display_path(path)} has no run file in it: no file ends in .walk")
+        raise RunFileError(f"the folder {display_path(path)} contains no run file: no file name ends in .walk")
     names = ", ".join(file.name for file in found[:MAX_NAMED]) + (" …" if len(found) > MAX_NAMED else "")
     raise RunFileError(
-        f"the folder {display_path(path)} has {len(found)} run files in it: {names}. Name one of them: "
+        f"the folder {display_path(path)} contains {len(found)} run files: {names}. Name one of them: "
         f"{display_path(found[0])!r}"
     )
 

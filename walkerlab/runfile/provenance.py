@@ -1,4 +1,4 @@
-"""Facts about what a run was made with: everything that its numbers may depend on, besides the settings."""
+"""Provenance of a run: everything that its numbers may depend on, besides the settings."""
 
 import ast
 import inspect
@@ -16,9 +16,9 @@ from walkerlab.settings.binding import plain_copy, to_json_data
 from walkerlab.text.escape import printable
 
 DIGEST_DIGITS = 16
-MAX_DEPTH = 8  # of functions within functions
+MAX_DEPTH = 8  # maximum nesting of functions within functions
 RATED_SINCE = "fitness rated since generation"
-UNKNOWN_SOURCE = "unknown"  # in place of a digest
+UNKNOWN_SOURCE = "unknown"  # stands in place of a digest
 RECORDED_PACKAGES = ("walkerlab", "mujoco", "dm-control", "numpy")
 
 
@@ -41,7 +41,7 @@ def describe_differences(recorded: Mapping[str, str], current: Mapping[str, str]
     """List the facts that differ, as in ``mujoco 3.17.0 (here 3.18.0)``; "" if there are none.
 
     Args:
-        recorded: Facts in a run file; one that it does not have is not compared.
+        recorded: Facts in a run file; facts that it lacks are not compared.
         current: Facts to compare with.
     """
     return ", ".join(
@@ -55,11 +55,11 @@ def rated_since(facts: Mapping[str, str], n_generations: int) -> int:
     """Return the first generation rated by the current fitness function.
 
     Args:
-        facts: What the last generation was made with.
+        facts: Provenance of the last generation.
         n_generations: Number of generations of the run.
 
     Raises:
-        ValueError: If the facts do not name a generation of the run.
+        ValueError: If the facts name a generation that the run does not have.
     """
     since = int(facts.get(RATED_SINCE, "0"))
     if not 0 <= since < max(1, n_generations):
@@ -68,7 +68,7 @@ def rated_since(facts: Mapping[str, str], n_generations: int) -> int:
 
 
 def source_digest(function: Callable[..., Any]) -> str | None:
-    """Return a digest of a function's source without comments, and of the plain values that it holds.
+    """Return a digest of a function's source without comments, and of the plain values stored in it.
 
     These values are its defaults, its closure, and the attributes of a callable object. Global names are not followed.
 
@@ -82,7 +82,7 @@ def source_digest(function: Callable[..., Any]) -> str | None:
 
 
 def _describe_value(value: Any, depth: int = 0) -> Any:
-    """Describe a function, or a value that it holds, as JSON data."""
+    """Describe a function, or a value stored in it, as JSON data."""
     if depth > MAX_DEPTH:
         raise ValueError("too many functions within functions")
     match value:
@@ -107,7 +107,7 @@ def _describe_value(value: Any, depth: int = 0) -> Any:
 
 
 def _normalise_source(source: str) -> str:
-    """Return source without comments and layout; for a lambda, that of the lambda instead of its whole line.
+    """Return source without comments and layout; for a lambda, the source of the lambda instead of its whole line.
 
     Raises:
         ValueError: If the line has several lambdas.

@@ -20,11 +20,11 @@ from walkerlab.text.numbers import format_significant
 from walkerlab.text.templates import render
 
 RECORD_COLUMNS: dict[str, tuple[type, str, str]] = {
-    "generation": (int, "", "0 is the random one"),
+    "generation": (int, "", "0 is the initial random generation"),
     "individual": (int, "", "number of the robot, the same wherever it appears"),
     "born": (int, "generation", "generation in which it first walked; an elite is older than its generation"),
-    "parents": (str, "", "numbers of its parents, joined by blanks"),
-    "operators": (str, "", "what made it: selection > crossover > mutation, random, or by hand"),
+    "parents": (str, "", "numbers of its parents, separated by spaces"),
+    "operators": (str, "", "how it was made: selection > crossover > mutation, random, or by hand"),
     "fitness": (float, "", "higher is better; -inf if the walk does not count"),
     "verdict": (str, "", "ok, or why the walk does not count"),
     "reason": (str, "", "the figures behind the verdict"),
@@ -32,14 +32,14 @@ RECORD_COLUMNS: dict[str, tuple[type, str, str]] = {
     "velocity": (float, "m/s", "mean forward speed over the last two thirds of the walk"),
     "n_segments": (int, "", "body segments"),
     "n_legs": (int, "", "legs"),
-    "weight": (float, "kg", "the whole mass"),
-    "body_length": (float, "m", "front of the first to end of the last segment"),
-    "genome": (str, "", "the gene, as text"),
+    "weight": (float, "kg", "total mass of the robot"),
+    "body_length": (float, "m", "from the front of the first segment to the end of the last"),
+    "genome": (str, "", "the genome, as text"),
 }
 """Each column: its type, unit and meaning."""
 
 HAS_COPY_ON_WRITE = int(pd.__version__.partition(".")[0]) >= 3
-INSERTED_BY_HAND = "by hand"  # in the column operators, for an inserted genome
+INSERTED_BY_HAND = "by hand"  # value of the column operators for an inserted genome
 
 
 class EvaluationRow(NamedTuple):
@@ -58,7 +58,7 @@ class EvaluationRow(NamedTuple):
 
     @classmethod
     def of(cls, evaluation: Evaluation, genome: str) -> Self:
-        """Combine an evaluation with the text of its genome, which is slow to write and so is passed in.
+        """Combine an evaluation with the text of its genome, which is slow to produce and is therefore passed in.
 
         Args:
             evaluation: Evaluation of the genome.
@@ -75,7 +75,7 @@ def tabulate_generation(population: Population[EvaluationRow], operators: str) -
 
     Args:
         population: Evaluated generation.
-        operators: Names of the operators that made the children of this generation.
+        operators: Names of the operators that produced the children of this generation.
 
     Returns:
         Table with a row for each individual, the columns of ``RECORD_COLUMNS``, and their units in ``.attrs``.
@@ -102,12 +102,12 @@ def tidy_table(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def check_table(table: pd.DataFrame) -> pd.DataFrame:
-    """Check that an untrusted table can be that of a run, and return it.
+    """Check that an untrusted table could have been written by a run, and return it.
 
     An unknown verdict is an error even if a newer walkerlab wrote it, because its meaning is unknown.
 
     Raises:
-        ValueError: If a column has a value that no run writes.
+        ValueError: If a column contains a value that walkerlab never writes.
     """
     numbers = table[["generation", "individual", "born"]]
     wrong = {
@@ -120,7 +120,9 @@ def check_table(table: pd.DataFrame) -> pd.DataFrame:
     }
     for name, rows in wrong.items():
         if rows.any():
-            raise ValueError(f"the column {name} has a value that no run writes")
+            raise ValueError(
+                f"the column {name} contains a value that walkerlab never writes; the file was probably edited"
+            )
     if unknown := sorted(set(table.verdict) - VERDICTS.keys()):
         raise ValueError(
             f"the column verdict has {short_repr(unknown[0])}; the known verdicts are {', '.join(VERDICTS)}. "
@@ -187,12 +189,12 @@ def birth_rows(records: pd.DataFrame) -> pd.DataFrame:
 
 
 def fitter_line(born: pd.DataFrame, individual: int) -> list[int]:
-    """Return the numbers of an individual, its fitter parent, the fitter parent of that one, and so on.
+    """Return the numbers of an individual, its fitter parent, that parent's fitter parent, and so on.
 
-    The line ends at a parent that the table does not have, or whose number is not lower than that of its child.
+    The line ends at a parent that is not in the table, or whose number is not lower than its child's.
 
     Args:
-        born: Table that ``birth_rows`` returns.
+        born: Table from ``birth_rows``.
         individual: Number of the individual.
     """
     parents = born.parents.to_dict()
@@ -247,7 +249,7 @@ def find_champion(records: pd.DataFrame) -> Individual:
     """
     if records.empty:
         raise ValueError("no robot has walked yet, so there is no champion")
-    since = records.attrs.get("rated_since", 0)  # earlier ratings are of another fitness function
+    since = records.attrs.get("rated_since", 0)  # earlier ratings come from another fitness function
     current = records.loc[records.generation >= since, :]
     records = records if current.empty else current
     fitness = records.fitness.fillna(-np.inf)
@@ -267,21 +269,19 @@ def find_champion(records: pd.DataFrame) -> Individual:
 def select_lineage(records: pd.DataFrame, individual: int) -> pd.DataFrame:
     """Return the first rows of an individual and all its ancestors, youngest first.
 
-    Ancestors that the table does not have are left out.
+    Ancestors that are not in the table are left out.
 
     Args:
         records: Tidy table.
         individual: Number of the individual.
 
     Raises:
-        ValueError: If the table does not have the individual.
+        ValueError: If the individual is not in the table.
     """
     born = birth_rows(records)
     if individual not in born.index:
         low, high = born.index.min(), born.index.max()
-        raise ValueError(
-            f"individual {individual} is not in this run; its individuals have the numbers {low} to {high}"
-        )
+        raise ValueError(f"individual {individual} is not in this run; its individuals are numbered {low} to {high}")
     parents = born.parents.to_dict()
     found = {individual}
     waiting = [individual]

@@ -1,8 +1,8 @@
 """Layout of the tables in a run file, of this and earlier releases, and the seals that detect damage.
 
-A file of layout 3 has four tables: ``run``, facts by name; ``records``, the tidy table; ``provenance``, what the
-generations were made with; ``generations``, the provenance and the seal of each generation. A seal is a digest of all
-rows of a generation.
+A file of layout 3 has four tables: ``run``, facts by name; ``records``, the tidy table; ``provenance``, the versions,
+machine and functions that produced the generations; ``generations``, the provenance and the seal of each generation. A
+seal is a digest of all rows of a generation.
 """
 
 import json
@@ -18,7 +18,7 @@ from walkerlab.text import strict_json
 
 APPLICATION_ID = 0x77616C6B  # "walk", in the header of the file
 LAYOUT_VERSION = 3
-OLDEST_LAYOUT = 2  # that can be read; layout 1 was never released
+OLDEST_LAYOUT = 2  # oldest layout that can be read; layout 1 was never released
 
 _SQL_TYPES = {int: "INTEGER", float: "REAL", str: "TEXT"}
 _CREATE_RUN = "CREATE TABLE run (fact TEXT PRIMARY KEY, value TEXT NOT NULL)"
@@ -39,7 +39,7 @@ _SELECT_ROWS = f"SELECT {', '.join(RECORD_COLUMNS)} FROM records WHERE generatio
 
 
 class LayoutError(Exception):
-    """A SQLite file does not have the layout of a run file; the message continues the name of the file."""
+    """A SQLite file does not have the layout of a run file; the message is appended to the file name."""
 
 
 def create_tables(db: sqlite3.Connection, settings: str) -> str:
@@ -74,7 +74,7 @@ def read_layout(db: sqlite3.Connection) -> int:
     Nothing else of an untrusted file may be read before this.
 
     Raises:
-        LayoutError: If the file is not a run, its layout is unknown, or it holds more or less than its layout.
+        LayoutError: If the file is not a run, its layout is unknown, or its tables are not those of its layout.
     """
     found = db.execute("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL LIMIT 9").fetchall()
     if not found:
@@ -100,7 +100,7 @@ def read_layout(db: sqlite3.Connection) -> int:
 
 
 def upgrade_file(db: sqlite3.Connection, layout: int) -> None:
-    """Convert a file of an earlier layout to the current one, by one layout at a time."""
+    """Convert a file of an earlier layout to the current one, one layout at a time."""
     for step in range(layout, LAYOUT_VERSION):
         _UPGRADES[step](db)
     db.execute(f"PRAGMA user_version = {LAYOUT_VERSION}")
@@ -112,12 +112,12 @@ def read_rows(db: sqlite3.Connection, generation: int) -> list[tuple[Any, ...]]:
 
 
 def seal_generation(db: sqlite3.Connection, generation: int, made_with: str) -> None:
-    """Seal a generation whose rows are written.
+    """Seal a generation after its rows have been written.
 
     Args:
         db: Open transaction.
         generation: Number of the generation.
-        made_with: Facts about what it was made with, as JSON.
+        made_with: Provenance of the generation, as JSON.
     """
     db.execute("INSERT OR IGNORE INTO provenance (made_with) VALUES (?)", [made_with])
     seal = _seal_of(db, generation, made_with, read_rows(db, generation))
@@ -128,7 +128,7 @@ def seal_generation(db: sqlite3.Connection, generation: int, made_with: str) -> 
 def sealed_generations(
     db: sqlite3.Connection, first: float = -math.inf, end: float = math.inf
 ) -> Iterator[tuple[int, str, list[tuple[Any, ...]] | None]]:
-    """Yield the number of each generation, what it was made with, and its rows; None if they do not match the seal.
+    """Yield the number, provenance and rows of each generation; None in place of rows that do not match the seal.
 
     Args:
         db: Open transaction.
@@ -145,14 +145,14 @@ def sealed_generations(
 
 
 def read_made_with(db: sqlite3.Connection) -> dict[str, str]:
-    """Return what the last generation was made with."""
+    """Return the provenance of the last generation."""
     last = "SELECT max(generation), made_with FROM generations JOIN provenance ON number = provenance"
     _, facts = db.execute(last).fetchone()
     return {name: str(value) for name, value in strict_json.loads(facts or "{}").items()}
 
 
 def read_fact(db: sqlite3.Connection, name: str) -> str:
-    """Return a fact of the run; "" if it has no fact of this name."""
+    """Return a fact of the run; "" if it has no fact with this name."""
     row = db.execute("SELECT value FROM run WHERE fact = ?", [name]).fetchone()
     return str(row[0]) if row else ""
 

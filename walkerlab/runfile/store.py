@@ -1,8 +1,8 @@
 """The run file: a SQLite file with the settings and the tidy table, written in one transaction per generation.
 
-If the process is killed, the file holds complete generations. Every generation has a seal, so later changes and damage
-are detected. The file stores text and numbers only, and a file with anything else in it is rejected: opening a run file
-never executes code.
+Even if the process is killed, the file contains only complete generations. Every generation has a seal, so later
+changes and damage are detected. The file stores text and numbers only, and a file with anything else in it is rejected:
+opening a run file never executes code.
 """
 
 import json
@@ -61,7 +61,7 @@ def save_temporary(db: sqlite3.Connection) -> Path:
 
 
 def create(file: RunFile, settings: dict[str, Any]) -> str:
-    """Create a run file without generations: complete, or not at all.
+    """Create a run file without generations, atomically.
 
     Args:
         file: Path of the new file, or a temporary file.
@@ -87,11 +87,11 @@ def append(file: RunFile, generation: pd.DataFrame, run_id: str, functions: Mapp
     Args:
         file: Run file.
         generation: Tidy table of the generation.
-        run_id: Id of the run that it belongs to.
-        functions: Facts about the user functions that it was made with.
+        run_id: Id of the run to which it belongs.
+        functions: Facts about the user functions that produced it.
 
     Raises:
-        RunFileError: If the file cannot be written, holds another run, or was changed by another process.
+        RunFileError: If the file cannot be written, contains another run, or was changed by another process.
     """
     with open_run(file, "write") as db:
         _require_id(db, file, run_id)
@@ -100,13 +100,13 @@ def append(file: RunFile, generation: pd.DataFrame, run_id: str, functions: Mapp
             raise RunFileError(
                 f"{display_path(file)} was changed by another program and has {n_done} generations now: another "
                 "process has continued the run, or an older copy was put in its place. Resume it when no other "
-                "process uses it."
+                "process is using it."
             )
         _insert_generations(db, generation, _made_with_now(functions))
 
 
 def prepare_resume(path: Path, settings: dict[str, Any]) -> str:
-    """Upgrade a run file to the current layout, and write the settings of its further generations.
+    """Upgrade a run file to the current layout, and store the settings for further generations.
 
     Args:
         path: Run file.
@@ -136,7 +136,7 @@ def read(path: Path) -> tuple[dict[str, Any], pd.DataFrame]:
 
     Raises:
         RunFileError: If the file does not exist, or is not a run file.
-        DamagedError: If its contents are not as they were written.
+        DamagedError: If its contents were changed or damaged.
     """
     with open_run(path, "check") as db:
         return _read_settings(db, path), _read_table(db, path)
@@ -146,7 +146,7 @@ def read_facts(path: Path) -> tuple[dict[str, str], dict[str, str]]:
     """Read the facts of a run.
 
     Returns:
-        Id of the run and digest of its settings; and what its last generation was made with.
+        Id of the run and digest of its settings; and the provenance of its last generation.
     """
     with open_run(path) as db:
         try:
@@ -173,7 +173,7 @@ def read_generations(file: RunFile, run_id: str, first: int, end: int) -> pd.Dat
 def read_births(
     file: RunFile, run_id: str, columns: Sequence[str], births: Iterable[Sequence[int]]
 ) -> list[tuple[Any, ...]]:
-    """Read some columns of some individuals; those that the file does not have are left out.
+    """Read the given columns of the given individuals; individuals that are not in the file are skipped.
 
     Args:
         file: Run file.
@@ -195,10 +195,10 @@ def rescue(path: Path, to: Path) -> int:
         to: Run file to create.
 
     Returns:
-        Number of generations that were saved; if 0, the new file holds the settings.
+        Number of generations that were saved; if 0, the new file contains only the settings.
 
     Raises:
-        RunFileError: If nothing can be saved, or the new file cannot be created.
+        RunFileError: If nothing can be recovered, or the new file cannot be created.
     """
     if not path.is_file():
         raise RunFileError(f"there is no run file at {display_path(path)}")
@@ -217,7 +217,7 @@ def _rescue(path: Path, draft: Path, to: Path) -> int:
                         break
                     undamaged.append((made_with, check_table(_as_table(rows, path))))
     except DamagedError as error:
-        raise RunFileError(f"nothing can be saved of {display_path(path)}: {error.what}.") from error
+        raise RunFileError(f"nothing can be recovered from {display_path(path)}: {error.what}.") from error
     with open_run(draft, "create", to) as db:
         schema.create_tables(db, json.dumps(settings))
         for made_with, table in undamaged:
@@ -226,7 +226,7 @@ def _rescue(path: Path, draft: Path, to: Path) -> int:
 
 
 def require_run(file: RunFile, run_id: str) -> None:
-    """Check that a file still holds a run.
+    """Check that a file still contains the run with this id.
 
     Raises:
         RunFileError: If it does not.
@@ -238,14 +238,14 @@ def require_run(file: RunFile, run_id: str) -> None:
 def _require_id(db: sqlite3.Connection, file: RunFile, run_id: str) -> None:
     if schema.read_fact(db, "id") != run_id:
         raise RunFileError(
-            f"{display_path(file)} was replaced by another run in the meantime; that run is not changed."
+            f"{display_path(file)} was replaced by another run in the meantime; that run was left unchanged."
         )
 
 
 def _read_settings(db: sqlite3.Connection, file: RunFile) -> dict[str, Any]:
     text = schema.read_fact(db, "settings")
     if schema.sha256_digest(text) != schema.read_fact(db, "settings digest"):
-        raise DamagedError(file, "its settings are not as they were written")
+        raise DamagedError(file, "its settings were changed or damaged after they were written")
     try:
         return strict_json.loads(text)
     except (ValueError, RecursionError) as error:
@@ -256,7 +256,7 @@ def _read_table(db: sqlite3.Connection, file: RunFile, first: float = -math.inf,
     table: list[tuple[Any, ...]] = []
     for generation, _, rows in schema.sealed_generations(db, first, end):
         if rows is None:
-            raise DamagedError(file, f"generation {generation} is not as it was written")
+            raise DamagedError(file, f"generation {generation} was changed or damaged after it was written")
         table += rows
     n_rows = "SELECT count(*) FROM records WHERE generation >= ? AND generation < ?"
     if db.execute(n_rows, (first, end)).fetchone() != (len(table),):

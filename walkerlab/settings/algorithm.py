@@ -53,7 +53,7 @@ class Algorithm(DisplayedDomain, frozen=True):
     def _validate_elites(self) -> Self:
         if self.n_elites >= self.population_size:
             raise ValueError(
-                f"Algorithm.n_elites is {self.n_elites}; it must be under Algorithm.population_size, "
+                f"Algorithm.n_elites is {self.n_elites}; it must be less than Algorithm.population_size, "
                 f"{self.population_size}, or there would be no children."
             )
         return self

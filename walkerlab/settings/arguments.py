@@ -26,7 +26,7 @@ def require_settings(given: object) -> Settings:
         name = type(given).__name__
         fix = f"A {name} is one domain of the settings: wl.Settings({name.lower()}=…)."
     elif isinstance(given, dict):
-        fix = "Change single settings by name: wl.Settings().with_(seed=3)."
+        fix = "Change individual settings by name: wl.Settings().with_(seed=3)."
     elif isinstance(given, str | Path):
         fix = "The settings of a run file are wl.load(path).settings."
     elif hasattr(given, "settings"):
@@ -54,10 +54,10 @@ def require_algorithm(given: object) -> Algorithm:
 
 
 def require_generator(given: object) -> Generator:
-    """Return an argument that must be a random generator of numpy.
+    """Return an argument that must be a numpy random generator.
 
     Raises:
-        TypeError: If it is not; a seed, for example.
+        TypeError: If it is not, for example if it is a seed.
     """
     if isinstance(given, Generator):
         return given

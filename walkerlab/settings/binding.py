@@ -18,10 +18,10 @@ import numpy as np
 
 from walkerlab.settings.choices import Choice
 
-MAX_ITEMS = 1000  # in a list, tuple, dict or array
-MAX_DEPTH = 8  # levels of nested values
-MAX_BITS = 1024  # in a whole number
-MAX_JSON = 10_000  # characters of the arguments of one function
+MAX_ITEMS = 1000  # maximum number of items in a list, tuple, dict or array
+MAX_DEPTH = 8  # maximum nesting of values
+MAX_BITS = 1024  # maximum size of a whole number
+MAX_JSON = 10_000  # maximum length of the arguments of one function, in characters
 
 BINDABLE_VALUES = (
     f"None, bool, int, float, str, a list, tuple or dict of these with text keys, an array of up to {MAX_ITEMS} "
@@ -30,7 +30,7 @@ BINDABLE_VALUES = (
 _BINDABLE_DTYPES = {
     "bool", "float16", "float32", "float64", "int8", "int16", "int32", "int64", "uint8", "uint16", "uint32", "uint64"
 }  # fmt: skip
-_DEFAULT_DTYPES = {"bool", "float64", "int64"}  # dtypes that np.array gives to Python's numbers
+_DEFAULT_DTYPES = {"bool", "float64", "int64"}  # dtypes of arrays that np.array makes from Python numbers
 
 
 class UnboundableError(ValueError):
@@ -85,11 +85,11 @@ def arguments_to_json(function: "partial[Any]") -> dict[str, Any]:
 
 
 def plain_copy(value: object, depth: int = 0) -> object:
-    """Copy one of ``BINDABLE_VALUES``; scalars of numpy become Python numbers, and arrays read-only.
+    """Copy one of ``BINDABLE_VALUES``; numpy scalars become Python numbers, and arrays become read-only.
 
     Args:
         value: Value to copy.
-        depth: Number of values that contain it.
+        depth: Number of values that enclose this one.
 
     Raises:
         UnboundableError: If the value is of another type or too large.
@@ -149,7 +149,7 @@ def to_json_data(value: object) -> Any:
 
 
 def from_json_data(plain: Any, choices: Mapping[str, type[IntEnum]]) -> object:
-    """Return the value that JSON data stand for: the inverse of ``to_json_data``.
+    """Return the value that JSON data represent: the inverse of ``to_json_data``.
 
     Args:
         plain: JSON data, possibly from an untrusted file.
@@ -186,7 +186,7 @@ def from_json_data(plain: Any, choices: Mapping[str, type[IntEnum]]) -> object:
 
 
 def as_python(value: object) -> str:
-    """Return Python code of one of ``BINDABLE_VALUES``, for ``import numpy as np`` and ``import walkerlab as wl``."""
+    """Return Python code for a bindable value, given ``import numpy as np`` and ``import walkerlab as wl``."""
     match value:
         case IntEnum():
             return f"wl.{type(value).__name__}.{value.name}"
@@ -209,7 +209,7 @@ def as_python(value: object) -> str:
 
 
 def arguments_as_python(function: "partial[Any]") -> list[str]:
-    """Return Python code of each bound argument, as in a call."""
+    """Return Python code for each bound argument, as in a call."""
     keywords = (f"{name}={as_python(value)}" for name, value in function.keywords.items())
     return [*map(as_python, function.args), *keywords]
 
@@ -221,9 +221,9 @@ def _copy_argument(place: int | str, value: object) -> object:
     except UnboundableError as error:
         name = repr(place) if isinstance(place, str) else f"number {place}"
         raise ValueError(
-            f" binds the argument {name} to {error}, which a run file cannot hold. A bound argument is "
+            f" binds the argument {name} to {error}, which a run file cannot store. A bound argument must be "
             f"{BINDABLE_VALUES}. For "
-            "anything else, define a function with def that uses it, and give that function."
+            "anything else, define a function with def that uses it, and pass that function."
         ) from None
 
 
@@ -235,12 +235,12 @@ def _identity_if_plain(function: "partial[Any]") -> str | None:
 
 
 def to_bound(function: "partial[Any]") -> BoundFunction:
-    """Convert a partial to a function bound to plain values; raises the errors of ``BoundFunction``."""
+    """Convert a partial to a ``BoundFunction``, whose constructor checks the bound values."""
     return BoundFunction(function.func, *function.args, **function.keywords)
 
 
 def _is_choice(value: object) -> bool:
-    """Return whether a value is one of walkerlab's choices, which run files hold by name."""
+    """Return whether a value is one of walkerlab's choices, which run files store by name."""
     return isinstance(value, Choice) and type(value).__module__ == Choice.__module__
 
 

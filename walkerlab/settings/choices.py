@@ -77,7 +77,7 @@ class Crossover(Choice):
 
     paired = 0, "front half of one parent, rear half of the other; the remaining halves make the second child"
     randomized = 1, "each feature comes from a parent drawn at random from all selected ones"
-    weighted = 2, "the poorer parent is moved towards the better, more so the larger the gap"
+    weighted = 2, "the less fit parent is moved towards the fitter one, by a larger step if the gap is larger"
     one_point = 3, "the gene string is cut at one random place and its ends are swapped"
     uniform = 4, "a coin is tossed for each gene of a couple"
     none = 5, "children are copies; only mutation changes them"
@@ -86,11 +86,11 @@ class Crossover(Choice):
 class Mutation(Choice):
     """Method by which children are varied."""
 
-    randomized = 0, "each feature has the same probability to change, relative to its value"
+    randomized = 0, "each feature is equally likely to change, by a step relative to its value"
     favored = 1, "one named feature changes far more often than the others"
-    micro = 2, "small steps; the body plan stays"
+    micro = 2, "small steps; the body plan does not change"
     macro = 3, "large jumps; whole segments are added or removed"
-    gaussian = 4, "each feature has the same probability to change, relative to its range"
+    gaussian = 4, "each feature is equally likely to change, by a step relative to its range"
 
 
 class Feature(Choice):
@@ -110,9 +110,9 @@ class Feature(Choice):
     knee_phase = 11, "how far the shank is ahead of its thigh in the stride"
     knee_offset = 12, "angle about which the shank swings: positive is forward"
     stride = 13, "how far the right leg is behind the left in the stride; half a turn is a trot"
-    lag = 14, "how far the legs of each segment are behind those of the segment in front of it in the stride"
-    duty = 15, "share of the stride in which the thighs swing backward, pushing; the rest brings them forward"
-    repeat = 16, "whether the segment repeats the legs and the step of the legs in front of it (1) or has its own (0)"
+    lag = 14, "how far in the stride each pair of legs is behind that of the segment in front; 0: all move together"
+    duty = 15, "share of each stride in which a leg swings backward and pushes; in the rest, it swings forward"
+    repeat = 16, "whether the legs copy the nearest legs in front, shape and motion (1), or have genes of their own (0)"
 
 
 class Guard(Choice):

@@ -4,7 +4,7 @@
 
 Validation, error messages, the JSON schema, help, sliders, command-line flags and the glossary follow from it:
 
-    Terrain.step_height is 0.9 m; it must be 0.01 to 0.4 m. It is the rise of each stair.
+    Terrain.step_height is 0.9 m; it must be between 0.01 and 0.4 m. It is the rise of each stair.
 """
 
 from collections.abc import Iterable, Mapping, Sequence, Set
@@ -21,7 +21,7 @@ from walkerlab.settings.choices import Choice
 from walkerlab.settings.values import did_you_mean, number_text, short_repr, vector_text
 
 MIN_MAX = ("min", "max")
-"""Components of a range that holds each robot between two numbers."""
+"""Components of a range within which each robot must be."""
 
 XYZ = ("x", "y", "z")
 """Components of a vector: x forward, y left, z up."""
@@ -72,7 +72,7 @@ class Quantity:
         if clauses:
             raise ValueError(*clauses)
         if self.components == MIN_MAX and numbers[0] > numbers[1]:
-            raise ValueError(f" is {vector_text(tuple(numbers))}{self.unit_suffix}; its min must not be over its max.")
+            raise ValueError(f" is {vector_text(tuple(numbers))}{self.unit_suffix}; its min must not exceed its max.")
         return tuple(numbers)
 
     @property
@@ -82,7 +82,7 @@ class Quantity:
 
     @property
     def range(self) -> str:
-        """The allowed range, for messages and help texts."""
+        """The allowed range, for help texts."""
         return f"{number_text(self.low)} to {number_text(self.high)}{self.unit_suffix}"
 
     @property
@@ -91,13 +91,13 @@ class Quantity:
         return {"description": self.about, "minimum": self.low, "maximum": self.high, "unit": self.unit}
 
     def _items(self, value: object) -> list[object]:
-        """Return the numbers of a sequence that has as many as there are components."""
+        """Return the items of a sequence, one for each component."""
         try:
             items: list[object] = list(islice(cast(Iterable[object], value), len(self.components) + 1))
         except TypeError:
             items = []
         if isinstance(value, str | bytes | bytearray | Mapping | Set) or len(items) != len(self.components):
-            names = f" Or the name of one: {', '.join(self.presets)}." if self.presets else ""
+            names = f" Or the name of a preset: {', '.join(self.presets)}." if self.presets else ""
             guess = did_you_mean(value, self.presets) if isinstance(value, str) else ""
             raise ValueError(
                 f" is {short_repr(value)}; it must be {len(self.components)} numbers: "
@@ -109,12 +109,13 @@ class Quantity:
         if isinstance(value, np.generic):
             value = value.item()
         kind = "a whole number" if self.whole else "a number"
+        interval = f"between {number_text(self.low)} and {number_text(self.high)}{self.unit_suffix}"
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise ValueError(f"{component} is {short_repr(value)}; it must be {kind}, {self.range}.")
+            raise ValueError(f"{component} is {short_repr(value)}; it must be {kind} {interval}.")
         if not self.low <= value <= self.high:
-            raise ValueError(f"{component} is {short_repr(value)}{self.unit_suffix}; it must be {self.range}.")
+            raise ValueError(f"{component} is {short_repr(value)}{self.unit_suffix}; it must be {interval}.")
         if self.whole and value != int(value):
-            raise ValueError(f"{component} is {value}{self.unit_suffix}; it must be {kind}, {self.range}.")
+            raise ValueError(f"{component} is {value}{self.unit_suffix}; it must be {kind} {interval}.")
         return int(value) if self.whole else float(value)
 
 
@@ -146,7 +147,7 @@ class OneOf:
         if not items:
             raise ValueError(f" is empty; it must name at least one of {self.range}.")
         if len(items) > MAX_CHOICES_IN_TURN:
-            raise ValueError(f" is a list of {len(items)}; it must be one of at most {MAX_CHOICES_IN_TURN}.")
+            raise ValueError(f" is a list of {len(items)}; it must have at most {MAX_CHOICES_IN_TURN} items.")
         members = tuple(map(self._to_choice, items))
         return members[0] if len(members) == 1 else members
 
@@ -170,7 +171,7 @@ class OneOf:
         if isinstance(value, Integral) and not is_other_kind and value in list(self.choices):
             return self.choices(value)
         guess = did_you_mean(value, self.choices.__members__)
-        or_function = ", or a function of your own" if self.functions else ""
+        or_function = ", or your own function" if self.functions else ""
         raise ValueError(f" is {short_repr(value)}; it must be one of {self.range}{or_function}.{guess}")
 
 

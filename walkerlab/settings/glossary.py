@@ -87,7 +87,7 @@ def _value_text(declared: FieldDeclaration, value: Any) -> str:
 
 
 def _choice_text(value: Any) -> str:
-    """Return the sentence about a choice, those of several choices in turn, or the name of a function."""
+    """Return the sentence about a choice, the joined sentences of several, or the name of a function."""
     match value:
         case Choice():
             return value.about.lstrip(GROUND_DRAWING)

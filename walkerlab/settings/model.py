@@ -30,7 +30,7 @@ class SettingsError(WalkerlabError, ValueError):
 
 @contextmanager
 def report_together(errors: Sequence[str]) -> Generator[None]:
-    """Report errors found earlier together with those of the settings made in the block.
+    """Report errors found earlier together with the errors of settings created in the block.
 
     Args:
         errors: Messages of the errors found earlier.
@@ -89,7 +89,7 @@ class SettingsModel(ConciseModel, frozen=True):
         is_text = isinstance(json_data, str | bytes | bytearray)  # pyright: ignore[reportUnnecessaryIsInstance]
         if is_text and len(json_data) > MAX_JSON:
             raise SettingsError(
-                f"settings as JSON have at most {MAX_JSON} characters; this text has {len(json_data)}, and is not read"
+                f"settings as JSON have at most {MAX_JSON} characters; this text has {len(json_data)}, and was not read"
             )
         try:
             strict_json.loads(json_data)
@@ -109,7 +109,7 @@ class SettingsModel(ConciseModel, frozen=True):
         raise SettingsError(
             f"{type(self).__name__}.{name} cannot be assigned: settings never change, so that a run always matches the "
             "settings it was made with. "
-            f"Make new ones from the whole Settings s: s = s.with_({name}={code_text(value)})"
+            f"Create a changed copy of the complete Settings s: s = s.with_({name}={code_text(value)})"
         )
 
     @classmethod
@@ -118,7 +118,7 @@ class SettingsModel(ConciseModel, frozen=True):
         return did_you_mean(name, cls.model_fields) or f" It has {', '.join(cls.model_fields)}."
 
     def __repr__(self) -> str:
-        """Return Python code that makes these settings, with only those that differ from the defaults."""
+        """Return Python code that creates these settings; those at their defaults are left out."""
         changed = [(name, value) for name, value in self if value != type(self).model_fields[name].default]
         return f"{type(self).__name__}({', '.join(f'{name}={code_text(value)}' for name, value in changed)})"
 
@@ -126,7 +126,7 @@ class SettingsModel(ConciseModel, frozen=True):
 
 
 def _complete_schema(schema: dict[str, Any], model: "type[Domain]") -> None:
-    """Add the declarations to the JSON schema of a domain, and keep the summary of its docstring only."""
+    """Add the declarations to the JSON schema of a domain, and keep only the summary of its docstring."""
     schema["description"] = model.summary()
     for name, declared in model.declared().items():
         schema["properties"][name] |= declared.json_schema

@@ -20,16 +20,16 @@ LEG_RADIUS_RANGE: Final = (0.01, 0.12)
 """Radius of a thigh over the length of the leg."""
 
 SHANK_RADIUS_RATIO: Final = 0.8
-"""Radius of a shank over that of the thigh."""
+"""Ratio of a shank's radius to the thigh's radius."""
 
 LEG_MASS_SHARE: Final = 0.3
-"""Share of a segment's mass that is in its pair of legs, if these have room for it."""
+"""Share of a segment's mass that is in its pair of legs, if the legs have room for it."""
 
 _TRUNK: Final = (1.0, -2 / 3)
 """Volume over π of a capsule 1 m long, caps included: coefficients of the square and the cube of its radius."""
 
 _LEG: Final = ((1 + SHANK_RADIUS_RATIO**2) / 2, 4 / 3 * (1 + SHANK_RADIUS_RATIO**3))
-"""The same for a leg and the radius of its thigh; each bone is a capsule, half of the leg long, plus its two caps."""
+"""The same for a leg and its thigh's radius; each bone is a capsule half as long as the leg, plus its two caps."""
 
 
 def _volume(form: tuple[float, float], radius: float) -> float:

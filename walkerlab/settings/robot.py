@@ -1,4 +1,4 @@
-"""The limits that every robot obeys."""
+"""The limits on the bodies of all robots."""
 
 import math
 from typing import Annotated, Self
@@ -11,15 +11,15 @@ from walkerlab.settings.proportions import DENSITY_RANGE, MAX_TRUNK_MASS, MIN_LE
 from walkerlab.settings.values import number_text
 
 MIN_LOAD_MASS = 0.01  # kg, the smallest mass of a load
-MASS_MARGIN = 0.98  # share of the greatest mass of a trunk that limits may ask for, so that grams can be rounded
-LIGHT_SHARE = 0.2  # share of the maximum weight that all trunks, and all legs, may have at their lightest
-MAX_LEG_RATIO = 1.2  # length of a leg over that of the longest segment
-MIN_LEG_RATIO = 0.5  # length of a leg over that of the shortest segment
+MASS_MARGIN = 0.98  # highest mass that limits may require, as a share of a trunk's maximum; leaves room for rounding
+LIGHT_SHARE = 0.2  # share of the maximum weight that all trunks at their lightest may have; also that of all legs
+MAX_LEG_RATIO = 1.2  # maximum ratio of leg length to the length of the longest segment
+MIN_LEG_RATIO = 0.5  # minimum ratio of leg length to the length of the shortest segment
 _LENGTH_TOLERANCE = 1e-12  # m, for rounding errors: 3 × 0.1 is more than 0.3
 
 
 class Robot(DisplayedDomain, frozen=True):
-    """Limits that every robot obeys, whatever the operators do."""
+    """Limits on the bodies of all robots; every robot is within them after any operator."""
 
     weight: Annotated[
         tuple[float, float],
@@ -76,7 +76,7 @@ class Robot(DisplayedDomain, frozen=True):
 
     @property
     def leg_length_range(self) -> tuple[float, float]:
-        """Lowest and highest length of a leg, in m; less than usual if so many legs would be too heavy."""
+        """Lowest and highest length of a leg, in m; shorter than usual if that many legs would be too heavy."""
         shortest, longest = self.segment_length
         n_pairs = min(self.leg_pairs[1], self.segments[1])
         max_for_weight = math.cbrt(LIGHT_SHARE * self.weight[1] / (MIN_LEGS_MASS * n_pairs))
@@ -85,21 +85,21 @@ class Robot(DisplayedDomain, frozen=True):
 
     @property
     def segment_range(self) -> tuple[int, int]:
-        """Lowest and highest number of segments with which all limits can be met."""
+        """Lowest and highest number of segments with which all limits can be satisfied."""
         fewest, most = self._segments_for_length
         fitting = [n for n in range(fewest, most + 1) if self._is_weight_possible(n)]
         return (fitting[0], fitting[-1]) if fitting else (fewest, fewest - 1)
 
     @property
     def _segments_for_length(self) -> tuple[int, int]:
-        """Lowest and highest number of segments with which the limits of lengths and legs can be met."""
+        """Lowest and highest number of segments with which the limits on lengths and legs can be satisfied."""
         shortest, longest = self.segment_length
         n_for_length = int(-(-(self.body_length[0] - _LENGTH_TOLERANCE) // longest))
         n_that_fit = int((self.body_length[1] + _LENGTH_TOLERANCE) // shortest)
         return max(self.segments[0], self.leg_pairs[0], n_for_length), min(self.segments[1], n_that_fit)
 
     def length_for_weight(self, n_segments: int) -> tuple[float, float]:
-        """Return the lowest and highest body length [m] at which the limits of the weight can be met.
+        """Return the lowest and highest body length [m] at which the limits on the weight can be satisfied.
 
         Bodies of this length have such a weight at a density within ``DENSITY_RANGE``, however the length is divided
         into segments: the sum of the cubes of n lengths is least if they are equal.
@@ -110,7 +110,7 @@ class Robot(DisplayedDomain, frozen=True):
         min_weight, max_weight = self.weight
         longest = self.segment_length[1]
         shortest_body = math.cbrt(n_segments**2 * min_weight / (MASS_MARGIN * MAX_TRUNK_MASS))
-        max_cubes = LIGHT_SHARE * max_weight / MIN_TRUNK_MASS  # of the sum of the cubes of the segments' lengths
+        max_cubes = LIGHT_SHARE * max_weight / MIN_TRUNK_MASS  # largest sum of the cubes of the segments' lengths
         longest_body = max(max_cubes / longest**2, min(math.cbrt(max_cubes), longest))
         return max(self.body_length[0], shortest_body), min(self.body_length[1], longest_body)
 
@@ -121,15 +121,15 @@ class Robot(DisplayedDomain, frozen=True):
 
     @model_validator(mode="after")
     def _validate_limits(self) -> Self:
-        """Reject limits that no robot can obey; the message names the fields in conflict."""
+        """Reject limits that no robot can satisfy; the message names the fields in conflict."""
         errors = self._load_errors() + self._conflicts()
         fewest, most = self._segments_for_length
         if not errors and fewest > most:
             short, long = self.body_length
             shortest, longest = self.segment_length
             errors.append(
-                f"Robot.segments, Robot.legs, Robot.body_length and Robot.segment_length cannot all be met: a body "
-                f"of {number_text(short)} to {number_text(long)} m from segments of {number_text(shortest)} to "
+                f"Robot.segments, Robot.legs, Robot.body_length and Robot.segment_length cannot all be satisfied: a "
+                f"body of {number_text(short)} to {number_text(long)} m from segments of {number_text(shortest)} to "
                 f"{number_text(longest)} m with {self.legs[0]} legs or more needs at least "
                 f"{fewest} segments, and at most {most} fit."
             )
@@ -141,7 +141,8 @@ class Robot(DisplayedDomain, frozen=True):
 
     def _load_errors(self) -> list[str]:
         return [
-            f"Robot.{load} is {number_text(weight)} kg; it must be 0, for no load, or {MIN_LOAD_MASS:g} to 100 kg."
+            f"Robot.{load} is {number_text(weight)} kg; it must be 0, for no load, or "
+            f"between {MIN_LOAD_MASS:g} and 100 kg."
             for load, weight in (("carry_weight", self.carry_weight), ("drag_weight", self.drag_weight))
             if 0 < weight < MIN_LOAD_MASS
         ]
@@ -156,23 +157,23 @@ class Robot(DisplayedDomain, frozen=True):
             errors.append(f"Robot.legs is {self.legs}; legs come in pairs, so the range must include an even number.")
         if self.leg_pairs[0] > most:
             errors.append(
-                f"Robot.legs asks for {self.legs[0]} legs or more, but Robot.segments allows {most} segments, "
+                f"Robot.legs requires {self.legs[0]} legs or more, but Robot.segments allows {most} segments, "
                 f"each with one pair: {2 * most} legs at most."
             )
         if fewest * shortest > long + _LENGTH_TOLERANCE:
             errors.append(
-                f"Robot.segments and Robot.segment_length ask for {fewest} × {number_text(shortest)} = "
+                f"Robot.segments and Robot.segment_length require {fewest} × {number_text(shortest)} = "
                 f"{fewest * shortest:g} m or more, but Robot.body_length allows {number_text(long)} m."
             )
         if most * longest < short - _LENGTH_TOLERANCE:
             errors.append(
                 f"Robot.segments and Robot.segment_length allow {most} × {number_text(longest)} = "
-                f"{most * longest:g} m at most, but Robot.body_length asks for {number_text(short)} m or more."
+                f"{most * longest:g} m at most, but Robot.body_length requires {number_text(short)} m or more."
             )
         return errors
 
     def _weight_conflict(self) -> str:
-        """Return a sentence that states the possible weights, for limits of the weight that no body can meet."""
+        """Return a sentence that states the possible weights, for limits on the weight that no body can satisfy."""
         shortest, longest = self.segment_length
         fewest, most = self._segments_for_length
         heaviest = max(
@@ -183,7 +184,7 @@ class Robot(DisplayedDomain, frozen=True):
         if heaviest < self.weight[0]:
             possible = _round_down(heaviest)
             return (
-                f"Robot.weight asks for {number_text(self.weight[0])} kg or more, but bodies within {others} weigh "
+                f"Robot.weight requires {number_text(self.weight[0])} kg or more, but bodies within {others} weigh "
                 f"{possible:g} kg at most, at a density of {DENSITY_RANGE[1]:g} kg/m³. Lower the minimum of "
                 f"Robot.weight to {possible:g} kg, or allow a longer body or fewer segments."
             )

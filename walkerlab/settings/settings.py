@@ -20,10 +20,10 @@ class Settings(SettingsModel, frozen=True):
     """All settings of a run.
 
     Attributes:
-        terrain: The ground, what lies on it, and the forces over it.
-        robot: Limits that every robot obeys.
+        terrain: The ground, the objects on it, gravity and wind.
+        robot: Limits on the bodies of all robots.
         algorithm: Fitness, operators, population size and number of generations.
-        simulation: Duration and time step of a walk, and the guards that judge it.
+        simulation: Duration and time step of a walk, and the guards that decide whether it counts.
     """
 
     terrain: Terrain = Terrain()
@@ -36,7 +36,7 @@ class Settings(SettingsModel, frozen=True):
 
         Args:
             unnamed: Not allowed; a value without a name raises a ``TypeError`` that shows the usage.
-            changes: Single settings by name, or whole domains: ``s.with_(terrain=Terrain(structure="stairs"))``.
+            changes: Individual settings by name, or whole domains: ``s.with_(terrain=Terrain(structure="stairs"))``.
 
         Raises:
             SettingsError: If a name is unknown or a value is invalid.
@@ -60,7 +60,7 @@ class Settings(SettingsModel, frozen=True):
             return type(self)(**values)
 
     def changes(self) -> dict[str, Any]:
-        """Return each single setting that differs from its default: ``Settings().with_(**s.changes()) == s``."""
+        """Return each setting that differs from its default: ``Settings().with_(**s.changes()) == s``."""
         return {
             name: getattr(getattr(self, domain), field)
             for name, (domain, field) in self.field_locations().items()
@@ -68,7 +68,7 @@ class Settings(SettingsModel, frozen=True):
         }
 
     def as_python(self) -> str:
-        """Return Python code that makes these settings, for ``import walkerlab as wl``; user functions go by name."""
+        """Return Python code that creates these settings, with ``import walkerlab as wl``; functions appear by name."""
         lines = [f"    {name}={code_text(value)}," for name, value in self.changes().items()]
         return "\n".join(["wl.Settings().with_(", *lines, ")"]) if lines else "wl.Settings()"
 
@@ -86,11 +86,11 @@ class Settings(SettingsModel, frozen=True):
         """Return the settings of a domain, or a copy of a dict of them.
 
         Args:
-            name: Name of the domain; the value of an unknown one is returned unchanged, for pydantic to report.
+            name: Name of the domain; if it is unknown, the value is returned unchanged and pydantic reports the name.
             value: Value given for it.
 
         Raises:
-            ValueError: If the value is neither.
+            ValueError: If the value is neither settings of this domain nor a dict.
         """
         if name not in cls.model_fields:
             return value
@@ -115,15 +115,15 @@ class Settings(SettingsModel, frozen=True):
         locations = cls.field_locations()
         if name in locations:
             domain, field = locations[name]
-            return f" It is one of {domain}: {domain}={domain.capitalize()}({field}=…)."
+            return f" It is a setting of {domain}: {domain}={domain.capitalize()}({field}=…)."
         return did_you_mean(name, [*cls.model_fields, *locations]) or super().suggest_name(name)
 
     @classmethod
     def field_locations(cls) -> dict[str, tuple[str, str]]:
-        """Return the domain and field of each single setting, by the name that ``with_`` takes.
+        """Return the domain and field of each setting, by the name that ``with_`` takes.
 
-        The name is that of the field. If another domain has a field of the algorithm's, the other one has its domain in
-        front: ``seed`` and ``terrain_seed``.
+        The name is the field's name. If a field has the same name as one of the algorithm, its domain is put in front:
+        ``seed`` and ``terrain_seed``.
         """
         fields = {
             domain: list(type(field.default).model_fields)  # type: ignore[union-attr]

@@ -8,7 +8,7 @@ from walkerlab.settings.glossary import DisplayedDomain
 
 
 class Simulation(DisplayedDomain, frozen=True):
-    """Duration and time step of a walk, the guards that judge it, and the camera that shows it."""
+    """Duration and time step of a walk, the guards that decide whether it counts, and the camera that shows it."""
 
     duration: Annotated[float, Quantity(low=1.0, high=120.0, unit="s", about="the length of the measured walk")] = 8.0
     timestep: Annotated[float, Quantity(low=0.0005, high=0.01, unit="s", about="the time step of the physics")] = 0.005

@@ -1,4 +1,4 @@
-"""The terrain: shape of the ground, what lies on it, and the forces acting over it."""
+"""The terrain: shape and material of the ground, the objects on it, gravity and wind."""
 
 import math
 from typing import Annotated, Self
@@ -18,8 +18,8 @@ PLANET_GRAVITY = {
 }
 """Gravity at the surface, m/s²; from NASA's planetary fact sheets."""
 
-PLACEMENT_AREA = (18.0, 6.0)  # m along and across the walking direction; area on which pieces and obstacles are placed
-MAX_PIECES = 6000  # texture pieces, with which a walk takes about three times as long to compute as on bare ground
+PLACEMENT_AREA = (18.0, 6.0)  # m along and across the walking direction; pieces and obstacles are placed on this area
+MAX_PIECES = 6000  # maximum number of texture pieces; a walk then takes about three times as long to compute
 MIN_LEVEL_LENGTH = 1.25  # smallest length of level ground, in widths of a texture piece
 MAX_COVERED_SHARE = 0.3  # largest share of the ground within the reach of obstacles; above it, no path is left
 OBSTACLE_REACH = {
@@ -38,7 +38,7 @@ _LEVEL_GROUND = {Structure.stairs: "step_depth", Structure.gaps: "gap_distance"}
 
 
 class Terrain(DisplayedDomain, frozen=True):
-    """The ground, what lies on it, and the forces over it."""
+    """The ground, the objects on it, gravity and wind."""
 
     structure: Annotated[Structure, OneOf(Structure, about="the shape of the ground")] = Structure.flat
     incline: Annotated[
@@ -116,7 +116,7 @@ class Terrain(DisplayedDomain, frozen=True):
 
     @property
     def n_pieces(self) -> int:
-        """Approximate number of texture pieces; the higher their density, the more they overlap."""
+        """Approximate number of texture pieces; the overlap increases with their density."""
         length, width = PLACEMENT_AREA
         overlap = 1 + self.texture_density
         return round(overlap * self.texture_density * length * width / (math.pi / 4 * self.texture_size**2))
@@ -134,18 +134,18 @@ class Terrain(DisplayedDomain, frozen=True):
         size = number_text(self.texture_size)
         if self.n_pieces > MAX_PIECES:
             larger = math.ceil(100 * self.texture_size * math.sqrt(self.n_pieces / MAX_PIECES)) / 100
-            fix = f"Terrain.texture_size {larger:g} m would do" if larger <= 0.3 else "lower the density"
+            fix = f"Terrain.texture_size {larger:g} m would work" if larger <= 0.3 else "lower the density"
             errors.append(
                 f"Terrain.texture_size {size} m and Terrain.texture_density {number_text(self.texture_density)} "
-                f"ask for some {self.n_pieces} pieces; at most {MAX_PIECES} are placed, because more would make walks "
-                f"too slow to compute. At this density, {fix}."
+                f"require about {self.n_pieces} pieces; at most {MAX_PIECES} are allowed, because more would make "
+                f"walks too slow to compute. At this density, {fix}."
             )
         level = _LEVEL_GROUND.get(self.structure)
         if level and self.texture_density and MIN_LEVEL_LENGTH * self.texture_size > getattr(self, level):
             errors.append(
                 f"Terrain.texture_size is {size} m; its pieces do not fit on ground of "
                 f"Terrain.{level} {number_text(getattr(self, level))} m, "
-                f"of which they may take up {1 / MIN_LEVEL_LENGTH:.0%}."
+                f"of which a piece may take up at most {1 / MIN_LEVEL_LENGTH:.0%}."
             )
         return errors
 
@@ -165,6 +165,6 @@ class Terrain(DisplayedDomain, frozen=True):
             lower = math.floor(100 * self.obstacle_density * MAX_COVERED_SHARE / covered) / 100
             errors.append(
                 f"Terrain.obstacle_density {number_text(self.obstacle_density)} per m² and Terrain.obstacle_size "
-                f"{size} m leave no way through; at this size, a density of {lower:g} per m² would do."
+                f"{size} m leave no way through; at this size, a density of {lower:g} per m² would work."
             )
         return errors

@@ -10,11 +10,11 @@ from typing import cast
 from walkerlab.settings.binding import arguments_as_python
 from walkerlab.settings.choices import Choice
 
-MAX_TEXT = 80  # characters of a value in a message
+MAX_TEXT = 80  # maximum length of a value in a message, in characters
 
 
 def function_name(function: object) -> str:
-    """Return the name of a function, for a partial with its arguments: ``tournament(size=7)``."""
+    """Return the name of a function, followed by the arguments of a partial: ``tournament(size=7)``."""
     if isinstance(function, partial):
         arguments = ", ".join(arguments_as_python(function))
         return f"{function_name(function.func)}({truncate(arguments)})"
@@ -61,7 +61,7 @@ class _ShortRepr(Repr):
 
     def repr_int(self, x: int, level: int) -> str:  # noqa: ARG002
         power = int(x.bit_length() * math.log10(2))
-        return repr(x) if power < self.maxother else f"some {'-' if x < 0 else ''}1e{power}"
+        return repr(x) if power < self.maxother else f"about {'-' if x < 0 else ''}1e{power}"
 
 
 _SHORT_REPR = _ShortRepr()

@@ -25,11 +25,11 @@ from walkerlab.simulation.workers import check_executor, default_executor, n_wor
 from walkerlab.text.numbers import format_significant, with_unit
 from walkerlab.world.scene import reusable_scene_of
 
-MAX_TASK_SIZE = 16  # robots; about half a second of walks, so that a run can be paused quickly
-MAX_TASK_STEPS = MAX_TASK_SIZE * 1600  # physics steps of a task with more than one robot, for the same reason
-MIN_TASKS_LEFT = 3  # per worker, into which the remaining robots could be divided; balances the load at the end
+MAX_TASK_SIZE = 16  # maximum number of robots; about half a second of walks, so that a run can be paused quickly
+MAX_TASK_STEPS = MAX_TASK_SIZE * 1600  # maximum physics steps of a task with several robots, for the same reason
+MIN_TASKS_LEFT = 3  # minimum tasks per worker that the remaining robots can fill; balances the load at the end
 
-START_TIME_LIMIT = 60.0  # s in which workers must start
+START_TIME_LIMIT = 60.0  # s within which workers must start
 MAX_SECONDS_PER_STEP = 0.002  # ten times the duration of a physics step of the slowest world on a slow laptop
 
 
@@ -38,7 +38,7 @@ class Evaluation:
     """Result of the walk of one individual.
 
     Attributes:
-        genome: Genome that walked, within the robot limits.
+        genome: Genome that was simulated, within the robot limits.
         fitness: Fitness, higher is better; ``-inf`` if the walk does not count.
         verdict: ``ok``, or why the walk does not count: a key of ``VERDICTS``.
         reason: Explanation of the verdict with the measured value and the limit; "" if the verdict is ``ok``.
@@ -80,11 +80,11 @@ def evaluate(
     The workers receive genomes, compile and simulate their scenes, and return rollouts without poses. The fitness is
     computed in this process, so a function defined in a notebook cell is never sent to a worker. A fitness function
     that returns ``-inf`` or None for any start excludes the robot: its verdict is ``rejected``, and it has no children.
-    Any other return value must be one finite number; numbers of Python and numpy, booleans, fractions and arrays of one
+    Any other return value must be one finite number; Python and numpy numbers, booleans, fractions and arrays of one
     element are converted to a float.
 
     Args:
-        genomes: Genomes, their texts, or an array of shape (n, n_genes); repaired to obey the robot limits.
+        genomes: Genomes, their texts, or an array of shape (n, n_genes); repaired to be within the robot limits.
         settings: Complete settings of the run.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         on_done: Function called with the number of newly finished robots after each task, in the order of the tasks.
@@ -125,11 +125,11 @@ def evaluate(
 
 
 evaluate_population = evaluate
-"""Name of ``evaluate`` in the design of 2017."""
+"""Name of ``evaluate`` in the 2017 design."""
 
 
 def _read_and_repair(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Genome]:
-    """Read genomes and repair them to obey the robot limits."""
+    """Read genomes and repair them to be within the robot limits."""
     if isinstance(genomes, np.ndarray) and genomes.shape[1:] == (len(build_genes(robot)),):
         return [Genome(values) for values in repair(genomes, robot)]
     return [genome.within(robot) for genome in read_genomes(genomes)]
@@ -138,7 +138,7 @@ def _read_and_repair(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> 
 def _divide_into_tasks(robots: Sequence[Genome], n_workers: int, max_size: int = MAX_TASK_SIZE) -> list[list[int]]:
     """Divide robots into tasks: slow robots first, and smaller tasks towards the end.
 
-    So no worker has a long task left when all others are done.
+    This way, no worker has a long task left when all others are done.
 
     Returns:
         For each task, the indices of its robots.
@@ -181,7 +181,7 @@ def _rate_robot(index: int, genome: Genome, rollouts: Sequence[Rollout], setting
     except OperatorError as error:
         error.robot_index = index
         error.genome = genome
-        error.context = f"for robot {index} of those given"
+        error.context = f"for the robot at index {index}"
         raise
     fitness, rollout = find_poorest(rated)
     phenotype = rollout.phenotype

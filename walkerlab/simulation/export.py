@@ -31,8 +31,8 @@ NEW_ATTRIBUTES = {"texture": "class", "general": "input"}
 def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, name: str = "walker") -> Path:
     """Write one individual and its world as MJCF, which MuJoCo 3.9 to 3.17 loads and simulates without walkerlab.
 
-    All numbers are exact: MuJoCo compiles the file to the same model that walkerlab simulates. To repeat the walk of
-    ``simulate``, read the arrays under ``<custom>`` (``model.numeric("gait_phase").data``) and:
+    Numbers are stored at full precision, so MuJoCo compiles the file to the same model that walkerlab simulates. To
+    repeat the walk of ``simulate``, read the arrays under ``<custom>`` (``model.numeric("gait_phase").data``) and:
 
     1. reset to the keyframe ``start``, which holds the initial pose and the servo targets at rest;
     2. call ``mj_step`` ``settle_steps`` times;
@@ -45,7 +45,7 @@ def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, na
     The sensor ``com`` measures the centre of mass before each step. The custom text ``genome`` holds the genome.
 
     Args:
-        genome: Genome or its text; repaired to obey the robot limits.
+        genome: Genome or its text; repaired to be within the robot limits.
         settings: Settings of terrain, robot and simulation.
         folder: Folder of the file; created if it does not exist.
         name: Name of the file, without extension.

@@ -37,7 +37,7 @@ FITNESS_SLOT = Slot(
     repeatability_advice="It must depend only on the walk.",
 )
 
-MAX_FITNESS = 1e100  # absolute value; the axes of plots cannot show greater ones
+MAX_FITNESS = 1e100  # maximum absolute value; the axes of plots cannot show greater ones
 IDLE_WORK = 10.0  # J added to the work, so that standing still is not efficient; about the work of servos at rest
 
 
@@ -57,7 +57,7 @@ def efficiency(rollout: Rollout) -> float:
 
 
 def straightness(rollout: Rollout) -> float:
-    """Return the net forward travel minus the distance to either side between start and end, in m."""
+    """Return the net forward travel minus the sideways displacement between start and end, in m."""
     return distance(rollout) - abs(float(rollout.com[-1, 1] - rollout.com[0, 1]))
 
 
@@ -70,7 +70,7 @@ FITNESS_FUNCTIONS: dict[Fitness, Callable[[Rollout], float]] = {
 
 
 def name_and_unit(fitness: Fitness | Callable[..., Any]) -> tuple[str, str]:
-    """Return the name and the unit of a fitness; the unit of a user function is unknown, ""."""
+    """Return the name and the unit of a fitness; the unit of a user function is unknown and returned as ""."""
     return (fitness.name, FITNESS_UNITS[fitness]) if isinstance(fitness, Fitness) else (function_name(fitness), "")
 
 
@@ -79,11 +79,11 @@ def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: f
 
     Args:
         rollout: Recorded walk.
-        fitness: A fitness of the settings, or a user function.
+        fitness: Fitness from the settings, or a user function.
         seconds: Time limit of a user function, s.
 
     Raises:
-        OperatorError: If the function returns anything but a finite number, -inf or None, or breaks another rule of
+        OperatorError: If the function returns anything but a finite number, -inf or None, or breaks another rule for
             user functions.
     """
     return rate_walk(rollout, fitness, seconds=seconds)[0]
@@ -128,7 +128,7 @@ def as_number(value: Any) -> float | None:
     """Convert any single real number of Python, numpy or another library to a float.
 
     Booleans count as 0 and 1, and an array of one element as that element. A number too large for a float becomes inf,
-    for either sign.
+    regardless of its sign.
 
     Returns:
         The number; None for anything else, such as a text, a complex number or an array of several elements.
@@ -159,7 +159,8 @@ class MissingFitnessFunction(Protocol):
 def poorest_walk(genome: Genome | str, settings: Settings, *, poses: bool = True) -> Rollout:
     """Simulate a robot from each of its starts, as evolution does, and return the walk with the lowest fitness.
 
-    If the fitness function of a loaded run is missing, return the walk whose distance and velocity the run file holds.
+    If the fitness function of a loaded run is missing, return the walk that matches the distance and velocity in the
+    run file.
 
     Args:
         genome: Genome or its text.
@@ -179,7 +180,7 @@ def poorest_walk(genome: Genome | str, settings: Settings, *, poses: bool = True
 
 
 def find_poorest(rated: Sequence[tuple[float, Rollout]]) -> tuple[float, Rollout]:
-    """Return the lowest fitness and its walk; the first of several equal ones."""
+    """Return the lowest fitness and its walk; if several are equal, the first."""
     return min(rated, key=lambda pair: pair[0])
 
 
@@ -196,8 +197,8 @@ def check_user_function(fitness: Fitness | Callable[..., Any]) -> None:
         first, second = (score(_create_made_up_walk(), fitness, seconds=CHECK_TIME_LIMIT) for _ in range(2))
         if first != second:
             raise OperatorError(
-                f"{FITNESS_SLOT.label(fitness)} returned {first} and then {second} for the same walk; no run could "
-                "be repeated",
+                f"{FITNESS_SLOT.label(fitness)} returned {first} and then {second} for the same walk; the run "
+                "could not be repeated",
                 FITNESS_SLOT.repeatability_advice,
             )
     except OperatorError as error:

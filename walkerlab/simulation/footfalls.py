@@ -1,4 +1,4 @@
-"""Contacts of the robot with the ground: those of each foot over time, and the share that feet make of all."""
+"""Contacts of the robot with the ground: those of each foot over time, and the share of all contacts made by feet."""
 
 import math
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from walkerlab.ga.genes import Floats
 from walkerlab.world.entities.walker import SIDES
 from walkerlab.world.scene import Scene
 
-FOOT_LENGTH = 0.25  # share of a shank, at its end, that is its foot
+FOOT_LENGTH = 0.25  # share of a shank's length, at its end, that counts as its foot
 
 
 def foot_names(scene: Scene) -> tuple[str, ...]:
@@ -22,7 +22,7 @@ def foot_names(scene: Scene) -> tuple[str, ...]:
 def find_footfalls(scene: Scene, poses: Floats) -> NDArray[np.bool_]:
     """Find the poses in which each foot touches the ground or anything else outside the robot's body.
 
-    A foot is the whole of a shank, because a robot may walk on its toes or kneel. A sledge is not part of the body.
+    A foot is the whole shank, because a robot may walk on its toes or kneel. A sledge is not part of the body.
 
     Args:
         scene: Compiled scene.
@@ -43,10 +43,10 @@ def find_footfalls(scene: Scene, poses: Floats) -> NDArray[np.bool_]:
 
 
 def foot_share(scene: Scene, poses: Floats) -> float:
-    """Return the share of a robot's contacts with the ground that its feet make, from 0 to 1.
+    """Return the share of a robot's ground contacts that is made by its feet, from 0 to 1.
 
     In each pose, each part of the body (trunk, thigh or shank) that touches anything outside the robot counts once. A
-    shank counts as a foot if it touches only with its end, and not if it kneels or lies flat.
+    shank counts as a foot if only its end touches, and not if the robot kneels on it or it lies flat.
 
     Args:
         scene: Compiled scene.
@@ -87,7 +87,7 @@ def _find_contacts(scene: Scene, poses: Floats) -> Iterator[tuple[NDArray[np.int
     model = scene.model
     if poses.ndim != 2 or poses.shape[1] != model.nq:
         raise ValueError(
-            f"poses must be those of a walk in this scene, shape (n, {model.nq}); got {poses.shape}. Record them with "
+            f"poses must come from a walk in this scene, shape (n, {model.nq}); got {poses.shape}. Record them with "
             "the genome and settings of the scene: simulate(genome, settings).poses"
         )
     data = mujoco.MjData(model)

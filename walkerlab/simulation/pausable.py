@@ -43,7 +43,7 @@ class PausableExecutor(Executor):
         self._lock = threading.RLock()
 
     def n_workers(self) -> int:
-        """Count the workers of the wrapped executor, which may have changed, and keep as many busy from now on."""
+        """Count the workers of the wrapped executor, and keep that many busy from now on."""
         self._n_workers = self._count_workers(self.wrapped())
         return self._n_workers
 
@@ -81,7 +81,7 @@ class PausableExecutor(Executor):
             pending = [*self._submitted, *(outer for outer, _ in self._waiting)]
             self._waiting.clear()
         for outer in pending:
-            with suppress(Exception):  # it has just been answered or cancelled
+            with suppress(Exception):  # the task has just finished or been cancelled
                 outer.set_exception(Stopped())
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:  # noqa: ARG002

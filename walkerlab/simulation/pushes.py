@@ -1,8 +1,7 @@
 """What pushes a robot forward without its legs: a slope, the direction of gravity, or the wind.
 
 A robot that only trembles slides down an icy slope, because moving contacts grip less than resting ones. To find out
-whether a robot walks, the same robot walks again in the same world without push, where it must reach a share of its
-speed.
+whether a robot walks, it is simulated again in the same world without a push, where it must reach a share of its speed.
 """
 
 import math
@@ -24,7 +23,7 @@ def is_pushed_forward(terrain: Terrain) -> bool:
 
 
 def remove_pushes(settings: Settings) -> Settings:
-    """Return the settings of a shorter walk in the same world without what pushes a robot forward.
+    """Return the settings of a shorter walk in the same world without the forward push.
 
     If gravity pushes, a slope becomes level ground, and gravity points straight down. If the wind pushes, its forward
     component is removed.

@@ -23,10 +23,10 @@ from walkerlab.text.numbers import format_significant, with_unit
 from walkerlab.text.templates import Markup, render
 from walkerlab.world.scene import compile_scene
 
-TIMESTEP_DIVISOR = 4  # for the finer walk
-MAX_SHARE = 10  # of the fitness; from this share on, differences are printed instead
+TIMESTEP_DIVISOR = 4  # divisor of the timestep in the finer walk
+MAX_SHARE = 10  # multiple of the fitness from which differences are printed instead
 N_NUDGES = 5  # default number of slightly different starts
-FIRST_NUDGE = 1000  # number of the first of these starts; evolution uses those from 1 on
+FIRST_NUDGE = 1000  # number of the first of these starts; evolution uses starts from 1 on
 
 
 @dataclass(frozen=True)
@@ -51,8 +51,8 @@ class Confirmation:
     def kept_finer(self) -> float:
         """Share of the fitness that remains at a quarter of the timestep, at least 0; 0 if that walk did not count.
 
-        1 means the same fitness. A loss is relative to the absolute value: 1.5 is 0.75 of 2, and -2.5 is 0.75 of -2.
-        For a fitness of 0, the share is 0 after any loss and 1 otherwise.
+        1 means the same fitness. A loss is relative to the absolute value: the share is 0.75 for 1.5 after 2, and for
+        -2.5 after -2. For a fitness of 0, the share is 0 after any loss and 1 otherwise.
         """
         return self._remaining_share(self.finer)
 
@@ -72,7 +72,7 @@ class Confirmation:
 
     @property
     def _uses_shares(self) -> bool:
-        """Whether results are printed as shares; those of a fitness near or below zero would be hard to interpret."""
+        """Whether results are printed as shares, which are hard to interpret for a fitness near or below zero."""
         return self.fitness > 0 and max(self.finer, *self.nudged) < MAX_SHARE * self.fitness
 
     def _format_results(self) -> list[str]:
@@ -148,8 +148,8 @@ def confirm(
         genome: Genome or its text.
         settings: Complete settings of the run; the seed of the terrain also determines the starts.
         n_nudges: Number of slightly different starts, at least 1.
-        fitness: Fitness that rates the walks; the fitness of the settings if None. Required for a loaded run with a
-            user function, because the run file does not hold its code.
+        fitness: Fitness that rates the walks; if None, the fitness in the settings. Required for a loaded run with a
+            user function, because the run file does not contain its code.
 
     Raises:
         GenomeError: If the text is not a valid genome.

@@ -85,9 +85,9 @@ def simulate(genome: Genome | str, settings: Settings, *, poses: bool = True) ->
     """Simulate the walk of one individual and record it.
 
     Args:
-        genome: Genome or its text; repaired to obey the robot limits.
+        genome: Genome or its text; repaired to be within the robot limits.
         settings: Settings of terrain, robot and simulation.
-        poses: Whether to record poses, as replays and films require; a fitness does not.
+        poses: Whether to record poses, which replays and films require, but fitness functions do not.
 
     Raises:
         GenomeError: If the text is not a valid genome.
@@ -159,7 +159,7 @@ def _requires_level_walk(trace: Trace, settings: Settings) -> bool:
 
 
 def _measure_level_speed(scene: Scene, nudge: Floats | None) -> float:
-    """Return the mean forward speed of the robot in its world without push [m/s]; 0 if that simulation diverges."""
+    """Return the mean forward speed of the robot in its world without a push [m/s]; 0 if that simulation diverges."""
     settings = remove_pushes(scene.settings)
     model, data = assemble_in_place(scene.phenotype, settings)
     rollout = simulate_walk(replace(scene, model=model, settings=settings), data, nudge=nudge, poses=False)
@@ -167,12 +167,12 @@ def _measure_level_speed(scene: Scene, nudge: Floats | None) -> float:
 
 
 def walk_from_every_start(scene: Scene, data: mujoco.MjData | None = None, *, poses: bool) -> list[Rollout]:
-    """Simulate a walk from each start in the settings, as evolution does; the lowest fitness of these counts.
+    """Simulate a walk from each start in the settings, as evolution does; their lowest fitness counts.
 
-    No start after the first walk that does not count is simulated: no fitness can be lower.
+    Starts after the first walk that does not count are not simulated, because no fitness can be lower.
 
     Returns:
-        The walks in the order of the starts; only the last may not count.
+        The walks in the order of the starts; only the last can be one that does not count.
     """
     rollouts: list[Rollout] = []
     for start in range(scene.settings.simulation.n_starts):

@@ -11,15 +11,15 @@ from walkerlab.simulation.stepping import STATE_PARTS, simulate_steps, warnings_
 from walkerlab.world.assembly import ROBOT_BODY, Sensor
 from walkerlab.world.scene import ROTATION, TRANSLATION, Scene
 
-SETTLE_CHUNK = 0.25  # s between two checks whether the body is at rest
+SETTLE_CHUNK = 0.25  # s between two checks that the body is at rest
 MAX_SETTLE_TIME = 3.0  # s after which the walk starts even if the body is not at rest
-REST_SPEED = 0.02  # m/s of the centre of mass below which the body is at rest
-MIN_REST_TIME = 1.0  # s below that speed until a body counts as resting without stable support, as on a round belly
-MIN_SUPPORT_MARGIN = 0.005  # m from the centre of mass to the edge of the support polygon; less is a balance that tips
+REST_SPEED = 0.02  # m/s; speed of the centre of mass below which the body is at rest
+MIN_REST_TIME = 1.0  # s below that speed after which a body is at rest without stable support, as on a round belly
+MIN_SUPPORT_MARGIN = 0.005  # m; minimum distance from the centre of mass to the edge of the support polygon
 N_MARGIN_DIRECTIONS = 16  # horizontal directions in which that distance is measured
 
 # Standard deviations of the displacement of a start.
-NUDGE_SHIFT = 0.02  # m to the side
+NUDGE_SHIFT = 0.02  # m sideways
 NUDGE_TURN = 0.03  # rad, rotation of the body about each axis
 NUDGE_BEND = 0.03  # rad, angle of each joint
 
@@ -28,7 +28,7 @@ def draw_nudge(scene: Scene, start: int) -> Floats | None:
     """Draw the small displacements of a start from the terrain's seed and the number of the start.
 
     Returns:
-        Displacements of the robot's degrees of freedom, shape (nv,); None for start 0, the exact one.
+        Displacements of the robot's degrees of freedom, shape (nv,); None for start 0, which is not displaced.
     """
     if not start:
         return None
@@ -51,7 +51,7 @@ def settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float, float]:
     """Hold the rest pose until the body is at rest: slow, and on stable support or slow for some time.
 
     A body that balances on an edge is slow at first and topples later. Without this check it would topple during the
-    walk, and the way of its fall would count.
+    walk, and the distance covered by its fall would count.
 
     Returns:
         The state reached, shape (1, n_state); the time that it took [s]; the speed at its end [m/s].
@@ -81,7 +81,7 @@ def settle(scene: Scene, data: mujoco.MjData) -> tuple[Floats, float, float]:
 def _support_margin(scene: Scene, data: mujoco.MjData, state: Floats) -> float:
     """Return the distance from the centre of mass to the nearest edge of the support polygon [m].
 
-    The polygon is the convex hull of the points in which the robot touches anything else, seen in the direction of
+    The polygon is the convex hull of the points where the robot touches anything else, seen in the direction of
     gravity. The distance is negative if the centre of mass is outside, and -inf without contact.
     """
     model = scene.model
@@ -99,7 +99,7 @@ def _support_margin(scene: Scene, data: mujoco.MjData, state: Floats) -> float:
 
 
 def count_settling_steps(scene: Scene) -> int:
-    """Return the number of steps for which ``walk`` holds the rest pose before the gait starts."""
+    """Return the number of steps for which ``simulate_walk`` holds the rest pose before the gait starts."""
     data = mujoco.MjData(scene.model)
     with warnings_counted_not_printed():
         scene.place(data)

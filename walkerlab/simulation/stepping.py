@@ -56,9 +56,9 @@ def velocities_in(model: mujoco.MjModel, states: Floats) -> Floats:
 
 
 def disable_step_timers() -> None:
-    """Disable MuJoCo's timers of the parts of a step in this process; ``mjData.timer`` then stays 0.
+    """Disable MuJoCo's timers for the parts of a step in this process; ``mjData.timer`` then stays 0.
 
-    They take 6 % of the time of a walk. MuJoCo's Python package enables them and has no function to disable them.
+    The timers take 6 % of the time of a walk. MuJoCo's Python package enables them and has no function to disable them.
     """
     folder = Path(mujoco.__file__).parent
     library = next(folder.glob("libmujoco.*"), folder / "mujoco.dll")

@@ -59,7 +59,7 @@ def results_in_order(futures: Sequence[Future[_T]], executor: Executor, limit: f
 
 
 def wait_for(future: Future[_T], seconds: float) -> bool:
-    """Wait for a future for a limited time and return whether it is done; some start only when they are waited for."""
+    """Wait for a future for a limited time and return whether it is done; some futures start only when waited for."""
     with suppress(Exception):
         future.result(seconds)
     return future.done()

@@ -18,18 +18,18 @@ from walkerlab.settings.choices import Guard, Structure
 from walkerlab.settings.settings import Settings
 from walkerlab.world.heights import arena_bounds, ground_height, slope
 
-MAX_START_OVERLAP = 0.001  # m by which a body may penetrate another at the start
-MAX_REST_SPEED = 0.05  # m/s of the body after settling, and of a robot that stands still; 0.4 m in a walk of 8 s
-MAX_DRIVE_FREQUENCY = 1.1 * FREQUENCY_RANGE[1]  # Hz of a servo target; slightly above the greatest gait frequency
-MAX_RISE = 0.5  # body lengths of the centre of mass above its height at rest; gallops reach 0.15
-MIN_HEIGHT = 0.4  # of the centre of mass, as a share of its height at rest; gaits stay at 0.6 or more
-MAX_TIME_DOWN = 0.5  # s below that height; a robot that gets up again has not fallen
-MAX_SINK = 0.05  # m of any segment in the ground; a foot has a radius of 0.02 and sinks by 0.02 at most when it lands
-MAX_SLEDGE_SINK = 0.1  # m of the sledge's middle in the ground; on a crest between its runners, the box is 0.06 m up
-MAX_ROPE_STRETCH = 1.1  # length of the rope, as a share of its length at rest
-MAX_OVERTURNED_TIME = 0.5  # s in total with the back below the horizon; gaits pitch by less than 60°
-MIN_LEVEL_SHARE = 0.2  # of the speed on a slope or in a wind, on level ground in still air; walkers keep 0.3 or more
-MAX_LOAD_LEAD = 0.0  # m by which the sledge may be ahead of the robot
+MAX_START_OVERLAP = 0.001  # m; maximum penetration of another body at the start
+MAX_REST_SPEED = 0.05  # m/s; maximum speed after settling, and of a robot that stands still (0.4 m in a walk of 8 s)
+MAX_DRIVE_FREQUENCY = 1.1 * FREQUENCY_RANGE[1]  # Hz; maximum for servo targets, slightly above gait frequencies
+MAX_RISE = 0.5  # body lengths; maximum rise of the centre of mass above its height at rest; gallops reach 0.15
+MIN_HEIGHT = 0.4  # minimum height of the centre of mass, as a share of its height at rest; gaits stay at 0.6 or more
+MAX_TIME_DOWN = 0.5  # s; maximum time below that height, because a robot that gets up again has not fallen
+MAX_SINK = 0.05  # m; maximum depth of a segment in the ground; a landing foot of radius 0.02 sinks by 0.02 at most
+MAX_SLEDGE_SINK = 0.1  # m; maximum depth of the sledge's middle; a crest between its runners may reach up to 0.06
+MAX_ROPE_STRETCH = 1.1  # maximum length of the rope, as a share of its length at rest
+MAX_OVERTURNED_TIME = 0.5  # s; maximum total time with the back below the horizon; champions tilt by at most 50°
+MIN_LEVEL_SHARE = 0.15  # minimum share of the speed that remains without push; walkers keep 0.2 or more, on ice
+MAX_LOAD_LEAD = 0.0  # m; maximum distance of the sledge ahead of the robot
 
 UNSTABLE = "unstable"
 REJECTED = "rejected"
@@ -58,12 +58,12 @@ class Trace:
         load: Position of the sledge, m, shape (n, 3); (0, 3) without a sledge.
         rope: Distance between the ends of the rope, as a share of the rope's length, shape (n,); (0,) without a sledge.
         phenotype: The robot that walked.
-        settled: Time in which the body came to rest before the walk, s.
-        creep: Speed of the body at the end of that time, m/s.
+        settled: Time that the body took to come to rest before the walk, s.
+        creep: Speed of the body at the end of settling, m/s.
         overlap: Greatest penetration of another body at the start, m.
         drive: Frequency of the servo target that reversed its direction most often, Hz.
         warnings: Number of warnings that MuJoCo gave.
-        level_speed: Mean forward speed of the robot in the same world without push, m/s; NaN if it was not measured,
+        level_speed: Mean forward speed of the robot in the same world without a push, m/s; NaN if it was not measured,
             because nothing pushes the robot forward, it stood still, or another guard found a fault.
     """
 
@@ -250,7 +250,7 @@ def _com_height(trace: Trace, settings: Settings, reduce: Callable[..., Floats])
     Args:
         trace: Recorded walk.
         settings: Settings with the terrain.
-        reduce: Function such as ``np.median`` that reduces the heights of the ground along the body to one.
+        reduce: Function such as ``np.median`` that reduces the heights of the ground along the body to one height.
     """
     if settings.terrain.structure == Structure.gaps:  # above the surface between the trenches
         return trace.com[:, 2]
@@ -268,7 +268,8 @@ def _longest_period(time: Floats, holds: NDArray[np.bool_]) -> tuple[float, floa
         holds: Whether the condition holds in each sample, shape (n,).
 
     Returns:
-        Start and duration of the period [s]; it ends with the last sample at the latest. NaN and 0 without one.
+        Start and duration of the period [s]; it ends with the last sample at the latest. NaN and 0 if there is no such
+        period.
     """
     edges = np.flatnonzero(np.diff(holds, prepend=False, append=False))
     starts = edges[::2]

@@ -17,9 +17,9 @@ from walkerlab.simulation.stepping import disable_step_timers
 from walkerlab.system.interrupts import interrupts_held
 
 IDLE_TIMEOUT = 300  # s without work after which worker processes end
-KILL_SIGNAL = getattr(signal, "SIGKILL", signal.SIGTERM)  # on Windows, SIGTERM has the same effect
-MAX_LOST_POOLS = 3  # in a row without any result, after which tasks fail
-PARENT_CHECK_INTERVAL = 1.0  # s between two checks of a worker whether its parent process still exists
+KILL_SIGNAL = getattr(signal, "SIGKILL", signal.SIGTERM)  # Windows has no SIGKILL, and SIGTERM has the same effect
+MAX_LOST_POOLS = 3  # lost pools in a row without any result after which tasks fail
+PARENT_CHECK_INTERVAL = 1.0  # s between a worker's checks that its parent process still exists
 
 
 LOAD_ADVICE = (
@@ -58,7 +58,7 @@ def n_cores() -> int:
 def n_workers(executor: Executor) -> int:
     """Return the number of tasks that an executor computes at once now; the number of cores if it is unknown.
 
-    Known are the executors of the standard library, loky and Dask, and ``PausableExecutor``.
+    It is known for the executors of the standard library, loky and Dask, and for ``PausableExecutor``.
 
     Raises:
         RuntimeError: If the executor belongs to a Dask client that is closed.
@@ -85,7 +85,7 @@ def check_executor(executor: object) -> None:
 
 
 def check_open(executor: object) -> None:
-    """Check that an executor still accepts tasks, as far as this can be known.
+    """Check that an executor still accepts tasks, as far as this can be determined.
 
     Raises:
         RuntimeError: If it is closed.
@@ -134,13 +134,13 @@ if hasattr(os, "register_at_fork"):  # a forked process has none of the executor
 
 
 class _WorkerProcesses(Executor):
-    """Passes tasks on to a loky pool, and again to a new pool if a process of the first was lost.
+    """Passes tasks on to a loky pool, and again to a new pool if a process of the old one was lost.
 
     An operating system that runs out of memory kills the process that uses most of it; loky then cancels all tasks of
     the pool. Here these tasks are repeated, which does not change their results.
 
     Attributes:
-        losses: How each of the pools lost so far was lost.
+        losses: Description of each pool lost so far, such as ``one was killed``.
     """
 
     def __init__(self) -> None:
@@ -182,7 +182,7 @@ class _WorkerProcesses(Executor):
         """Kill the processes and reject further tasks, before Python exits."""
         self._kill_processes()
         self._pool_thread.shutdown(cancel_futures=True)
-        self._kill_processes()  # those that were just being started
+        self._kill_processes()  # processes that were just being started
 
     def _kill_processes(self) -> None:
         for pid in list(getattr(self._pool, "_processes", ())):
@@ -252,7 +252,7 @@ class _WorkerProcesses(Executor):
 def _describe_loss(why: str, *, hung: bool) -> str:
     """Describe how a pool was lost, from the message of loky's error."""
     if hung:
-        return "they gave no answer any more"
+        return "they stopped responding"
     if "SIGKILL" in why:
         return "one was killed (SIGKILL), probably by the operating system because memory was short"
     code = re.search(r"[A-Z]+\(-?\d+\)", why)

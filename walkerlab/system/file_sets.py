@@ -12,7 +12,7 @@ An error in step 2 is undone at once. A process killed in step 2 leaves the jour
 every ``load`` makes, puts the old files back. A process killed before step 2 has not changed the old files. The lock of
 the hidden folder, which the system releases when a process dies, distinguishes a dead writer from an active one.
 
-If a part of the set cannot be made, the other parts are still made, and the error names it. They replace the old files
+If a part of the set cannot be created, the other parts still are, and the error names it. They replace the old files
 unless an outdated file of the failed part would remain beside them; then all old files stay.
 """
 
@@ -35,7 +35,7 @@ HIDDEN_FOLDER = ".walkerlab-new"
 JOURNAL_NAME = "undo.json"
 MAX_JOURNAL_SIZE = 100_000  # bytes
 LOCK_TIMEOUT = 60.0  # s to wait for another writer
-MAX_NAMED = 3  # files of a part that a message names
+MAX_NAMED = 3  # maximum number of files of a part that a message names
 
 OUTPUT_NAMES = re.compile(
     r"(report|replay)\.html|records\.csv|fitness\.(svg|png)|champion\.(png|txt|xml)"
@@ -53,7 +53,7 @@ class NewFiles:
 
     Attributes:
         folder: Folder in which to write them.
-        failed: Errors of the parts that could not be made, by the names of their files.
+        failed: Errors of the parts that could not be created, by the names of their files.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -63,7 +63,7 @@ class NewFiles:
 
     @contextmanager
     def write_part(self, *names: str) -> Generator[None, None, None]:
-        """Write one part of the set; an error within the block is recorded, and the other parts are still made.
+        """Write one part of the set; an error within the block is recorded, and the other parts are still created.
 
         Args:
             *names: Files of the part, relative to ``folder``; their folders are created.
@@ -86,10 +86,10 @@ def replacing_files(folder: Path, is_current: Callable[[Path], bool] | None = No
     Args:
         folder: Absolute path of the folder; created if it does not exist.
         is_current: Function that returns whether an old file is up to date, so that it may stay among the new files if
-            its new version cannot be made. If None, no file is up to date.
+            its new version cannot be created. If None, no file is up to date.
 
     Raises:
-        OutputError: If a part could not be made, or the files cannot be replaced.
+        OutputError: If a part could not be created, or the files cannot be replaced.
     """
     hidden = folder / HIDDEN_FOLDER
     try:
@@ -108,10 +108,10 @@ def replacing_files(folder: Path, is_current: Callable[[Path], bool] | None = No
         if not outdated:
             _replace_files(folder, hidden)
         if new.failed:
-            rest = "All files stay as they were" if outdated else "All other files are written"
+            rest = "No file was changed" if outdated else "All other files were written"
             first = next(iter(new.failed.values()))
             raise OutputError(
-                f"Not all files could be made for {display_path(folder)}. {rest}.\n{_failures(new)}"
+                f"Not all files could be created for {display_path(folder)}. {rest}.\n{_failures(new)}"
             ) from first
     finally:
         folder_locks.release(hidden, lock, keep_contents=os.path.lexists(hidden / JOURNAL_NAME))
@@ -151,7 +151,7 @@ def restore(folder: Path) -> None:
 
 
 def _failures(new: NewFiles) -> str:
-    """List the parts that could not be made, with their errors."""
+    """List the parts that could not be created, with their errors."""
     return "\n".join(f"  {_listed(names)}: {_message(error)}" for names, error in new.failed.items())
 
 
@@ -195,14 +195,14 @@ def _replace_files(folder: Path, hidden: Path) -> None:
     except OSError as error:
         raise OutputError(
             f"{display_path(Path(error.filename2 or error.filename or folder))} could not be replaced: "
-            f"{error.strerror or error}. All files stay as they were. Close it if another program has it open."
+            f"{error.strerror or error}. No file was changed. If another program has it open, close it there."
         ) from error
 
 
 def _save_old(path: Path, copy: Path) -> bool:
     """Link or copy an old file; a symbolic link is copied as a link. Return False if there is no old file."""
     if path.parent.is_symlink():  # files must not be written outside the folder
-        raise FileExistsError(0, "it is a symbolic link; replace it by a folder", str(path.parent))
+        raise FileExistsError(0, "it is a symbolic link; replace it with a folder", str(path.parent))
     if not os.path.lexists(path):
         return False
     copy.parent.mkdir(exist_ok=True)
@@ -238,7 +238,7 @@ def _undo_replacement(folder: Path, hidden: Path) -> None:
 
 
 def _is_output(folder: Path, name: Any) -> bool:
-    """Return whether a name is that of an output file, and its path does not lead out of the folder."""
+    """Return whether a name is the name of an output file and its path does not lead out of the folder."""
     return isinstance(name, str) and bool(OUTPUT_NAMES.fullmatch(name)) and not (folder / name).parent.is_symlink()
 
 

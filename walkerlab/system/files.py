@@ -43,7 +43,7 @@ def absolute_path(given: str | os.PathLike[str], name: str = "path") -> Path:
         text = os.fsdecode(given)
         os.fsencode(text)
     except TypeError:
-        fix = " If it is an executor, name it: executor=…" if hasattr(given, "submit") else ""
+        fix = " If it is an executor, pass it by name: executor=…" if hasattr(given, "submit") else ""
         fix = " If it is a run, its file is run.path." if hasattr(given, "champion") else fix
         raise TypeError(
             f'{name} must be a path, as text or Path, such as "run.walk"; got {given!r:.80}.{fix}'
@@ -83,7 +83,7 @@ def file_path(given: str | os.PathLike[str], name: str = "path") -> Path:
         name: Name of the argument, for messages.
 
     Raises:
-        PathError: If the path is not valid, or is that of a folder.
+        PathError: If the path is not valid, or is a folder.
         TypeError: If the value is not a path.
     """
     path = absolute_path(given, name)
@@ -101,7 +101,7 @@ def folder_path(given: str | os.PathLike[str], name: str = "folder") -> Path:
         name: Name of the argument, for messages.
 
     Raises:
-        PathError: If the path is not valid, or is that of a file.
+        PathError: If the path is not valid, or is a file.
         TypeError: If the value is not a path.
     """
     path = absolute_path(given, name)
@@ -111,7 +111,7 @@ def folder_path(given: str | os.PathLike[str], name: str = "folder") -> Path:
 
 
 def display_path(path: object) -> str:
-    """Return a path as text for messages: relative to the current folder if it is in it, and absolute otherwise.
+    """Return a path as text for messages: relative to the current folder if inside it, otherwise absolute.
 
     Args:
         path: Path, or any other object, which is converted by ``str``.
@@ -126,7 +126,7 @@ def display_path(path: object) -> str:
 
 
 def quote_path(path: object) -> str:
-    """Return a path as ``shown`` does, in quotes if a shell requires them."""
+    """Return a path as ``display_path`` does, in quotes if a shell requires them."""
     name = display_path(path)
     if SHELL_SAFE_PATTERN.fullmatch(name):
         return name
@@ -155,7 +155,7 @@ def replace_atomically(path: Path) -> Generator[Path, None, None]:
     if os.path.exists(path) and not os.path.isfile(path):
         kind = "a folder" if os.path.isdir(path) else "a device or pipe"
         raise PathError(f"{display_path(path)} is {kind}; it must be the path of a file.")
-    temporary = path.with_name(f".{uuid4().hex[:8]}.part")  # short, since the name of the file may have any length
+    temporary = path.with_name(f".{uuid4().hex[:8]}.part")  # short, because the file's name may have any length
     try:
         with suppress(FileNotFoundError):
             os.lstat(path)  # raises if the name is too long
@@ -174,7 +174,7 @@ def replace_atomically(path: Path) -> Generator[Path, None, None]:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Replace the contents of a file in one step, as ``replacing`` does.
+    """Replace the contents of a file in one step, as ``replace_atomically`` does.
 
     Args:
         path: Absolute path of the file.

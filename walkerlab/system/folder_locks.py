@@ -17,7 +17,7 @@ SECONDS_BETWEEN_TRIES = 0.05
 
 
 def acquire(folder: Path, timeout: float) -> int | None:
-    """Lock a folder, which is created if it does not exist; a symbolic link in its place is deleted.
+    """Lock a folder; create it if it does not exist, and delete a symbolic link in its place.
 
     Args:
         folder: Absolute path of the folder.
@@ -69,7 +69,7 @@ def release(folder: Path, lock: int, *, keep_contents: bool) -> None:
         if not keep_contents:
             clear(folder)
             if sys.platform != "win32":
-                (folder / LOCK_FILE).unlink()  # before it is unlocked; later it may be that of another process
+                (folder / LOCK_FILE).unlink()  # before it is unlocked; later the file may belong to another process
     os.close(lock)
     if sys.platform == "win32":
         with suppress(OSError):

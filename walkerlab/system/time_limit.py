@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 LIMIT_VARIABLE = "WALKERLAB_PATIENCE"
 POLL_INTERVAL = 0.1  # s; on Windows, Ctrl-C is not handled during a wait
-MAX_STOP_ATTEMPTS = 5  # one for each interval
+MAX_STOP_ATTEMPTS = 5  # one per poll interval
 THREAD_NAME = "walkerlab user function"
 
 Result = TypeVar("Result")
@@ -48,7 +48,7 @@ def effective_limit(seconds: float) -> float:
     if not limit > 0:
         raise ValueError(
             f"the environment variable {LIMIT_VARIABLE} is {text!r}; it must be a number of seconds above 0, such as "
-            "'600'. It is how long walkerlab waits for an answer."
+            "'600'. It is the time for which walkerlab waits for an answer."
         )
     return limit
 
@@ -58,8 +58,8 @@ def call_with_limit(function: Callable[[], Result], seconds: float) -> Result:
 
     Exceptions of the function are raised unchanged, with their traceback. The thread costs 0.1 to 0.2 ms per call. In
     a debugger, there is no limit. C code that holds the global interpreter lock, such as a regular expression with
-    catastrophic backtracking, cannot be stopped: it blocks all of Python, including this function, and only the end
-    of the process helps. The generations that a run has saved are complete even then.
+    catastrophic backtracking, cannot be stopped: it blocks all of Python, including this function, until the process is
+    killed. The generations that a run has saved stay complete.
 
     Args:
         function: Function without arguments.
@@ -91,7 +91,7 @@ def call_with_limit(function: Callable[[], Result], seconds: float) -> Result:
 
 
 def raised_in_call(error: BaseException) -> bool:
-    """Return whether an error was raised within ``call_with_limit``, whose thread Ctrl-C never reaches."""
+    """Return whether an error was raised in the thread of ``call_with_limit``, which Ctrl-C never reaches."""
     return any(frame.f_code is _CallThread.run.__code__ for frame, _ in traceback.walk_tb(error.__traceback__))
 
 

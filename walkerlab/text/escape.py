@@ -2,7 +2,7 @@
 
 
 def printable(text: object, *, keep: str = "") -> str:
-    """Replace all characters that are not printable, such as control characters, by their escape sequences.
+    """Replace all characters that are not printable, such as control characters, with their escape sequences.
 
     Args:
         text: Text from a file or a user.
@@ -15,6 +15,6 @@ def printable(text: object, *, keep: str = "") -> str:
 
 
 def escape_cell(text: str) -> str:
-    """Escape the text of a spreadsheet's cell: an apostrophe in front prevents that it is executed as a formula."""
+    """Escape the text of a spreadsheet's cell: a leading apostrophe prevents it from being executed as a formula."""
     escaped = printable(text, keep="\n")
     return f"'{escaped}" if escaped.startswith(("=", "+", "-", "@")) else escaped

@@ -1,14 +1,14 @@
-"""How measured numbers are written for people: to significant figures, whatever their unit and size."""
+"""How measured numbers are written for people: to significant figures, for any unit and size."""
 
 import math
 from collections.abc import Iterable
 
 SIGNIFICANT_FIGURES = 3
-MIN_FIXED_POWER = -3  # of ten; smaller numbers are written with an exponent
-MAX_FIXED_POWER = 5  # of ten; from it on, numbers are written with an exponent
+MIN_FIXED_POWER = -3  # power of ten; smaller numbers are written with an exponent
+MAX_FIXED_POWER = 5  # power of ten; numbers of at least this size are written with an exponent
 MAX_EXTRA_DECIMALS = 2  # decimals that small values add to a column beyond what its largest value needs
 MAX_FIXED_DECIMALS = 6
-NO_VALUE = "–"  # where there is no finite number
+NO_VALUE = "–"  # text in place of a number that is not finite
 
 
 def format_significant(value: float) -> str:
@@ -17,7 +17,7 @@ def format_significant(value: float) -> str:
     The sign is the ASCII hyphen, so that the text can be printed anywhere and read back with ``float``.
 
     Args:
-        value: Any number; zero of either sign is ``0``, and one that is not finite is ``–``.
+        value: Any number; zero of either sign gives ``0``, and a number that is not finite ``–``.
     """
     if not math.isfinite(value):
         return NO_VALUE
@@ -28,7 +28,7 @@ def format_significant(value: float) -> str:
 
 
 def format_significant_column(values: Iterable[float]) -> list[str]:
-    """Write the numbers of a column with as many decimals each, so that their points align.
+    """Write the numbers of a column with the same number of decimals, so that their points align.
 
     A number that would lose significant figures that way, or a column that is too large or too small for decimals, is
     written as ``format_significant`` does.
@@ -51,7 +51,7 @@ def format_significant_column(values: Iterable[float]) -> list[str]:
 def format_fixed_column(values: Iterable[float], decimals: int) -> list[str]:
     """Write the numbers of a column of known scale with fixed decimals, or more, if the largest number needs more.
 
-    Small numbers may be written as zero: where none may be, use ``format_significant_column``.
+    Small numbers may be written as zero; where that must not happen, use ``format_significant_column``.
 
     Args:
         values: Any numbers.
@@ -79,5 +79,5 @@ def _needs_exponent(power: int) -> bool:
 
 
 def _count_decimals(power: int) -> int:
-    """Return how many decimals three significant figures of this power of ten take."""
+    """Return how many decimals three significant figures of this power of ten require."""
     return max(0, SIGNIFICANT_FIGURES - 1 - power)

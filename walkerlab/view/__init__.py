@@ -1,1 +1,1 @@
-"""What a run looks like: plots, replays, films, sketches, reports and summaries."""
+"""Views of a run: plots, replays, films, sketches, reports and summaries."""

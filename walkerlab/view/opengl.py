@@ -4,7 +4,7 @@ MuJoCo reads its OpenGL backend from the environment variable ``MUJOCO_GL`` when
 driver can crash the process. Therefore each attempt to use OpenGL runs in a separate process.
 """
 
-from __future__ import annotations  # the doctor imports this module also in a Python that is too old for walkerlab
+from __future__ import annotations  # the doctor also imports this in versions of Python that are too old
 
 import os
 import platform
@@ -13,7 +13,7 @@ import subprocess
 import sys
 from collections.abc import Mapping
 
-MAX_CHILD_SECONDS = 120  # after which a child process is considered to hang
+MAX_CHILD_SECONDS = 120  # s after which a child process is considered to hang
 
 RENDERER_PROGRAM = """
 import mujoco
@@ -68,7 +68,7 @@ def find_backend() -> tuple[str, str] | None:
 
 
 def unavailable_message() -> str:
-    """Return the message that OpenGL is not available."""
+    """Return the message for unavailable OpenGL."""
     chosen = os.environ.get("MUJOCO_GL")
     return f"off-screen OpenGL is not available{f' with MUJOCO_GL={chosen}' if chosen else ''}"
 
@@ -121,7 +121,7 @@ def run_python(program: str, environment: Mapping[str, str] | None = None) -> tu
         environment: Environment variables to add or replace.
 
     Returns:
-        Whether the program succeeded, and the last line of its output, of its error messages if it failed.
+        Whether the program succeeded, and the last line of its output, or of its error messages if it failed.
     """
     command = [sys.executable, "-c", program]
     try:

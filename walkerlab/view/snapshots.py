@@ -1,7 +1,7 @@
 """Snapshots of widgets: static pictures for places without the live widget (nbconvert, GitHub, a reopened notebook).
 
 A widget is displayed as two outputs: its live view, and its snapshot, which a style sheet hides while the view is live.
-The snapshot is an output of its own because front ends rebuild a view when its output is updated: if one output held
+The snapshot is a separate output because front ends rebuild a view when its output is updated: if one output held
 both, each update would close menus and lose the focus.
 """
 
@@ -16,14 +16,14 @@ from walkerlab.text.html import data_url
 from walkerlab.text.templates import Markup, render
 
 QUIET_TIME = 1.0  # s without a change after which the snapshot is updated
-MAX_DELAY = 30.0  # s from the first change to the update if there is no quiet second
+MAX_DELAY = 30.0  # s from the first change to the update if changes never pause
 
 LIVE_STYLE = (Path(__file__).parent / "live.css").read_text(encoding="utf-8")
 """Part of the style sheet of live views."""
 
 
 class HasSnapshot:
-    """Mix-in of widgets that leave a static picture in the notebook; stands before the widget's class.
+    """Mix-in of widgets that leave a static picture in the notebook; list it before the widget's class.
 
     Attributes:
         title: Name of the widget in texts for users, such as "panel".
@@ -58,7 +58,7 @@ class _Display:
         self._first_change = self._last_change = 0.0
         self._timer: threading.Timer | None = None
         self._timing = threading.Lock()
-        self._updating = threading.Lock()  # not held while traits change, or two threads could wait for each other
+        self._updating = threading.Lock()  # not held while traits change, to avoid a deadlock of two threads
 
     def show(self) -> None:
         """Display the live view, unless the widget is closed, and the snapshot."""
@@ -155,7 +155,7 @@ def nested_widgets(box: Any) -> list[Any]:
 
 
 def svg_image_html(picture: str, alt: str = "") -> Markup:
-    """Return an SVG as an image element, in which no script runs.
+    """Return an SVG as an image element, where no script runs.
 
     Args:
         picture: Text of the SVG.

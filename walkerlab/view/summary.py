@@ -14,8 +14,8 @@ from walkerlab.simulation.fitness import FITNESS_UNITS
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.numbers import format_significant, format_significant_column, with_unit
 
-MAX_GENERATION_ROWS = 12  # of the table of generations
-MAX_ANCESTOR_ROWS = 8  # of a line of descent
+MAX_GENERATION_ROWS = 12  # maximum number of rows in the table of generations
+MAX_ANCESTOR_ROWS = 8  # maximum number of rows in a line of descent
 
 PlainSettings = Mapping[str, Mapping[str, Any]]
 """Settings as a run file stores them, by domain and field; user functions are represented by their addresses."""
@@ -40,7 +40,7 @@ def describe_start(settings: Settings, n_cores: int, *, done: int = 0) -> str:
 
 
 def describe_result(records: pd.DataFrame, settings: PlainSettings) -> str:
-    """Describe in a sentence the best fitness of a run, and that of its first generation."""
+    """Describe in a sentence the best fitness of a run and of its first generation."""
     if records.empty:
         return "No generation is done yet."
     n_generations = int(records.generation.nunique())
@@ -83,7 +83,7 @@ def describe_champion(records: pd.DataFrame, settings: PlainSettings) -> str:
 
 
 def list_changed_settings(settings: PlainSettings) -> str:
-    """List the settings that differ from their defaults, one a line."""
+    """List the settings that differ from their defaults, one per line."""
     defaults = Settings().model_dump()
     changed = [
         f"  {domain.capitalize()}.{field} = {_format_setting(value)}  "
@@ -177,7 +177,7 @@ def _verdict_meaning(verdict: str) -> str:
 
 
 def tabulate_descent(records: pd.DataFrame, individual: int) -> str:
-    """Return a table of an individual, its fitter parent, the fitter parent of that one, and so on."""
+    """Return a table of an individual, its fitter parent, that parent's fitter parent, and so on."""
     rows = [
         f"       … and {n_omitted} more ancestors …"
         if n_omitted

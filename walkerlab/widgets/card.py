@@ -12,7 +12,7 @@ from walkerlab.view import summary
 from walkerlab.view.plots.tables import format_value
 
 COUNTED = "ok"  # verdict on a walk that counts
-MAX_PARENTS = 4  # parents that are listed
+MAX_PARENTS = 4  # maximum number of parents that are listed
 
 
 def robot_card(records: pd.DataFrame, individual: int) -> Markup:
@@ -47,7 +47,7 @@ def robot_card(records: pd.DataFrame, individual: int) -> Markup:
 
 
 def _origin(row: Any) -> str:
-    """Describe how a robot was made."""
+    """Describe how a robot was produced."""
     parents = row.parents.split()
     if not parents:
         return "made by hand" if row.operators == INSERTED_BY_HAND else "random"

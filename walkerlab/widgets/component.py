@@ -54,10 +54,11 @@ class Component(HasSnapshot, anywidget.AnyWidget):
 
 
 def answer_on_requested_thread(widget: anywidget.AnyWidget) -> None:
-    """Process the browser's messages on the thread that the browser requests, also while a cell is running.
+    """Process the browser's messages on the thread that the browser requests, even while a cell is running.
 
-    JupyterLab requests a thread other than that of the cells. ipykernel 7.4 ignores the request and uses the thread
-    that last sent a message to the browser, which is that of the cells; earlier kernels obey the request.
+    JupyterLab requests a thread other than the one that runs cells. ipykernel 7.4 ignores the request and uses the
+    thread that last sent a message to the browser, which is the one that runs cells; earlier kernels honour the
+    request.
     """
     if hasattr(widget.comm, "_reply_subshell_for"):
         widget.comm._reply_subshell_for = _requested_subshell  # type: ignore[union-attr]

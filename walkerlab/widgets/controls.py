@@ -31,7 +31,7 @@ MIN_LOG_RATIO = 100  # ratio of the limits, from which the stops of a slider are
 STRUCTURE_SETTINGS = {"incline", "step_height", "step_depth", "hill_height", "hill_length", "gap_width", "gap_distance"}
 """Settings that apply to one structure only; they are hidden while another one is selected."""
 
-MAX_BUTTONS = 6  # options that have a button each; more are in a menu
+MAX_BUTTONS = 6  # options that have a button each; if there are more, they are in a menu
 MANTISSAS = [*range(10, 20), *range(20, 50, 2), *range(50, 100, 5)]
 AXIS_DIRECTIONS = {"x": "forward", "y": "left", "z": "up"}
 SETTING_NAME = re.compile(rf"\b({'|'.join(name.capitalize() for name in Settings.model_fields)})\.(\w+)")
@@ -112,7 +112,7 @@ def slider_stops(declared: Quantity, required: set[float]) -> list[float]:
 
 
 def _round_up(number: float) -> float:
-    """Return the least of …, 0.1, 0.2, 0.5, 1, 2, 5, 10, … that is not less than a number."""
+    """Return the smallest of …, 0.1, 0.2, 0.5, 1, 2, 5, 10, … that is not less than the given number."""
     power = 10.0 ** math.floor(math.log10(number))
     return next(power * digit for digit in (1, 2, 5, 10) if power * digit >= number * (1 - 1e-9))
 
@@ -123,7 +123,7 @@ def setting_label(name: str) -> str:
 
 
 def use_labels(message: str) -> str:
-    """Replace the names of settings in a message by their labels."""
+    """Replace the names of settings in a message with their labels."""
     labelled = SETTING_NAME.sub(lambda found: setting_label(found[2]), message)
     return labelled[:1].upper() + labelled[1:] if SETTING_NAME.match(message) else labelled
 
@@ -148,19 +148,19 @@ def _chosen_names(values: Values, setting: str) -> set[str]:
 
 
 def _if_chosen(setting: str, *names: str) -> Callable[[Values], bool]:
-    """Return a condition: that one of some options, or a user function, is chosen."""
+    """Return the condition that one of the given options, or a user function, is chosen."""
     return lambda values: any(
         name in names or name.startswith(FUNCTION_PREFIX) for name in _chosen_names(values, setting)
     )
 
 
 def _unless_chosen(setting: str, name: str) -> Callable[[Values], bool]:
-    """Return a condition: that neither an option nor a user function is chosen."""
+    """Return the condition that neither the given option nor a user function is chosen."""
     return lambda values: not _if_chosen(setting, name)(values)
 
 
 def _not_only(setting: str, *names: str) -> Callable[[Values], bool]:
-    """Return a condition: that an option other than some is chosen."""
+    """Return the condition that an option other than the given ones is chosen."""
     return lambda values: not _chosen_names(values, setting) <= {*names}
 
 

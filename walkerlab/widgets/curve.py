@@ -19,9 +19,9 @@ from walkerlab.view.snapshots import HasSnapshot, image_html
 
 PICTURE_SIZE = (6.4, 3.5)  # inches
 FIGURE_MARGINS = {"left": 0.14, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
-MAX_LABEL_LENGTH = 18  # characters of a name in the legend
+MAX_LABEL_LENGTH = 18  # maximum length of a name in the legend, in characters
 LEGEND_LINE_HEIGHT = 0.055  # height of a line of the legend, as a fraction of the picture's height
-_curve_ids = count()  # of all drawings: IDs are unique on a page
+_curve_ids = count()  # shared by all drawings, because IDs are unique on a page
 
 
 class Curve(HasSnapshot, ipywidgets.HTML):
@@ -78,7 +78,7 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         self.value = _curve_html(picture, len(groups))
 
     def snapshot(self) -> Markup:
-        """Return the picture as static HTML: as PNG, the size of which does not grow with the curve."""
+        """Return the picture as static HTML: as PNG, whose size does not grow with the curve."""
         picture = ""
         if self._figure:
             file = io.BytesIO()

@@ -4,7 +4,7 @@ import threading
 import time
 from collections.abc import Callable
 
-MAX_LOAD = 1 / 20  # of a core's time for drawing while robots walk, because they walk on the same cores
+MAX_LOAD = 1 / 20  # share of a core's time for drawing during a run, which uses the same cores
 MIN_INTERVAL = 0.2  # s from the end of one drawing to the start of the next
 
 

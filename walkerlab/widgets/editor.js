@@ -1,5 +1,5 @@
-// A text editor for a gene. Behind the text area is a transparent copy of its text, in which the error is marked.
-const PAUSE = 150; // ms without a key press, after which the text is sent
+// A text editor for a genome. Behind the text area is a transparent copy of its text, in which the error is marked.
+const PAUSE = 150; // ms without a key press until the text is sent
 
 let n_views = 0;
 
@@ -8,7 +8,7 @@ function render({ model, el }) {
   const area = make("textarea", { id, spellcheck: false, autocapitalize: "off", autocomplete: "off", rows: 11,
     attributes: { "aria-describedby": `${id}-fault` } });
   const behind = make("div", { className: "behind", ariaHidden: "true" });
-  const label = make("label", { htmlFor: id, textContent: "Gene" });
+  const label = make("label", { htmlFor: id, textContent: "Genome" });
   const fault = make("span", { id: `${id}-fault` });
   const show = make("button", { type: "button", textContent: "Show the error", onclick: () => {
     area.focus();

@@ -1,4 +1,4 @@
-"""A text editor for one gene, with a picture of its robot and messages on what is wrong."""
+"""A text editor for one genome, with a picture of its robot and messages on what is wrong."""
 
 import threading
 from collections.abc import Callable
@@ -17,13 +17,13 @@ from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.repairs import describe_repairs, find_fault, format_genome
 
 PICTURE_SIZE = (300, 190)  # pixels of the picture
-MAX_NOTES = 5  # changes to the gene that are listed
+MAX_NOTES = 5  # maximum number of changes to the genome that are listed
 
 OnGenome = Callable[[Genome], object]
 
 
 class Editor(Component):
-    """A gene as editable text, and the robot that it describes.
+    """A genome as editable text, and the robot that it describes.
 
     Attributes:
         text: Text in the editor.
@@ -33,12 +33,12 @@ class Editor(Component):
         fault: Why the text is not a valid genome; empty if it is.
         fault_range: Start and exclusive end of the wrong characters of the text; empty if they are unknown.
         notes: Sentences on the genes that were beyond the limits and the values that are used instead.
-        picture: Picture of the robot, as SVG; that of the last valid genome while the text is not valid.
-        can_insert: Whether the genome can be inserted into a coming generation.
+        picture: Picture of the robot, as SVG; while the text is not valid, the picture of the last valid genome.
+        can_insert: Whether the genome can be inserted into a later generation.
         buttons: Names of the visible buttons: those with a callback.
     """
 
-    title = "gene editor"
+    title = "genome editor"
     _esm = load_script("editor")
     _css = load_style("editor")
     text = traitlets.Unicode("").tag(sync=True)
@@ -78,7 +78,7 @@ class Editor(Component):
         self._add_callback("insert", callback)
 
     def snapshot(self) -> Markup:
-        """Return the robot, its gene and the messages as static HTML."""
+        """Return the robot, its genome and the messages as static HTML."""
         notes = [self.fault] if self.fault else self.notes
         picture = svg_image_html(self.picture) if self.picture else ""
         return render("widgets/editor.html", picture=picture, text=self.text, notes=notes)
@@ -106,7 +106,7 @@ class Editor(Component):
             self.picture = sketch.draw_robot(self.genome, robot, size=PICTURE_SIZE)
 
     def _update_text(self, change: Any) -> None:
-        """Change the text to that of a genome that was set from outside."""
+        """Replace the text with the text of a genome that was set from outside."""
         with self._lock:
             if change.new is not None and change.new != _parse_within(self.text, self.settings):
                 self.text = format_genome(change.new)

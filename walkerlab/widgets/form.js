@@ -2,7 +2,7 @@
 // messages and the settings that are unused. component.js and controls.js precede this file.
 const PAUSE = 100; // ms between two values that are sent while a slider moves
 const MAX_ROWS_WITHOUT_TABS = 8;
-const MIN_GROUP = 3; // structure settings that are grouped
+const MIN_GROUP = 3; // smallest number of structure settings that are grouped
 
 function render({ model, el }) {
   const rows = new Map(); // by "terrain.step_height"
@@ -82,7 +82,7 @@ function render({ model, el }) {
     }
   }
 
-  // Settings of single structures are grouped in an element of fixed height, in which unused ones are hidden.
+  // Settings of single structures are grouped in an element of fixed height, where unused settings are hidden.
   function makeRows({ domain, controls }) {
     const all = controls.map((control) => makeRow(domain, control));
     const grouped = all.filter((_, index) => controls[index].structure_only);

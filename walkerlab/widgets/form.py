@@ -88,7 +88,7 @@ class Form(Component):
 
     @traitlets.validate("values")
     def _complete(self, proposal: Any) -> dict[str, NamedValues]:
-        """Replace missing values by the last ones and remove unknown settings: a browser may send anything."""
+        """Replace missing values with the last ones and remove unknown settings: a browser may send anything."""
         sent: Any = proposal.value
         given = {name: sent[name] if isinstance(sent, Mapping) and name in sent else {} for name in DOMAINS}
         self._last_values = {
@@ -108,7 +108,7 @@ class Form(Component):
 
     @traitlets.observe("values")
     def _update_settings(self, _change: object = None) -> None:
-        """Update settings and messages to the values of the controls, valid or not."""
+        """Update settings and messages from the values of the controls, valid or not."""
         settings, fault = self._read_controls()
         self._last_valid = settings or self._last_valid
         self.faults = _faults_by_setting(fault)
@@ -126,7 +126,7 @@ class Form(Component):
         self.preset = self._current_preset()
 
     def _current_preset(self) -> str:
-        """Return the name of the preset that the settings equal; empty if there is none."""
+        """Return the name of the preset that is equal to the settings; empty if there is none."""
         settings = self.settings
         equal = (
             name
@@ -143,7 +143,7 @@ class Form(Component):
                 values[domain][field] = self._name_functions(domain, field, value)
         self._last_values = values
         self.tabs = self._make_tabs()
-        if self.values == values:  # a function was replaced by another one of the same name
+        if self.values == values:  # a function was replaced by another one with the same name
             self._update_settings()
         self.values = values
 
@@ -159,14 +159,14 @@ class Form(Component):
             return None, str(error)
 
     def _replace_names(self, domain: str, field: str, value: Any) -> Any:
-        """Replace the names of user functions in a value by the functions."""
+        """Replace the names of user functions in a value with the functions."""
         if isinstance(value, list):
             return [self._replace_names(domain, field, item) for item in cast(list[Any], value)]
         functions = self._functions.get((domain, field), {})
         return functions.get(value, value) if isinstance(value, str) else value
 
     def _name_functions(self, domain: str, field: str, value: Any) -> Any:
-        """Replace the user functions in a value by names, and remember the functions by name."""
+        """Replace the user functions in a value with names, and remember the functions by name."""
         named: NamedValues = {}
 
         def name(choice: Any) -> str:
@@ -189,8 +189,8 @@ class Form(Component):
             functions = {field: list(named) for (other, field), named in self._functions.items() if other == domain}
             shown = self._shown[domain]
             controls = [control for control in make_controls(domain_class, functions) if control["name"] in shown]
-            about = (domain_class.__doc__ or "").strip()
             if controls:
+                about = domain_class.summary()
                 tabs.append({"domain": domain, "title": domain, "about": about, "controls": controls})
         return tabs
 

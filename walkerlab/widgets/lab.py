@@ -56,7 +56,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
     def __init__(
         self, settings: Settings | None = None, folder: str | Path = "lab", executor: Executor | None = None
     ) -> None:
-        """Create the panel; no robot walks and no file is created before a button is pressed.
+        """Create the panel; no walk is simulated and no file is created before a button is pressed.
 
         Args:
             settings: Initial settings of the form; the defaults if None.
@@ -138,7 +138,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         if settings:
             self._drawing.request("world", partial(self.world.draw, settings))
             self._drawing.request("forecast", self._show_forecast)
-            if not self.run:  # edited genes walk in the world of the selected run, if there is one
+            if not self.run:  # edited genomes are simulated in the world of the selected run, if there is one
                 self.robot.set_settings(settings)
 
     def _show_forecast(self) -> None:
@@ -276,7 +276,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
             generation = self._active.insert(genome)
         except ValueError as error:
             return str(error)
-        return f"The gene will be in generation {generation}, in place of a child. It is marked with ✎."
+        return f"The genome will be in generation {generation}, in place of a child. It is marked with ✎."
 
     def _is_running(self) -> bool:
         return self._active is not None and self._active.state == State.running

@@ -12,8 +12,8 @@ from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.numbers import format_fixed_column, format_significant_column, with_unit
 from walkerlab.view.plots.tables import unit_of
 
-MAX_LISTED = 300  # robots that have a row in the table
-MAX_DRAWN = 60  # robots that have a picture
+MAX_LISTED = 300  # maximum number of robots that have a row in the table
+MAX_DRAWN = 60  # maximum number of robots that have a picture
 MINUS_SIGN = "\N{MINUS SIGN}"
 
 ELITE = "elite"

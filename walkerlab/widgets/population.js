@@ -1,5 +1,5 @@
 // The robots of a generation: a grid of pictures, or a table. Arrow keys move the focus; Enter, Space or a click selects.
-const PRELOAD_MARGIN = 40; // px above and below the visible area, in which pictures are requested as well
+const PRELOAD_MARGIN = 40; // px above and below the visible area where pictures are also requested
 
 const sign = (row) => make("span", { className: "sign", textContent: row.sign });
 

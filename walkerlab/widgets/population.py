@@ -17,9 +17,9 @@ from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.listing import MAX_DRAWN, SORT_COLUMNS, describe_generation, sort_robots
 
 PICTURE_SIZE = (100, 56)  # pixels of a picture
-MAX_IN_SNAPSHOT = 12  # robots in the static picture
-PICTURE_MARGIN = 0.15  # m that a picture shows beyond the longest robot, for its feet
-LENGTH_STEP = 0.2  # m, to which the longest body is rounded up, so that the scale stays if a child is slightly longer
+MAX_IN_SNAPSHOT = 12  # maximum number of robots in the static picture
+PICTURE_MARGIN = 0.15  # m of picture beyond the longest robot, for its feet
+LENGTH_STEP = 0.2  # m; the longest body is rounded up to a multiple, so that slightly longer children keep the scale
 
 
 class Population(Component):
@@ -66,7 +66,7 @@ class Population(Component):
 
         Args:
             records: Table of a run, or a run; its last generation is shown.
-            settings: Settings of the run; those of ``records``, or else the previous ones, if None.
+            settings: Settings of the run; if None, the settings of ``records``, or else the previous ones.
         """
         table = require_table(records)
         with self._lock, self.hold_sync():

@@ -64,7 +64,7 @@ def available_presets(shown: Collection[str]) -> dict[str, dict[str, Domain]]:
     """Return the presets that change only shown domains: by name, the settings of each shown domain.
 
     Args:
-        shown: Names of the domains of which all settings are shown.
+        shown: Names of the domains whose settings are all shown.
     """
     locations = Settings.field_locations()
     return {

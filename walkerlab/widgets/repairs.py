@@ -1,4 +1,4 @@
-"""Descriptions of the changes that bring a genome within the limits, and of the place of an error in its text."""
+"""Descriptions of the changes that bring a genome within the limits, and of the position of an error in its text."""
 
 import re
 from collections.abc import Iterator
@@ -38,14 +38,14 @@ class Span(NamedTuple):
 
 
 def find_fault(fault: str, text: str) -> Span | None:
-    """Find the place in a text to which the message of a ``GenomeError`` refers.
+    """Find the position in a text to which the message of a ``GenomeError`` refers.
 
     Args:
         fault: Message of the error.
         text: Text that was parsed.
 
     Returns:
-        Span of the wrong word, an empty span where a word is missing, or None if the message names no place.
+        Span of the wrong word, an empty span where a word is missing, or None if the message gives no position.
     """
     found = re.search(r"at character (\d+) ", fault)
     if not found:
@@ -90,9 +90,9 @@ def _describe_segments(genome: Genome, robot: Robot) -> Iterator[str]:
     most = robot.segments[1]
     wanted = min(genome.values[0], most)
     if genome.n_parts > most:
-        yield f"The gene describes {genome.n_parts} segments, and the limits allow {most}: the others are ignored."
+        yield f"The genome describes {genome.n_parts} segments, and the limits allow {most}: the others are ignored."
     if genome.n_parts < wanted:
-        yield f"The robot has {wanted:g} segments, and the gene describes {genome.n_parts}: the last one is repeated."
+        yield f"The robot has {wanted:g} segments, and the genome describes {genome.n_parts}: the last one is repeated."
 
 
 def _describe_gene(
@@ -137,4 +137,4 @@ def _with_unit(value: float, feature: Feature) -> str:
 
 
 def _format_range(limits: tuple[float, float]) -> str:
-    return f"{limits[0]:g} to {limits[1]:g}"
+    return f"between {limits[0]:g} and {limits[1]:g}"

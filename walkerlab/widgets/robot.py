@@ -1,4 +1,4 @@
-"""The robot area of a panel: the description of one robot, its gene in an editor, and the replay of its walk."""
+"""The robot area of a panel: the description of one robot, its genome in an editor, and the replay of its walk."""
 
 from collections.abc import Callable
 from typing import Any
@@ -23,11 +23,11 @@ POSTER_SIZE = (640, 360)  # pixels
 
 
 class RobotArea(HasSnapshot, ipywidgets.Box):
-    """A robot of a run: its description, its gene in an editor, and its replay.
+    """A robot of a run: its description, its genome in an editor, and its replay.
 
     Attributes:
         card: Description of the robot.
-        editor: Editor of its gene.
+        editor: Editor of its genome.
         frame: Replay of its walk; a picture until it is played.
     """
 
@@ -37,7 +37,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         """Create the area with a random robot.
 
         Args:
-            settings: Settings of the world in which edited genes walk before there is a run.
+            settings: Settings of the world in which edited genomes are simulated before there is a run.
             on_insert: Inserts a genome into the next generation, and returns a message on the result.
         """
         self.card = ipywidgets.HTML()
@@ -45,7 +45,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self.editor = Editor(settings=settings)
         self._settings = settings
         self._on_insert = on_insert
-        self._shown: tuple[Settings | None, int] = None, -1  # settings and number of the robot; -1 for an edited gene
+        self._shown: tuple[Settings | None, int] = None, -1  # settings and number of the robot; -1 for an edited genome
         self._unedited_text = self.editor.text
         self._selected = -1
         super().__init__([self.card, self.frame, self.editor])
@@ -58,7 +58,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self.editor.on_insert(self._insert)
 
     def snapshot(self) -> Markup:
-        """Return the description, the picture and the gene of the robot as static HTML."""
+        """Return the description, the picture and the genome of the robot as static HTML."""
         return render(
             "widgets/robot.html",
             description=self._description,
@@ -67,19 +67,19 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         )
 
     def set_settings(self, settings: Settings) -> None:
-        """Change the world in which edited genes walk, and the limits of the editor."""
+        """Change the world in which edited genomes are simulated, and the limits of the editor."""
         self._settings = settings
         self.editor.settings = settings
 
     def show(self, run: Run, number: int) -> None:
         """Show a robot of a run.
 
-        A robot whose replay is open or whose gene is being edited stays until the user selects another robot, even if
+        A robot whose replay is open or whose genome is being edited stays until the user selects another robot, even if
         a better one is found.
 
         Args:
             run: Run of the robot.
-            number: Number of the selected robot; the champion is shown if the run has no robot of this number.
+            number: Number of the selected robot; the champion is shown if the run has no robot with this number.
         """
         exists = number >= 0 and bool((run.records.individual == number).any())
         robot = number if exists else run.champion.individual
@@ -115,10 +115,10 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self.frame.set_replay(walk, picture, f"Replay of {name}. Press to play.")
 
     def _play(self, genome: Genome) -> None:
-        """Play the walk of an edited gene."""
+        """Play the walk of an edited genome."""
         self._shown = self._shown[0], -1
         self._describe(render("widgets/robot_message.html", is_edited=True))
-        self._offer_replay(genome, "the gene in the editor")
+        self._offer_replay(genome, "the genome in the editor")
         self.frame.play()
 
     def _insert(self, genome: Genome) -> None:

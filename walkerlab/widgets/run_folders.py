@@ -13,12 +13,12 @@ from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import name_and_unit
 from walkerlab.text.numbers import with_unit
 
-MAX_DIFFERENCES = 4  # settings that are named in the description of a run
+MAX_DIFFERENCES = 4  # maximum number of settings named in the description of a run
 
 
 @dataclass(frozen=True, eq=False)
 class ListedRun:
-    """A run in the list of a panel: a live one, or one loaded from a file.
+    """A run in the list of a panel: a live run, or a run loaded from a file.
 
     Attributes:
         key: Identifier of the run in the list.
@@ -32,7 +32,7 @@ class ListedRun:
 
     @property
     def live(self) -> LiveRun | None:
-        """The live run; None for a loaded one."""
+        """The live run; None for a loaded run."""
         return self.source if isinstance(self.source, LiveRun) else None
 
     @property
@@ -60,7 +60,7 @@ def find_run_files(folder: Path) -> list[str]:
 
 
 def run_name(path: Path) -> str:
-    """Return the name of a run: that of its file, or that of its folder if the file has the standard name."""
+    """Return the name of a run: the name of its file, or of its folder if the file has the standard name."""
     return path.resolve().parent.name if path.name == RUN_FILE else path.stem
 
 

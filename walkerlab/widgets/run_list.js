@@ -1,5 +1,5 @@
 // The list of runs. The row of a run is the same element until the run is removed.
-const MARKS = { // by matplotlib's names, within 4 px of the centre
+const MARKS = { // paths by matplotlib's names, within 4 px of the centre
   o: "M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0z", s: "M-3.6 -3.6h7.2v7.2h-7.2z", "^": "M0 -4.4L4.2 3.4H-4.2z",
   D: "M0 -4.8L4.8 0L0 4.8L-4.8 0z", v: "M0 4.4L4.2 -3.4H-4.2z", P: "M-1.5 -4.5h3v3h3v3h-3v3h-3v-3h-3v-3h3z",
 };

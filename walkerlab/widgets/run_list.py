@@ -11,7 +11,7 @@ from walkerlab.text.templates import Markup, render
 from walkerlab.view.plots.style import RUN_COLOURS, RUN_MARKERS
 from walkerlab.widgets.component import Component, load_script, load_style
 
-MAX_NAME_LENGTH = 60  # characters of a name, which is also shown in legends
+MAX_NAME_LENGTH = 60  # maximum length of a name, which is also shown in legends, in characters
 
 
 class RunList(Component):
@@ -87,7 +87,7 @@ class RunList(Component):
         return {"colour": RUN_COLOURS[index], "mark": RUN_MARKERS[index]}
 
     def _clean_changes(self, key: str, changes: Mapping[str, Any]) -> dict[str, Any]:
-        """Return changes with a name that is unique, on one line and not too long; without it if it is blank."""
+        """Return changes with a name that is unique, on one line and not too long; without the name if it is blank."""
         cleaned = {field: value for field, value in changes.items() if field != "name"}
         if name := " ".join(str(changes.get("name", "")).split())[:MAX_NAME_LENGTH]:
             others = {run["name"] for run in self.runs if run["key"] != key}

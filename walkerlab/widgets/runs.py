@@ -88,7 +88,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         self.run_list.add(entry.key, name=name)
         self.run_list.selected = entry.key
         self.redraw()
-        self._on_selected()  # also if it was selected already: its file may have grown
+        self._on_selected()  # even if it was selected already: its file may have grown
 
     def redraw(self) -> None:
         """Request an update of the curve and of the list."""
@@ -181,5 +181,5 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
 def _code(run: Run) -> str:
     """Return the code that repeats a run, with a comment on the user functions that it requires."""
     functions = user_functions(run.settings)
-    comment = f"# Define these functions of yours first: {', '.join(functions)}\n" if functions else ""
+    comment = f"# Define these functions first: {', '.join(functions)}\n" if functions else ""
     return comment + as_python(run.settings, run.records)

@@ -1,4 +1,4 @@
-"""The buttons that start, pause, step and stop a run, its progress, and the time that it still takes."""
+"""The buttons that start, pause, step and stop a run, its progress, and the remaining time."""
 
 from collections.abc import Callable
 from typing import Any

@@ -18,10 +18,10 @@ class World(Component):
     """A drawing of the ground, the obstacles, gravity and wind, and a robot to scale.
 
     Attributes:
-        settings: Settings of terrain and robot; while they are None, as those of a form with an invalid value, the
-            drawing stays as it is.
+        settings: Settings of terrain and robot; while they are None, for example because a form has an invalid value,
+            the drawing does not change.
         genome: Genome of the robot at the start; None for a random one within the limits.
-        number: Index of the random robot; index i is the robot i of generation 0 of a run with these settings.
+        number: Index of the random robot; index i gives robot i of generation 0 in a run with these settings.
         picture: Drawing, as SVG.
         by_chance: Whether the robot is random, so that another one can be drawn.
     """

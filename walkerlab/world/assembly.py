@@ -1,6 +1,6 @@
 """The MuJoCo specification of a world: composer builds each body plan once, and each individual's sizes are written in.
 
-Building a world with composer takes some 20 ms, writing an individual's sizes and compiling it 1 ms.
+Building a world with composer takes about 20 ms, writing an individual's sizes and compiling it 1 ms.
 """
 
 import math
@@ -28,12 +28,12 @@ from walkerlab.world.entities.walker import SIDES, BodyPlan
 from walkerlab.world.materials import MATERIALS
 from walkerlab.world.placement import compute_layout, dome_sphere
 
-SPLAY_ANGLE = math.radians(36)  # of the thighs outward, so that the stance is wide enough not to topple
-SERVO_BAND = 0.3  # rad of error at which a servo reaches its full torque
+SPLAY_ANGLE = math.radians(36)  # outward tilt of the thighs, so that the stance is wide enough not to topple
+SERVO_BAND = 0.3  # rad; error at which a servo reaches its full torque
 SPINE_STIFFNESS = 30.0  # N·m/rad per kg·m of mass behind the joint times segment length
 SPINE_DAMPING = 0.05  # s, damping over stiffness
 ROTOR_INERTIA = 0.001  # kg·m² per N·m of torque; with SERVO_BAND this gives a servo of 9 Hz, whatever its load
-ROPE_LENGTH = 0.6  # m, in addition to the length of a leg, which is the greatest height of the hitch
+ROPE_LENGTH = 0.6  # m, in addition to the length of a leg, the greatest height of the hitch
 
 MAX_CACHED_WORLDS = 64  # per thread; with thousands of texture pieces each takes some megabytes
 
@@ -97,7 +97,7 @@ def _world_xml(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain:
     root.option.integrator = "implicitfast"
     root.option.flag.autoreset = "disable"  # otherwise MuJoCo silently resets a simulation that diverges
     if not (sledge or len(compute_layout(terrain).obstacles)):
-        root.option.flag.island = "disable"  # a robot alone is one island; the search for others takes time
+        root.option.flag.island = "disable"  # a robot alone is one island; searching for others takes time
         root.option.flag.sleep = "disable"  # only obstacles sleep
     body = walker.root_body
     add_sensor = root.sensor.add
@@ -123,7 +123,7 @@ def nominal_spec(
 
 
 _cached_spec = cache_per_thread(nominal_spec)
-"""As ``nominal_spec``, but the same object for equal arguments; each individual overwrites the sizes."""
+"""Like ``nominal_spec``, but returns the same object for equal arguments; each individual overwrites the sizes."""
 
 
 def _add_pieces(spec: mujoco.MjSpec, terrain: Terrain) -> None:

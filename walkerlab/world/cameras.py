@@ -15,7 +15,7 @@ SMOOTHING_STEP = 0.02  # s, time step of that filter
 MIN_SIZE = 1.2  # m; the camera is never closer than for a walker of this size
 DISTANCE_PER_SPREAD = 1.3  # m of additional distance for each m between walkers
 ELEVATION_PER_WIDTH = 14.0  # degrees by which level cameras look from higher up for each m between lanes
-MAX_WIDTH = 1.5  # m between lanes beyond which they do not rise further
+MAX_WIDTH = 1.5  # m between lanes beyond which level cameras do not rise further
 STRAIGHT_DOWN = -90  # degrees of elevation
 ORBIT_SPEED = 30.0  # degrees/s
 
@@ -60,7 +60,7 @@ class CameraTrack:
 
 
 def aim_camera(camera: Camera, time: Floats, paths: Floats, size: float, slope: float = 0.0) -> CameraTrack:
-    """Follow one walker or several so that all of them are in the picture all the time.
+    """Follow one walker or several so that all of them stay in the picture.
 
     Args:
         camera: Camera to compute.

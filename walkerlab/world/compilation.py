@@ -3,7 +3,7 @@
     body plan, loads, terrain  -- compiled once ------------------------->  model of the whole world
     phenotype                  -- compiled without terrain: robot model ->  its values are copied into that model
 
-So the ground is not compiled again for each robot, however many pieces and obstacles are on it.
+This way the ground is not compiled again for each robot, however many pieces and obstacles are on it.
 """
 
 import copy
@@ -91,7 +91,7 @@ class _CompiledWorld:
 def _compiled_world(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain) -> _CompiledWorld:
     """Compile the world of a body plan, with the robot in nominal sizes.
 
-    In every array the robot's rows come after those of the world body and before those of the obstacles.
+    In every array the robot's rows come after the rows of the world body and before the rows of the obstacles.
     """
     robot_spec = nominal_spec(plan, carry_weight, drag_weight, Terrain())
     robot = robot_spec.compile()

@@ -13,8 +13,8 @@ from walkerlab.world.scene import ORIENTATION, POSITION, ROPE_ENDS, Scene
 
 N_AROUND = 24  # vertices of round surfaces about their axis
 N_RINGS = 12  # rings of vertices of a sphere from pole to pole
-MAX_JUMP = 3.0  # m of any body from one recorded pose to the next (150 m/s), beyond which the physics has broken down
-PLANE_EXTENT = 60.0  # m to each side, to which an infinite plane is drawn
+MAX_JUMP = 3.0  # m; a body that moves farther between two recorded poses (150 m/s) shows that the physics broke down
+PLANE_EXTENT = 60.0  # m to each side to which an infinite plane is drawn
 ROPE_POINTS = 2  # points of a part that is drawn as a line
 MAX_OUTLINE_CORNERS = 48
 
@@ -45,7 +45,7 @@ def visible_surfaces(model: mujoco.MjModel, *, bodies: bool, far: float = PLANE_
 
     Args:
         model: Compiled model.
-        bodies: True for the surfaces of moving bodies, False for those of the ground, including texture pieces.
+        bodies: True for the surfaces of moving bodies, False for the surfaces of the ground, including texture pieces.
         far: Distance [m] to each side to which a plane is drawn.
     """
     for kind in ("geom", "site"):
@@ -114,13 +114,13 @@ def n_valid_poses(scene: Scene, poses: Floats) -> int:
 
 
 def valid_poses(scene: Scene, poses: Floats) -> Floats:
-    """Return the poses before the physics broke down, shape (n, nq); the start pose if there are none."""
+    """Return the poses before the physics broke down, shape (n, nq); the start pose if no pose is valid."""
     n = n_valid_poses(scene, poses)
     return poses[:n] if n else scene.start[np.newaxis]
 
 
 def rope_ends(scene: Scene, placed: Floats) -> Floats:
-    """Return the ends of the rope [m] for bodies as in ``placements``, shape (n, 2, 3); (n, 0, 3) without a rope."""
+    """Return the ends of the rope [m] for the given ``body_placements``, shape (n, 2, 3); (n, 0, 3) without a rope."""
     sites = [scene.model.site(name) for name in ROPE_ENDS] if scene.rope_length else []
     ends = [
         placed[:, site.bodyid[0], POSITION] + rotate(placed[:, site.bodyid[0], ORIENTATION], site.pos) for site in sites
@@ -144,7 +144,7 @@ def surface_points(scene: Scene, pose: Floats, *, loose: bool = False) -> list[t
         loose: Whether to return the loose obstacles instead of the robot and its loads.
 
     Returns:
-        For each geom the points [m] of which it is the convex hull, shape (k, 3), and its RGBA colour, shape (4,).
+        For each geom the points [m] whose convex hull it is, shape (k, 3), and its RGBA colour, shape (4,).
         A rope is represented by its two ends.
     """
     model = scene.model
@@ -164,7 +164,7 @@ def surface_points(scene: Scene, pose: Floats, *, loose: bool = False) -> list[t
 
 
 def convex_outline(points: Floats) -> Floats:
-    """Return the corners of the convex hull of (k, 2) points, in order; the two points of a rope unchanged.
+    """Return the corners of the convex hull of (k, 2) points, in order; return the two points of a rope unchanged.
 
     The hull is approximated by the farthest point in each of ``MAX_OUTLINE_CORNERS`` directions.
     """

@@ -100,7 +100,7 @@ def gap_ranges(terrain: Terrain) -> Floats:
 
 @lru_cache(maxsize=16)
 def hill_heights(terrain: Terrain) -> Floats:
-    """Generate the hills of a rough ground from its seed.
+    """Generate the hills of rough ground from its seed.
 
     The hills are a sum of sine waves in random directions, each with a wavelength of about ``hill_length``.
 
@@ -152,7 +152,7 @@ def project_onto_ground(terrain: Terrain, spots: Floats, step: Floats | float = 
     along, across = spots.T
     pitch = slope(terrain)
     x = along * math.cos(pitch)
-    # The offset keeps a spot at the edge of a tread on that tread in spite of rounding.
+    # The offset keeps a spot at the edge of a tread on that tread despite rounding.
     points = np.stack([x, across, ground_height(terrain, x + 1e-9, across)], axis=1)
     if terrain.structure == Structure.rough:
         slope_x = (ground_height(terrain, x + step, across) - ground_height(terrain, x - step, across)) / (2 * step)

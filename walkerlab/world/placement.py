@@ -59,7 +59,7 @@ def compute_layout(terrain: Terrain) -> Layout:
 
 
 def dome_sphere(terrain: Terrain) -> tuple[float, float]:
-    """Return the radius of the sphere of which a texture piece is the cap, and the depth of its centre, in m."""
+    """Return the radius of the sphere whose cap is a texture piece, and the depth of its centre, in m."""
     half = terrain.texture_size / 2
     cap_height = PIECE_HEIGHT * terrain.texture_size
     radius = (half**2 + cap_height**2) / (2 * cap_height)
@@ -125,7 +125,7 @@ def _scatter_pieces(terrain: Terrain, rng: Generator) -> Floats:
     reach = math.ceil(radius / cell)
     offsets = (np.arange(-reach, reach + 1) * cell) ** 2
     disc = offsets[:, np.newaxis] + offsets <= radius**2
-    disc_ratio = disc.sum() * cell**2 / (math.pi * radius**2)  # area of the disc of cells over that of the circle
+    disc_ratio = disc.sum() * cell**2 / (math.pi * radius**2)  # area of the disc of cells over the area of the circle
     wanted = terrain.texture_density * is_ground.sum() * n_y * disc_ratio
     bare = np.pad(np.repeat(is_ground[:, np.newaxis], n_y, axis=1), reach)
     candidates = np.flatnonzero(is_allowed[:, np.newaxis] & (np.abs(across) <= width / 2 - radius))
@@ -166,7 +166,7 @@ def _scatter_obstacles(terrain: Terrain, rng: Generator) -> tuple[Floats, Floats
         ::-1
     ]
     spots = np.empty((count, 2))
-    radii = np.empty(count)  # of the circle that each obstacle occupies
+    radii = np.empty(count)  # radius of the circle that each obstacle occupies
     is_placed = np.zeros(count, dtype=bool)
     for n, size in enumerate(sizes):
         reach = OBSTACLE_REACH[terrain.obstacle] * size

@@ -20,7 +20,7 @@ from walkerlab.world.heights import slope
 from walkerlab.world.placement import PIECE_HEIGHT
 
 CONTROL_RATE = 50.0  # Hz, rate of new servo targets
-RAMP_TIME = 0.5  # s in which the amplitude of the gait grows from 0 to its full value
+RAMP_TIME = 0.5  # s during which the amplitude of the gait grows from 0 to its full value
 START_CLEARANCE = 0.005  # m between the robot and what is below it at the start
 ROPE_SLACK = 0.01  # m by which the rope is slack at the start
 ROPE_ENDS = ("walker/hitch", "sledge/ring")  # names of the sites
@@ -42,7 +42,7 @@ class Scene:
     Attributes:
         model: Compiled model, ready for ``mj_step``; its actuators are in the order of ``controls``.
         genome: Genome of the robot, within the limits of the settings.
-        phenotype: The robot that it expresses.
+        phenotype: The robot that the genome expresses.
         settings: Settings of the world.
     """
 
@@ -186,7 +186,7 @@ def compile_scene(genome: Genome | str | Floats, settings: Settings, *, scenery:
     """Compile the world of one individual.
 
     Args:
-        genome: Genome, its text or its values, shape (n_genes,); repaired to obey the robot limits.
+        genome: Genome, its text or its values, shape (n_genes,); repaired to be within the robot limits.
         settings: Settings of terrain, robot and simulation.
         scenery: Whether to add visual-only geometry such as sky and sun, which takes longer to compile than the rest.
 

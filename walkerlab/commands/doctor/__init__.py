@@ -8,7 +8,7 @@ from __future__ import annotations  # old versions of Python must be able to imp
 from collections.abc import Iterator
 
 from walkerlab.commands.doctor.finding import Check
-from walkerlab.commands.doctor.finding import Finding as Finding
+from walkerlab.commands.doctor.finding import Finding as Finding  # re-exported for users of this package
 from walkerlab.commands.doctor.hardware import (
     check_cores,
     check_current_folder,
@@ -30,7 +30,7 @@ CHECKS: dict[Check, tuple[Check, ...]] = {
     check_workers: (check_walk,),
     check_graphics: (check_walk,),
 }
-"""All checks, quickest first, and those that each of them requires to pass."""
+"""All checks, quickest first, each with the checks that must pass before it."""
 
 
 def run_checks() -> Iterator[Finding]:

@@ -14,7 +14,7 @@ class Finding:
     """Result of one check.
 
     Attributes:
-        level: ``ok``; ``note`` if something is missing that an evolution does not need; ``fault`` if it is needed.
+        level: ``ok``; ``note`` if something optional is missing; ``fault`` if an evolution requires it.
         message: Description of the result.
         fix: Commands or instructions that fix it, one per line.
     """
@@ -31,7 +31,7 @@ class Finding:
 
 
 def _indent(label: str, lines: Sequence[str]) -> list[str]:
-    """Put a label before the first of some lines, and as many spaces before the others."""
+    """Put a label before the first line, and the same number of spaces before the others."""
     return [f"{' ' * len(label) if i else label}{line}" for i, line in enumerate(lines)]
 
 

@@ -77,7 +77,7 @@ def install_python(needed: str) -> str:
 
 
 def find_source() -> str:
-    """Return what walkerlab was installed from, as pip takes it: a checkout, a folder, an address, or its name."""
+    """Return the source of this walkerlab, as an argument of pip: a checkout, a folder, an address, or its name."""
     checkout = Path(__file__).parents[3]
     if (checkout / "pyproject.toml").is_file():
         return quote_path(checkout)

@@ -14,8 +14,8 @@ from walkerlab.commands.doctor.finding import Finding
 from walkerlab.view import opengl
 
 MB = 1e6  # bytes
-RUN_SIZE = 5 * MB  # folder of one run
-ENOUGH_SPACE = 200 * MB  # for a course
+RUN_SIZE = 5 * MB  # size of the folder of one run
+ENOUGH_SPACE = 200 * MB  # enough for a course
 SPACE_ADVICE = "a run needs about 5 MB, and a long one 0.9 kB for each robot"
 
 WRITE_RUN = """
@@ -77,7 +77,7 @@ def _writable_folder() -> str:
 
 
 def check_cores() -> Iterator[Finding]:
-    """Count the cores that an evolution may use, with the reason if these are not all."""
+    """Count the cores that an evolution may use, and give the reason if some may not be used."""
     setting = os.environ.get("LOKY_MAX_CPU_COUNT")
     total = os.cpu_count() or 1
     if setting is not None and not setting.strip().isdecimal():
@@ -102,7 +102,7 @@ def check_cores() -> Iterator[Finding]:
     if usable > 1:
         yield Finding("ok", f"{message}{reason}")
     else:
-        yield Finding("note", f"{message}, so robots walk one after another{reason}", fix)
+        yield Finding("note", f"{message}, so robots are simulated one after another{reason}", fix)
 
 
 def check_run_file() -> Iterator[Finding]:

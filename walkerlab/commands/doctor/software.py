@@ -23,7 +23,7 @@ OPTIONAL_PACKAGES = {
     "distributed": "only a cluster needs it",
     "dask-jobqueue": "only a cluster needs it",
 }
-"""Packages that an evolution does not need, and what needs them."""
+"""Optional packages, and what requires them."""
 
 REPORTED_PACKAGES = ("mujoco", "dm-control", "numpy", "jupyterlab")
 """Packages whose versions are printed, because they matter for support."""

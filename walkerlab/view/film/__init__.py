@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 __all__ = ["Film", "FilmError", "film", "timelapse"]
 
 DEFAULT_SIZE = (480, 360)  # pixels
-DEFAULT_FPS = 25  # every second recorded pose
-AT_MOST_RANGE = (2, 1000)  # champions in a time-lapse
+DEFAULT_FPS = 25  # shows every second recorded pose
+AT_MOST_RANGE = (2, 1000)  # allowed number of champions in a time-lapse
 
 
 class EvolutionResult(Protocol):
@@ -77,14 +77,14 @@ def film(
 ) -> Film:
     """Render one walk to a video file.
 
-    With several starts, it is the walk with the lowest fitness, judged by the default fitness even if the settings
-    have another. A notebook plays the returned film.
+    If there are several starts, it is the walk with the lowest fitness, rated by the default fitness, not by the
+    fitness in the settings. A notebook plays the returned film.
 
     Args:
         genome: Genome, its text, its values of shape (n_genes,), or an individual.
         settings: Settings of terrain, robot and simulation.
         path: Path of the file: .mp4, .webm or .gif. An existing file is replaced when the film is complete.
-        camera: Camera; that of the settings if None.
+        camera: Camera; if None, the camera in the settings.
         size: Width and height [pixels]; even numbers.
         fps: Frames per second.
         caption: Text above the picture.
@@ -123,8 +123,9 @@ def timelapse(
         run: Result of an evolution.
         path: Path of the file: .mp4, .webm or .gif. An existing file is replaced when the film is complete.
         seconds: How long each champion is shown [s], at most the duration of its walk.
-        at_most: Maximum number of champions; of more, an even selection with the first and the last is shown.
-        camera: Camera; that of the settings if None.
+        at_most: Maximum number of champions; if there are more, evenly spaced ones are shown, including the first and
+            the last.
+        camera: Camera; if None, the camera in the settings.
         size: Width and height [pixels]; even numbers.
         fps: Frames per second.
         progress: Whether to show a progress bar.
@@ -135,7 +136,7 @@ def timelapse(
         FilmError: If OpenGL cannot render off-screen here, or the film cannot be written.
     """
     if not hasattr(run, "settings") or not hasattr(run, "records"):
-        raise TypeError(f"a time-lapse is made from a run, such as wl.load(path); got a {type(run).__name__}")
+        raise TypeError(f"a time-lapse requires a run, such as wl.load(path); got a {type(run).__name__}")
     path = film_path(path)
     settings = _with_camera(run.settings, camera)
     table = run.records
@@ -144,7 +145,7 @@ def timelapse(
     low, high = AT_MOST_RANGE
     if not (is_integer(at_most) and low <= at_most <= high):
         raise ValueError(
-            f"at_most is {at_most!r}; it must be a whole number, {low} to {high}. "
+            f"at_most is {at_most!r}; it must be a whole number between {low} and {high}. "
             "It is the maximum number of champions that are shown."
         )
     unit = table.attrs.get("units", {}).get("fitness", "")
@@ -181,7 +182,7 @@ def _champion_periods(table: "pd.DataFrame") -> list[ChampionPeriod]:
 
 
 def _select_evenly(periods: list[ChampionPeriod], at_most: int) -> list[ChampionPeriod]:
-    """Return at most so many periods at even intervals, always with the first and the last."""
+    """Return at most ``at_most`` periods at even intervals, always with the first and the last."""
     selected = np.linspace(0, len(periods) - 1, min(at_most, len(periods)))
     return [periods[i] for i in np.rint(selected).astype(int).tolist()]
 

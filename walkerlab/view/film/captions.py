@@ -21,7 +21,7 @@ FAINT_COLOUR = (255, 255, 255, 110)
 
 
 class CaptionOverlay:
-    """Caption and timeline of one clip: drawn once and code_text on each frame.
+    """Caption and timeline of one clip: drawn once and pasted onto each frame.
 
     Args:
         clip: Clip with the caption and the generation to mark.

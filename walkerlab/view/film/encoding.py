@@ -16,9 +16,9 @@ CODECS: dict[str, tuple[str, dict[str, str], dict[str, str]]] = {
 
 BT709 = 1  # colour space that players assume for HD video; number as in ITU-T H.273
 LIMITED_RANGE = 1  # luma from 16 to 235, which players assume; number as in FFmpeg
-GIF_COLOURS = 128  # in a palette
-VISIBLE_DIFFERENCE = 24  # of 255, in any colour component
-MAX_WRONG_SHARE = 0.005  # of a picture's pixels, before a GIF gets a new palette
+GIF_COLOURS = 128  # number of colours in a palette
+VISIBLE_DIFFERENCE = 24  # difference in any colour component, out of 255, that is visible
+MAX_WRONG_SHARE = 0.005  # share of wrong pixels in a picture above which a GIF gets a new palette
 
 
 def encode(pictures: Iterable[NDArray[np.uint8]], path: Path, suffix: str, size: tuple[int, int], fps: int) -> None:
@@ -59,7 +59,7 @@ def _encode_video(
 
 
 def _encode_gif(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: int) -> None:
-    """Encode a GIF; each frame uses the palette of the last if it fits, so that still areas do not flicker."""
+    """Encode a GIF; each frame uses the palette of the previous one if it fits, so that still areas do not flicker."""
     images = map(Image.fromarray, pictures)
     first_image = next(images)
     first_frame = _apply_palette(first_image, _create_palette(first_image))
@@ -79,14 +79,14 @@ def _encode_gif(pictures: Iterable[NDArray[np.uint8]], path: Path, fps: int) -> 
 
 
 def _create_palette(image: Image.Image) -> Image.Image:
-    """Return an image whose palette suits a given image."""
+    """Return an image with a palette that suits the given image."""
     return image.quantize(GIF_COLOURS, dither=Image.Dither.NONE)
 
 
 def _apply_palette(image: Image.Image, palette: Image.Image) -> Image.Image:
     """Give each pixel the nearest colour of a palette.
 
-    ``Image.quantize`` without a palette does not choose the nearest colours, so that the next frame would differ.
+    ``Image.quantize`` without a palette does not choose the nearest colours, so the next frame would differ.
     """
     return image.quantize(palette=palette, dither=Image.Dither.NONE)
 

@@ -13,7 +13,7 @@ from walkerlab.settings.settings import Settings
 SIDE_RANGE = (64, 4096)  # pixels
 FPS_RANGE = (1, 60)
 FILM_FORMATS = {".mp4": "plays everywhere", ".webm": "plays in every browser", ".gif": "for slides and chats; large"}
-"""What each format is good for, by the suffix of the file."""
+"""Use of each format, by the suffix of the file."""
 
 
 class FilmError(RuntimeError):
@@ -67,13 +67,13 @@ class Job:
         is_pair = isinstance(self.size, tuple | list) and len(self.size) == 2 and all(map(is_integer, self.size))  # pyright: ignore[reportUnnecessaryIsInstance]
         if not is_pair or any(side % 2 or not low <= side <= high for side in self.size):
             raise ValueError(
-                f"size is {self.size!r}; it must be two even whole numbers, {low} to {high} pixels, as in (480, 360). "
-                "It is the width and height of the film; video formats require even numbers."
+                f"size is {self.size!r}; it must be two even whole numbers between {low} and {high} pixels, as in "
+                "(480, 360). It is the width and height of the film; video formats require even numbers."
             )
         low, high = FPS_RANGE
         if not (is_integer(self.fps) and low <= self.fps <= high):
             raise ValueError(
-                f"fps is {self.fps!r}; it must be a whole number, {low} to {high}. "
+                f"fps is {self.fps!r}; it must be a whole number between {low} and {high}. "
                 "It is the number of frames per second."
             )
         object.__setattr__(self, "size", tuple(map(int, self.size)))  # NumPy integers cannot be written as JSON
@@ -100,7 +100,7 @@ class Job:
 
     def to_json(self, path: Path) -> str:
         """Write the job and the path of the file to render as one line of JSON."""
-        settings = self.settings.model_dump(exclude={"algorithm"})  # which may contain functions
+        settings = self.settings.model_dump(exclude={"algorithm"})  # the algorithm may contain functions
         clips = list(map(asdict, self.clips))
         return json.dumps({**vars(self), "clips": clips, "settings": settings, "path": str(path)})
 
@@ -117,5 +117,5 @@ class Job:
 
 
 def is_integer(value: object) -> bool:
-    """Return whether a value is an integer of Python or NumPy; booleans are not."""
+    """Return whether a value is a Python or NumPy integer; booleans are not."""
     return isinstance(value, int | np.integer) and not isinstance(value, bool)

@@ -21,13 +21,13 @@ from walkerlab.world.scene import Scene, compile_scene
 
 MIN_ASPECT_RATIO = 4 / 3  # width over height; for narrower pictures, the camera moves farther away
 MIN_DURATION = 1.0  # s; the shortest walk that settings allow
-WORLD_BODY = 0  # number of the body that holds the ground and the texture pieces
+WORLD_BODY = 0  # index of the body that contains the ground and the texture pieces
 VISIBLE_GROUP = 0  # group of geoms that are drawn
 HIDDEN_GROUP = 5  # group of geoms that are not drawn
 MAX_PIECE_DISTANCE = 12.0  # m from the camera; in software rendering, farther texture pieces are not drawn
 
 SHADOW_RANGE = 2.5  # distance from the robot within which there are shadows, over the distance of the camera
-MAX_FINE_PIECES = 100  # texture pieces; with more of them, software rendering draws all shapes with fewer corners
+MAX_FINE_PIECES = 100  # texture pieces; if there are more, software rendering draws all shapes with fewer corners
 
 FINE_SHAPES = {"numslices": 48, "numstacks": 20}
 """Corners of round shapes; with fewer, shadow specks appear on limbs."""
@@ -96,7 +96,7 @@ def interpolate_pose(model: mujoco.MjModel, times: Floats, poses: Floats, time: 
         model: Model of the poses.
         times: Time of each pose [s], ascending, shape (n,).
         poses: Recorded poses, shape (n, nq).
-        time: Time of the wanted pose [s]; after the last recorded pose, that pose is returned.
+        time: Time of the pose [s]; if it is after the last recorded pose, the last pose is returned.
 
     Returns:
         Pose with unit quaternions, shape (nq,).
@@ -122,7 +122,7 @@ def freeze_when_diverged(scene: Scene, rollout: Rollout) -> Rollout:
 
 
 def _starting_state(scene: Scene) -> tuple[Floats, Floats, Floats]:
-    """Return the starting pose, shape (1, nq), and the centres of mass of robot and load in it, shape (1, 3) each."""
+    """Return the starting pose, shape (1, nq), and its centres of mass of robot and load, shape (1, 3) each."""
     data = mujoco.MjData(scene.model)
     data.qpos[:] = scene.start
     _update_positions(scene.model, data)
@@ -160,7 +160,7 @@ def cameras_at(times: Floats, scene: Scene, rollout: Rollout, aspect_ratio: floa
 
 
 class TexturePieces:
-    """Thousands of texture pieces, of which only the visible ones are drawn.
+    """Texture pieces, possibly thousands; only the visible ones are drawn.
 
     Args:
         scene: Compiled world with the pieces.
@@ -191,8 +191,8 @@ class TexturePieces:
         up = np.cross(right, forward)
         from_camera = self._positions - (camera.lookat - camera.distance * forward)
         depth = from_camera @ forward
-        half_height = math.tan(math.radians(FIELD_OF_VIEW / 2))  # of the picture, at a depth of 1
-        margin = 1.5 * self._radii  # more than the radius, as the sides of the view are oblique
+        half_height = math.tan(math.radians(FIELD_OF_VIEW / 2))  # half the height of the picture at a depth of 1
+        margin = 1.5 * self._radii  # more than the radius, because the sides of the view are oblique
         is_hidden = (depth < 0) | (depth > self._max_distance)
         is_hidden |= np.abs(from_camera @ right) > half_height * self._aspect_ratio * depth + margin * max(
             1.0, self._aspect_ratio

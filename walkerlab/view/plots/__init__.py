@@ -1,4 +1,4 @@
-"""Plots of the table of a run, of a walk, and of a robot. Each function draws on the Axes given and returns it."""
+"""Plots of the table of a run, of a walk, and of a robot. Each function draws on the given Axes and returns it."""
 
 from walkerlab.view.plots.ancestry import family_tree as family_tree
 from walkerlab.view.plots.bodies import body as body

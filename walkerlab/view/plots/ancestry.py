@@ -25,13 +25,13 @@ from walkerlab.view.plots.tree_nodes import (
 )
 from walkerlab.world.geometry import surface_points
 
-MAX_COMPLETE_LINE = 16  # robots of a line of descent that is drawn without gaps
-N_DRAWN_OF_LONG_LINE = 12  # robots drawn of a longer one
-N_LATEST = 4  # of these, the robots at its lower end, which are drawn without gaps
+MAX_COMPLETE_LINE = 16  # maximum number of robots in a line of descent that is drawn without gaps
+N_DRAWN_OF_LONG_LINE = 12  # number of robots drawn of a longer line
+N_LATEST = 4  # number of these at the lower end of the line, which are drawn without gaps
 
-BODY_WIDTH = 1.15  # inches, of the longest body
+BODY_WIDTH = 1.15  # inches, width of the longest body
 TEXT_WIDTH = 1.15  # inches beside a column of bodies
-FONT_SIZE = 8.0  # points, of the text in a figure of unrestricted size
+FONT_SIZE = 8.0  # points, text size in a figure of unrestricted size
 MIN_FONT_SIZE = 3.0  # points
 TITLE = "Family tree"
 
@@ -49,7 +49,7 @@ def family_tree(
 
     Args:
         records: Table of a run, or the run.
-        ax: Axes to draw on; if None, those of a new figure whose height suits the tree.
+        ax: Axes to draw on; if None, a new figure is created whose height suits the tree.
         individual: Number of the robot; the champion if None.
         settings: Settings whose loads are drawn; no loads if None.
 
@@ -160,7 +160,7 @@ def _describe_result(birth: Any, unit: str) -> str:
 
 
 def _choose_drawn(n: int) -> list[int]:
-    """Choose the robots to draw of a line of descent with n robots: all of a short one, both ends of a long one.
+    """Choose which robots of a line of descent with n robots to draw: all of a short line, both ends of a long one.
 
     Returns:
         Indices into the line, in ascending order.

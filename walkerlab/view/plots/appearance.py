@@ -1,4 +1,4 @@
-"""Figures in the style of walkerlab, whatever style the user has set, and colours that suit the Axes of a user."""
+"""Figures in the style of walkerlab, regardless of the user's style, and colours that suit the user's Axes."""
 
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
@@ -34,7 +34,7 @@ P = ParamSpec("P")
 
 @contextmanager
 def walkerlab_style() -> Generator[None]:
-    """Use the default style of matplotlib within the block, whatever style the user has set; one thread at a time."""
+    """Use the default style of matplotlib within the block, regardless of the user's style; one thread at a time."""
     with _STYLE_LOCK:
         before: Any = {name: mpl.rcParams[name] for name in _STYLE}
         mpl.rcParams.update(_STYLE)
@@ -54,7 +54,7 @@ class StyledFigure(Figure):
             super().draw(renderer)
 
     def savefig(self, fname: Any, **options: Any) -> None:
-        """Save the figure with its own background colour rather than that of the current style."""
+        """Save the figure with its own background colour rather than the current style's."""
         background: Any = {"facecolor": self.get_facecolor()}
         super().savefig(fname, **(background | options))
 
@@ -71,7 +71,7 @@ def styled_plot(draw: Callable[P, Axes]) -> Callable[P, Axes]:
         ax: Any = parameters.bind(*args, **named).arguments.get("ax")
         if ax is not None and getattr(ax, "name", "") != "rectilinear":
             given = type(ax).__name__
-            raise TypeError(f"{draw.__name__} needs plain axes, such as figure.add_subplot() returns; got {given}")
+            raise TypeError(f"{draw.__name__} requires plain Axes, as returned by figure.add_subplot(); got {given}")
         if ax is not None and not isinstance(ax.get_figure(root=True), StyledFigure):
             return draw(*args, **named)
         with walkerlab_style():
@@ -81,11 +81,11 @@ def styled_plot(draw: Callable[P, Axes]) -> Callable[P, Axes]:
 
 
 def foreground_colour(axes: Axes, strength: float = 1.0) -> tuple[float, float, float]:
-    """Return a colour between those of the background and the text of an Axes.
+    """Return a colour between the background colour and the text colour of an Axes.
 
     Args:
         axes: Axes to draw on.
-        strength: 0 for the colour of the background, 1 for that of the text.
+        strength: 0 for the background colour, 1 for the text colour.
     """
     candidates: tuple[Any, ...] = (axes.get_facecolor(), axes.figure.get_facecolor(), "white")
     background = np.array(next(rgba for rgba in map(to_rgba, candidates) if rgba[3] > 0)[:3])

@@ -22,12 +22,12 @@ from walkerlab.world.geometry import ROPE_POINTS, convex_outline, surface_points
 from walkerlab.world.heights import ground_height
 from walkerlab.world.scene import Scene, compile_scene, scene_of
 
-GROUND_MARGIN = 0.2  # m of ground before and behind the bodies
-GROUND_DEPTH = 0.08  # m of ground below its lowest point
-MAX_BODIES = 5  # times that a robot is drawn along its walk
+GROUND_MARGIN = 0.2  # m of ground drawn before and behind the bodies
+GROUND_DEPTH = 0.08  # m of ground drawn below its lowest point
+MAX_BODIES = 5  # maximum number of times that a robot is drawn along its walk
 MIN_SPACING = 1.3  # body lengths between two of them
 MIN_ARROW = 0.05  # m; a shorter distance has no arrow
-MAX_SIDE_DISTANCE = 1.0  # m to either side of the robot within which loose obstacles are drawn
+MAX_SIDE_DISTANCE = 1.0  # m; loose obstacles within this distance to either side of the robot are drawn
 DEPTH_SHIFT = 0.35  # shift to the right for each metre of depth, which keeps the far legs visible
 
 BodyParts = Sequence[tuple[Floats, Floats]]
@@ -42,8 +42,8 @@ def body(genome: Genome | str, ax: Axes | None = None, settings: Settings | None
 
     Args:
         genome: Genome, or its text.
-        ax: Axes to draw on; those of a new figure if None.
-        settings: Settings whose limits the robot must meet, and whose loads are drawn; no limits or loads if None.
+        ax: Axes to draw on; if None, a new figure is created.
+        settings: Settings with the robot limits and the loads to draw; no limits or loads if None.
 
     Returns:
         The Axes drawn on.
@@ -77,13 +77,13 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     """Draw a robot from the side, to scale, at successive moments of its walk, from pale to dark.
 
     An arrow shows the distance of the centre of mass. Loose obstacles are drawn where they are at the end.
-    Of several starts, the poorest walk is drawn, which determines the fitness. If the physics becomes unstable, the
-    last valid pose is the end. OpenGL is not required.
+    If there are several starts, the walk with the lowest fitness is drawn, because it counts. If the simulation becomes
+    unstable, the drawing ends with the last valid pose. OpenGL is not required.
 
     Args:
         genome: Genome, or its text.
         settings: Complete settings.
-        ax: Axes to draw on; those of a new figure if None.
+        ax: Axes to draw on; if None, a new figure is created.
 
     Returns:
         The Axes drawn on.
@@ -221,6 +221,6 @@ def add_body(
 
 
 def _round_down(length: float) -> float:
-    """Return the largest length [m] of 1, 2 or 5 times a power of ten that does not exceed a given one."""
+    """Return the largest length [m] of 1, 2 or 5 times a power of ten that does not exceed the given length."""
     power = 10.0 ** math.floor(math.log10(length))
     return max(step * power for step in (1, 2, 5) if step * power <= length)

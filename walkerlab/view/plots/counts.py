@@ -46,14 +46,14 @@ COUNTED_QUANTITY = "robots"
 
 @styled_plot
 def verdicts(records: pd.DataFrame, ax: Axes | None = None) -> Axes:
-    """Draw how many walks of each generation count, and for what reasons the others do not.
+    """Draw how many walks of each generation count, and why the others do not.
 
     Elites are included in each generation in which they live. In a long run, each bar is the mean of several
     generations.
 
     Args:
         records: Table of a run, or the run.
-        ax: Axes to draw on; those of a new figure if None.
+        ax: Axes to draw on; if None, a new figure is created.
 
     Returns:
         The Axes drawn on.
@@ -108,7 +108,7 @@ def _draw_bars(axes: Axes, counts: Any, generations_per_bar: int) -> None:
 
 
 def _verdict_style(verdict: str) -> tuple[str, str]:
-    """Return colour and hatching of a verdict; those of the last style if it is not in ``VERDICTS``."""
+    """Return colour and hatching of a verdict; if it is not in ``VERDICTS``, those of the last verdict."""
     if verdict == "ok":
         return COUNTED_STYLE
     number = list(VERDICTS).index(verdict) - 1 if verdict in VERDICTS else -1

@@ -35,8 +35,8 @@ QUARTILES = np.array([0.25, 0.5, 0.75])
 IDENTIFIER_COLUMNS = ("generation", "individual", "born")  # numeric columns that are not traits
 WALK_RESULTS = ("fitness", "distance", "velocity")
 """Columns that a walk determines; they are meaningless if the walk does not count."""
-SINGLE_RUN_COLUMNS = 3  # of the legend of a single run
-MAX_LARGE_MARKERS = 60  # generations, above which the best robots have smaller markers
+SINGLE_RUN_COLUMNS = 3  # number of columns in the legend of a single run
+MAX_LARGE_MARKERS = 60  # number of generations above which the best robots have smaller markers
 
 
 @styled_plot
@@ -47,7 +47,7 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
 
     Args:
         records: Table of a run, or the run.
-        ax: Axes to draw on; those of a new figure if None. Each run on the same Axes has its own colour and marker.
+        ax: Axes to draw on; if None, a new figure is created. Each run on the same Axes has its own colour and marker.
         label: Name of the run, which precedes the names of its lines in the legend.
         look: Number of the colour and marker, from 0; the next ones if None.
 
@@ -92,13 +92,13 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
 def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: str = "") -> Axes:
     """Draw a trait over the generations: its median (dashed), its middle half, and its value in the best robot.
 
-    All robots are included, except for fitness, distance and velocity, which only walks that count determine.
-    The best robot is that of the highest fitness, not that of the highest trait.
+    All robots are included, except for fitness, distance and velocity, which only walks that count can determine.
+    The best robot is the one with the highest fitness, not the one with the highest trait.
 
     Args:
         records: Table of a run, or the run.
         name: Numeric column: ``body_length``, ``weight``, ``n_legs``, ``n_segments``, ``velocity`` …
-        ax: Axes to draw on; those of a new figure if None. Each run on the same Axes has its own colour and marker.
+        ax: Axes to draw on; if None, a new figure is created. Each run on the same Axes has its own colour and marker.
         label: Name of the run, which precedes the names of its lines in the legend.
 
     Returns:
@@ -141,7 +141,7 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
         annotate_no_data(axes, "no walk counted")
         text = f"{prefix}{trait_name}: no walk counted."
     else:
-        of_best = f", that of the best robot {describe_change(best, unit)}" if len(best) else ""
+        of_best = f", the value of the best robot {describe_change(best, unit)}" if len(best) else ""
         over = f"over {pluralize(n_generations, 'generation')}"
         text = f"{prefix}{trait_name} {over}: the median {describe_change(median, unit)}{of_best}."
     add_description(axes, title, text[0].upper() + text[1:], quantity)

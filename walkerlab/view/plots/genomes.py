@@ -28,27 +28,27 @@ from walkerlab.view.plots.style import (
 )
 from walkerlab.view.plots.tables import describe_change, require_table
 
-MAX_SAMPLE = 200  # robots that represent a larger generation, evenly spaced in the table
+MAX_SAMPLE = 200  # maximum number of robots that represent a generation, evenly spaced in the table
 DIVERSITY_LABEL = "genetic diversity"
 GENES_TITLE = "The genes of a population"
-VOID_COLOUR = "#A84300"  # of the line above the robots whose walks do not count
+VOID_COLOUR = "#A84300"  # colour of the line above the robots whose walks do not count
 POINTS_PER_INCH = 72
 
 
 @styled_plot
 def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "") -> Axes:
-    """Draw how different the genomes of each generation are: the typical distance between two robots in a gene.
+    """Draw the genetic diversity of each generation: how much two robots typically differ in one gene.
 
-    The distance between two robots in a gene is a fraction of the range of that gene in the run, from the minimum to
-    the maximum of the whole table. In a cyclic gene, it is the chord between two points on a circle, as a fraction of
+    The difference in a gene is a fraction of the range of that gene in the run, from the minimum to
+    the maximum of the whole table. For a cyclic gene, it is the chord between two points on a circle, as a fraction of
     the diameter, so that 0.01 and 6.28 rad are close. The diversity is the root mean square over all pairs of robots
-    and all genes that vary in the run: 0 if all robots are clones, some 0.4 (0.7 in cyclic genes) if genes are
-    uniformly distributed. Genes without effect are included, because children inherit them and may express them. In
-    a generation of more than 200 robots, 200 are evaluated, evenly spaced in the table.
+    and all genes that vary in the run: 0 if all robots are clones, about 0.4 (0.7 for cyclic genes) if genes are
+    uniformly distributed. Genes without effect are included, because children inherit them and may express them. If a
+    generation has more than 200 robots, 200 are compared, evenly spaced in the table.
 
     Args:
         records: Table of a run, or the run.
-        ax: Axes to draw on; those of a new figure if None. Each run on the same Axes has its own colour and marker,
+        ax: Axes to draw on; if None, a new figure is created. Each run on the same Axes has its own colour and marker,
             and uses its own ranges.
         label: Name of the run in the legend.
 
@@ -68,11 +68,11 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
         text = "No robot has walked yet."
     else:
         name = f"{label}: genetic" if label else "Genetic"
-        definition = "the typical distance between two robots in a gene, as a share of its range in the run,"
+        definition = "how much two robots typically differ in one gene, as a fraction of that gene's range in the run,"
         change = describe_change(values.round(3), "")
         text = f"{name} diversity over {pluralize(len(values), 'generation')}: {definition} {change}."
     add_description(axes, title, text, DIVERSITY_LABEL)
-    axes.set_ylabel("genetic diversity: distance between two robots\n[share of a gene's range in the run]")
+    axes.set_ylabel("genetic diversity: difference in one gene\n[fraction of the gene's range in the run]")
     axes.set_ylim(0, max(axes.get_ylim()[1], 0.1))
     format_generation_axis(axes, len(values))
     if label:
@@ -85,22 +85,21 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     """Draw all genes of a generation as a map: a row for each robot, the fittest on top; a column for each gene.
 
     The colour is the position of a value within the range of the gene in the run, from the minimum (dark) to the
-    maximum (bright) of the whole table. The range of a cyclic gene is the full turn, whose two ends are equal. Of
-    every other generation of more than 200 robots, 200 contribute to the range, evenly spaced in the table. Genes that
-    have no effect are hatched: those of segments that are not grown, and of legs that do not exist or repeat others.
-    In a column of
-    one colour, all robots have the same value.
+    maximum (bright) of the whole table. The range of a cyclic gene is the full turn, whose two ends are equal. From
+    each of the other generations, at most 200 robots, evenly spaced in the table, contribute to the range. Genes that
+    have no effect are hatched: the genes of segments that are not grown, and of legs that do not exist or repeat
+    others. In a column of one colour, all robots have the same value.
 
     Args:
         records: Table of a run, or the run.
-        ax: Axes to draw on; if None, those of a new figure whose width suits the number of genes.
+        ax: Axes to draw on; if None, a new figure is created whose width suits the number of genes.
         generation: Generation to draw; the last one if None.
 
     Returns:
         The Axes drawn on.
 
     Raises:
-        ValueError: If the table does not have this generation.
+        ValueError: If this generation is not in the table.
     """
     records = require_table(records, "individual", "fitness", "verdict", "genome")
     if records.empty:
@@ -158,7 +157,7 @@ def _mark_invalid_rows(axes: Axes, y: float) -> None:
 
 
 def _label_columns(axes: Axes, table: Genes) -> None:
-    """Write the name of each gene below its column, and that of each segment above its group of columns."""
+    """Write the name of each gene below its column, and the name of each segment above its group of columns."""
     groups = [name.rpartition(".")[0].replace("seg", "segment ") or "body" for name in table.names]
     names = [name.rpartition(".")[2].replace("_", " ") for name in table.names]
     width = 0.85 * axes.get_window_extent().width / axes.figure.dpi * POINTS_PER_INCH  # the colour bar takes the rest
@@ -198,11 +197,11 @@ def _parse_genomes(records: pd.DataFrame) -> tuple[Floats, Genes]:
     """Parse the genomes of a table; each text is parsed once, because elites repeat.
 
     Returns:
-        The genes of each row, shape (n, n_genes), and the names and kinds of the genes; these have the default ranges
-        rather than those of the run.
+        The genes of each row, shape (n, n_genes), and the names and kinds of the genes; the ranges are the defaults
+        rather than the ranges of the run.
 
     Raises:
-        ValueError: If the genomes differ in length, which those of one run do not.
+        ValueError: If the genomes differ in length (within one run they never do).
     """
     codes, texts = pd.factorize(records.genome)
     parsed = [Genome.parse(text).values for text in texts]
@@ -210,7 +209,7 @@ def _parse_genomes(records: pd.DataFrame) -> tuple[Floats, Genes]:
         raise ValueError("the genomes of this table differ in length; draw the table of one run at a time")
     values = np.array(parsed)
     n_parts = (values.shape[1] - len(BODY_FEATURES)) // len(SEGMENT_FEATURES)
-    return values[codes], build_genes(Robot(segments=(1, n_parts)))
+    return values[codes], build_genes(Robot(segments=(1, n_parts), legs=(2, 2 * n_parts)))
 
 
 def _relative_positions(values: Floats, table: Genes) -> Floats:
@@ -227,8 +226,8 @@ def _relative_positions(values: Floats, table: Genes) -> Floats:
 def _mean_square_distances(sample: Floats, values: Floats, table: Genes) -> Floats:
     """Return the mean square distance in each gene over all pairs of a sample, as a fraction of the gene's range.
 
-    It follows without enumerating the pairs: for numbers it is twice the variance; for points on a circle of diameter
-    1 it is (1 - r²) / 2 · n / (n - 1), where r is the length of the mean of the unit vectors.
+    It is computed without enumerating the pairs: for numbers it is twice the variance; for points on a circle of
+    diameter 1 it is (1 - r²) / 2 · n / (n - 1), where r is the length of the mean of the unit vectors.
 
     Args:
         sample: Genomes to compare, shape (n, n_genes).

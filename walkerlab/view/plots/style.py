@@ -22,13 +22,13 @@ from walkerlab.view.plots.appearance import REPRODUCIBLE_TEXT, StyledFigure, for
 from walkerlab.view.plots.tables import UNKNOWN_FITNESS
 
 RUN_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-"""Colours of successive runs: those of Okabe and Ito that are dark enough for a line on white."""
+"""Colours of successive runs: the colours of Okabe and Ito that are dark enough for a line on white."""
 
 RUN_MARKERS = ("o", "s", "^", "D", "v", "P")
 """Markers of successive runs, which distinguish them in black and white."""
 
-MAX_MARKERS = 25  # on one line
-MAX_LEGEND_COLUMNS = 3  # of a legend with several runs
+MAX_MARKERS = 25  # maximum number of markers on one line
+MAX_LEGEND_COLUMNS = 3  # maximum number of columns of a legend with several runs
 SECONDARY_STRENGTH = 0.65  # strength of the foreground colour of secondary text
 
 
@@ -90,8 +90,8 @@ def require_quantity(axes: Axes, quantity: str) -> None:
     hint = ""
     if UNKNOWN_FITNESS in (other, quantity):
         hint = (
-            " A table from read_csv or concat does not name its fitness function; if it has that of another run, copy "
-            "the attributes: table.attrs = run.records.attrs."
+            " A table from read_csv or concat does not name its fitness function; if it is the same as "
+            "for another run, copy the attributes: table.attrs = run.records.attrs."
         )
     raise ValueError(
         f"these Axes show {other!r} and cannot also show {quantity!r}: a vertical axis has one quantity. Draw it on "
@@ -122,7 +122,7 @@ def next_run_style(axes: Axes, title: str, number: int | None = None) -> tuple[s
     Args:
         axes: Axes to draw on.
         title: Title of the kind of plot.
-        number: Number of the style; that of the next plot with this title on the Axes if None.
+        number: Number of the style; if None, the number of the next plot with this title on the Axes.
     """
     run = count_plots(axes, title) if number is None else number
     return RUN_COLOURS[run % len(RUN_COLOURS)], RUN_MARKERS[run % len(RUN_MARKERS)]
@@ -142,7 +142,7 @@ def save(axes: Axes, *paths: str | os.PathLike[str]) -> None:
 
     Args:
         axes: Any Axes of the figure.
-        *paths: Files to write; the suffix selects the format: ``.svg``, ``.pdf``, ``.png``, or another one of
+        *paths: Files to write; the suffix selects the format: ``.svg``, ``.pdf``, ``.png``, or another format of
             matplotlib.
     """
     figure = cast(Figure, axes.get_figure(root=True))

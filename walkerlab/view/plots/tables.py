@@ -40,7 +40,7 @@ def require_table(records: Any, *columns: str) -> pd.DataFrame:
 
 
 def unit_of(records: pd.DataFrame, column: str) -> str:
-    """Return the unit of a column, "" if it has none; a table from a CSV file no longer has that of its fitness."""
+    """Return the unit of a column, "" if it has none; a table from a CSV file has lost the unit of its fitness."""
     default = RECORD_COLUMNS[column][1] if column in RECORD_COLUMNS else ""
     return str(records.attrs.get("units", {}).get(column, default))
 

@@ -14,9 +14,9 @@ from walkerlab.view.plots.bodies import DEPTH_SHIFT, BodyParts
 from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, escape_label
 from walkerlab.view.plots.tables import format_value
 
-ROW_HEIGHT = 1.35  # heights of the highest body
-COLUMN_GAP = 0.6  # widths of the longest body
-MIN_BODY_HEIGHT = 0.42  # widths of the longest body; leaves enough height for the text
+ROW_HEIGHT = 1.35  # as a multiple of the height of the highest body
+COLUMN_GAP = 0.6  # as a share of the width of the longest body
+MIN_BODY_HEIGHT = 0.42  # as a share of the width of the longest body; leaves enough height for the text
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +102,7 @@ def add_label(axes: Axes, node: TreeNode, last: int, unit: str, size: float, *, 
     Args:
         axes: Axes to draw on.
         node: Robot to label.
-        last: Last generation in which it lives, which for an elite is after its birth.
+        last: Last generation in which it lives; later than its birth for an elite.
         unit: Unit of the fitness.
         size: Font size [points].
         is_member: Whether it belongs to the line of descent.
@@ -161,7 +161,7 @@ def _add_arrow(axes: Axes, path: Path, parent: TreeNode, child: TreeNode, **styl
 
 
 def draw_omission(axes: Axes, older: TreeNode, younger: TreeNode, n: int, size: float) -> None:
-    """Draw a dashed line in place of n omitted ancestors, with their number; size is that of the text [points]."""
+    """Draw a dashed line in place of n omitted ancestors, with their number; size is the font size [points]."""
     x = younger.centre
     y = (younger.top + older.bottom) / 2
     axes.plot([x, x], [older.bottom, younger.top], ls=(0, (2, 1.5)), lw=2.2, color=RUN_COLOURS[0], zorder=0.5)

@@ -27,7 +27,7 @@ from walkerlab.view.plots.tables import format_value
 from walkerlab.world.scene import compile_scene
 
 DISTANCE_LABEL = "distance of the centre of mass [m]"
-MAX_GAIT_SECONDS = 10.0  # of a walk in a gait diagram, so that single steps remain visible
+MAX_GAIT_SECONDS = 10.0  # maximum duration in a gait diagram, so that single steps remain visible
 LINE_STYLES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (1, 1)), (0, (8, 2, 2, 2, 2, 2)))
 """Line styles of successive walks, which distinguish them in black and white."""
 N_LEGEND_COLUMNS = 3
@@ -39,7 +39,7 @@ def distance_over_time(rollout: Rollout, ax: Axes | None = None, *, label: str =
 
     Args:
         rollout: Rollout of one walk; its poses are not required.
-        ax: Axes to draw on; those of a new figure if None. Each walk on the same Axes has its own colour and dashes.
+        ax: Axes to draw on; if None, a new figure is created. Each walk on the same Axes has its own colour and dashes.
         label: Name of the walk in the legend.
 
     Returns:
@@ -50,7 +50,7 @@ def distance_over_time(rollout: Rollout, ax: Axes | None = None, *, label: str =
     """
     if not isinstance(rollout, Rollout):  # pyright: ignore[reportUnnecessaryIsInstance]
         given = type(rollout).__name__
-        raise TypeError(f"this plot needs a walk, such as wl.simulate(genome, settings) returns; got a {given}")
+        raise TypeError(f"this plot needs a walk, as returned by wl.simulate(genome, settings); got a {given}")
     axes = ax or new_axes()
     title = "Distance over time"
     require_quantity(axes, DISTANCE_LABEL)
@@ -90,12 +90,12 @@ def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Ax
 
     The number at the right of each row is the duty factor: the share of the whole walk during which the foot is on
     the ground or on an obstacle. A long walk is limited to its last ten seconds.
-    Of several starts, the poorest walk is drawn, which determines the fitness.
+    If there are several starts, the walk with the lowest fitness is drawn, because it counts.
 
     Args:
         genome: Genome, or its text.
         settings: Complete settings.
-        ax: Axes to draw on; those of a new figure if None.
+        ax: Axes to draw on; if None, a new figure is created.
 
     Returns:
         The Axes drawn on.
@@ -145,6 +145,6 @@ def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Ax
 
 
 def _row_label(foot: str) -> str:
-    """Return the label of a row; that of a left foot, which begins a pair, names the segment."""
+    """Return the label of a row; the label of a left foot, which begins a pair, names the segment."""
     side, _, number = foot.partition(" ")
     return f"segment {number}, {side}" if side == "left" else side

@@ -21,9 +21,9 @@ from walkerlab.world.heights import ground_height, slope
 from walkerlab.world.scene import ORIENTATION, POSITION, Scene
 
 MIN_MARKED_DISTANCE = 10  # m
-MARKED_BEYOND_WALKS = 5  # m of the ground ahead of the farthest walk that have marks, too
+MARKED_BEYOND_WALKS = 5  # m of ground ahead of the farthest walk that also have marks
 MAX_MARKED_DISTANCE = 200  # m
-POINT_RESOLUTION = 1e-3  # m, of cameras and centres of mass
+POINT_RESOLUTION = 1e-3  # m, resolution of cameras and centres of mass
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +161,7 @@ def _walk_meshes(walk: Walk, tracks: Tracks) -> Iterator[tuple[Any, Floats | Non
     surfaces_of: defaultdict[int, list[Surface]] = defaultdict(list)
     for surface in visible_surfaces(model, bodies=True):
         surfaces_of[surface.body].append(surface)
-    for body in range(1, model.nbody):  # without the world
+    for body in range(1, model.nbody):  # all bodies except the world
         root = model.body_rootid[body]
         members = surfaces_of[body]
         if not members or not (walk.shows_obstacles or root in walk.scene.roots):
@@ -209,5 +209,5 @@ def shadow_transforms(scene: Scene, trunk: Floats, length: float) -> Floats:
 
 
 def _match_length(track: Floats, n_times: int) -> Floats:
-    """Repeat the last row of a track that is too short, and cut one that is too long."""
+    """Repeat the last row of a track that is too short, or cut a track that is too long."""
     return track[np.minimum(np.arange(n_times), len(track) - 1)]

@@ -1,5 +1,5 @@
-// Shows the preview image of a replay, and its page with WebGL after a click, until the page is closed or replaced.
-const MAX_OPEN_PAGES = 4; // of all replays in a notebook; browsers allow some 16 WebGL contexts
+// Shows the preview image of a replay. A click opens the page with WebGL; closing or replacing the page brings the image back.
+const MAX_OPEN_PAGES = 4; // maximum number for all replays in a notebook; browsers allow about 16 WebGL contexts
 const TRIANGLE = '<svg viewBox="0 0 20 20" width="14" height="14" aria-hidden="true"><path d="M4 2 L18 10 L4 18 Z" fill="white"/></svg>';
 const PLAY = "Play in 3D", LOADING = "Loading …";
 const openPages = (globalThis.walkerlabOpenPages ??= []);
@@ -60,7 +60,7 @@ function render({ model, el }) {
     model.send({ request: "page" });
   }
 
-  function showPreview() { // the open page, if any, is of the previous replay
+  function showPreview() { // an open page, if any, belongs to the previous replay
     close();
     Object.assign(picture, { src: model.get("preview"), alt: model.get("alt") });
     box.hidden = !model.get("preview");

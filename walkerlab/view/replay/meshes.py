@@ -22,16 +22,16 @@ from walkerlab.world.scene import ORIENTATION, POSITION, Scene
 
 RGB = tuple[float, float, float]
 
-BALL_BRIGHTNESS = (1.0, 0.62)  # of the two kinds of patches on a ball, which make its rolling visible
-MAX_TEXTURE_COLOURS = 32  # few, which keeps the file small
+BALL_BRIGHTNESS = (1.0, 0.62)  # brightness of the two kinds of patches on a ball, which make its rolling visible
+MAX_TEXTURE_COLOURS = 32  # small, to keep the file small
 LIMB_LIGHTENING = 0.45  # share of white that is mixed into the colour of a racer's limbs
 ROPE_RADIUS = 0.006  # m
 ROPE_SIDES = 8
 SHADOW_OPACITY = 0.28
 SHADOW_CORNERS = 24
 GROUND_CLEARANCE = 0.004  # m between the ground and a shadow or a line on it
-LINE_OVERHANG = 0.15  # m by which a line on the ground is longer than the lanes are wide, at both ends
-LINE_POINTS = 24  # along each line, which follow the ground
+LINE_OVERHANG = 0.15  # m by which a line on the ground extends beyond the lanes, at each end
+LINE_POINTS = 24  # number of points along each line, which follow the ground
 
 
 class LineStyle(NamedTuple):
@@ -112,7 +112,7 @@ def tint_surface(surface: Surface, colour: RGB) -> Surface:
 
 
 def race_colour(natural: Floats, colour: RGB) -> Floats:
-    """Return the colour in a race of a surface with this natural RGBA colour, (4,); blue limbs become lighter."""
+    """Return the colour in a race of a surface whose natural RGBA colour, (4,), is given; blue limbs become lighter."""
     red, _, blue, alpha = natural
     white = LIMB_LIGHTENING if blue > red else 0.0
     return np.array([*(np.array(colour) * (1 - white) + white), alpha])

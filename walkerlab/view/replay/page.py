@@ -1,12 +1,12 @@
 """The replay: recorded walks as one HTML page that plays offline, in a notebook or as a file.
 
-The page is K3D's snapshot of the plot with the player (player.js), which gets the recording as JSON:
+The page is K3D's snapshot of the plot with the player (player.js), which receives the recording as JSON:
 
     meshes, walks, cameras, marks     moving meshes, facts about each walk, camera names, distance marks on the ground
     channels, resolution, duration    positions over time, encoded by ``tracks.pack_channels``
     camera                            camera at the start
 
-In a notebook a preview image is shown first. A click replaces it by the page, and closing the page brings the image
+In a notebook a preview image is shown first. A click replaces it with the page, and closing the page brings the image
 back, because browsers limit the number of WebGL contexts.
 """
 
@@ -43,7 +43,7 @@ from walkerlab.view.replay.walkers import simulate_walks
 from walkerlab.view.snapshots import LIVE_STYLE, HasSnapshot
 
 REPLAY_FOLDER = Path(__file__).parent
-PLAY_HINT = " Press to play."  # at the end of the alternative text of a preview image
+PLAY_HINT = " Press to play."  # last sentence of the alternative text of a preview image
 TRUNK_COLOUR = "#e69f00"
 
 
@@ -91,7 +91,7 @@ class Replay:
         """The complete page, as HTML."""
         animation = build_animation(list(self.walks), self._title)
         player = (REPLAY_FOLDER / "player.js").read_text(encoding="utf-8")
-        recording = json.dumps(self._recording(animation)).replace("<", "\\u003c")  # no text can close the script
+        recording = json.dumps(self._recording(animation)).replace("<", "\\u003c")  # no text can end the script
         code = f"({player.strip()})(K3DInstance, {recording});"
         page: str = animation.plot.get_snapshot(additional_js_code=code)
         animation.close()
@@ -128,7 +128,7 @@ class Replay:
         }
 
     def _walk_facts(self, walk: Walk) -> dict[str, Any]:
-        """Return what the player's list of walks says about a walk."""
+        """Return the facts about a walk in the player's list of walks."""
         rollout = walk.rollout
         body = rollout.phenotype
         is_finite = rollout.verdict != UNSTABLE
@@ -138,7 +138,7 @@ class Replay:
         ]
         name, unit = name_and_unit(self.settings.algorithm.fitness)
         if name not in ("distance", "velocity") and rollout.counts:
-            with suppress(RunFileError):  # a loaded run knows only the name of a user function
+            with suppress(RunFileError):  # a loaded run contains only the name of a user function
                 fitness = score(rollout, self.settings.algorithm.fitness)
                 facts.append((name, with_unit(fitness, unit) if rollout.counts else "does not count"))
         facts += [
@@ -162,14 +162,14 @@ def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | s
 
     Python requires no OpenGL; the browser requires WebGL 2. Several robots are shown as a race, each in its own
     colour: side by side if the ground is the same everywhere across the direction of travel, and otherwise at the same
-    place, passing through each other, because each was simulated alone. Loose obstacles are then shown as the robot
-    that came farthest moved them.
+    place, passing through each other, because each was simulated alone. Loose obstacles then follow the simulation of
+    the robot that got farthest.
 
     Args:
         walkers: Genome, its text, an individual, or a run (its champion); or several of these, as a list, or as a dict
             with labels as keys.
         settings: Settings of terrain, robot and simulation; the defaults if None.
-        camera: Camera at the start: side, front, top, chase or orbit; that of the settings if None.
+        camera: Camera at the start: side, front, top, chase or orbit; if None, the camera in the settings.
 
     Raises:
         GenomeError: If a text is not a valid genome.
@@ -187,10 +187,10 @@ def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | s
 
 
 class Frame(HasSnapshot, anywidget.AnyWidget):
-    """Widget that shows the preview image of a replay, and its page after a click, until the page is closed.
+    """Widget that shows the preview image of a replay; a click opens the page, and closing it brings the image back.
 
-    The widget of a replay contains the page from the start, so that it plays while the kernel is busy or stopped. A
-    notebook keeps every widget in memory; therefore a frame holds no references to the walks.
+    The widget of a replay contains the page from the start, so that the replay can be played even while the kernel is
+    busy or stopped. A notebook keeps every widget in memory; therefore a frame has no references to the walks.
     """
 
     title = "replay"
@@ -198,7 +198,7 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
     _css = LIVE_STYLE
     preview = traitlets.Unicode("").tag(sync=True)  # data URL of the preview image
     alt = traitlets.Unicode("").tag(sync=True)  # alternative text of the preview image
-    page = traitlets.Bytes(b"").tag(sync=True)  # page of the replay; empty until it is made
+    page = traitlets.Bytes(b"").tag(sync=True)  # page of the replay; empty until it is created
     is_open = traitlets.Bool(False).tag(sync=True)  # whether the page is displayed
 
     def __init__(self, shown: Replay | None = None) -> None:
@@ -213,10 +213,10 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
             self.preview = data_url("image/png", draw_preview(shown.walks, shown.settings))
 
     def set_replay(self, make: Callable[[], Replay], picture: str, alt: str) -> None:
-        """Show the preview image of another replay, which is made when it is first played.
+        """Show the preview image of another replay, which is created when it is first played.
 
         Args:
-            make: Function that makes the replay.
+            make: Function that creates the replay.
             picture: Data URL of its preview image.
             alt: Alternative text of the image.
         """
@@ -242,5 +242,5 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         make = self._make
         if make and message == {"request": "page"}:
             page = make().page.encode("utf-8")
-            if make is self._make:  # no other replay was offered meanwhile
+            if make is self._make:  # no other replay was set in the meantime
                 self.page = page

@@ -1,14 +1,14 @@
 // Plays recorded walks on a K3D plot. `recording` is the JSON data that page.py describes in its docstring.
 (K3D, recording) => {
   "use strict";
-  const TRANSFORM_CHANNELS = 8; // of each mesh: position, unit quaternion (w, x, y, z), scale along z
-  const CAMERA_CHANNELS = 6; // of each camera: eye, target
-  const POINT_CHANNELS = 3; // of each centre of mass
+  const TRANSFORM_CHANNELS = 8; // per mesh: position, unit quaternion (w, x, y, z), scale along z
+  const CAMERA_CHANNELS = 6; // per camera: eye, target
+  const POINT_CHANNELS = 3; // per centre of mass
   const MIN_MARK_SPACING = 28; // pixels between two marks
-  const MAX_NAME_TAGS = 8; // with more walks the tags are dots, which do not hide the robots
+  const MAX_NAME_TAGS = 8; // maximum number of tags with names; with more walks they are dots, which do not hide the robots
   const TAG_HEIGHT = 0.35; // m above the centre of mass
   const MIN_ASPECT = 4 / 3; // width over height; in a narrower window the camera moves back until all is visible
-  const MAX_FRAME_TIME = 0.2; // s by which the time advances at most in a frame, for instance after a pause of the browser
+  const MAX_FRAME_TIME = 0.2; // s; maximum advance of the time in a frame, for instance after the browser was paused
   const KEY_STEP = 0.1; // s, for the arrow keys
   const PLAY_PATH = "M5 3 L17 10 L5 17 Z", PAUSE_PATH = "M5 3 H8.5 V17 H5 Z M11.5 3 H15 V17 H11.5 Z"; // SVG; fonts may lack them
 
@@ -23,7 +23,7 @@
 
   // ---------------------------------------------------------------------------------------------------- recording
 
-  // Decodes what tracks.pack_channels has encoded.
+  // Decodes the output of tracks.pack_channels.
   function unpack(text, count) {
     const bytes = fflate.unzlibSync(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)));
     const firstValues = new Float64Array(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + 8 * count));
@@ -139,7 +139,7 @@
     make("label", { title: "Repeat the walk" }, loopBox, "loop"), cameraMenu);
 
   // Moves a label to a point of the world and returns its place on the screen. The label is hidden, and `last` returned,
-  // if the point is outside the picture or too near to `last`, the place of the label before it.
+  // if the point is outside the picture or too near to `last`, the place of the previous label.
   function placeLabel(node, [x, y, z], last = null) {
     const { x: right, y: up, z: depth } = world.camera.position.clone().set(x, y, z).project(world.camera);
     const place = [(right + 1) / 2 * target.clientWidth, (1 - up) / 2 * target.clientHeight];
@@ -225,7 +225,7 @@
   K3D.on(K3D.events.CAMERA_CHANGE, updateLabels);
   document.addEventListener("keydown", (event) => {
     const { tagName, type } = event.target;
-    const isOnControl = ["SELECT", "BUTTON", "SUMMARY"].includes(tagName) || type === "checkbox"; // which use the keys themselves
+    const isOnControl = ["SELECT", "BUTTON", "SUMMARY"].includes(tagName) || type === "checkbox"; // these use the keys themselves
     if (event.key === " " && !isOnControl) { event.preventDefault(); playButton.onclick(); }
     if (isOnControl || tagName === "INPUT") return;
     if (event.key === "ArrowLeft") { pause(); seek(state.time - KEY_STEP); }

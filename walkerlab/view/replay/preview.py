@@ -15,10 +15,10 @@ from walkerlab.view.replay.animation import Walk
 from walkerlab.view.replay.meshes import race_colour
 from walkerlab.world.geometry import surface_points, valid_poses
 
-MAX_RACERS = 8  # drawn of a race, the farthest at the top
+MAX_RACERS = 8  # maximum number of racers drawn, the farthest at the top
 PREVIEW_WIDTH = 7.2  # inches
 PREVIEW_DPI = 100  # dots per inch
-ROW_SPACING = 1.25  # of the rows of a race, over the height of the robot
+ROW_SPACING = 1.25  # distance between the rows of a race, as a multiple of the robot's height
 
 
 def draw_preview(walks: Sequence[Walk], settings: Settings) -> bytes:

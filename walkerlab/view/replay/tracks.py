@@ -11,9 +11,9 @@ from walkerlab.world.assembly import ROBOT_BODY
 from walkerlab.world.geometry import body_placements, rope_ends, valid_poses
 from walkerlab.world.scene import ORIENTATION, Scene
 
-TIME_STEP = 0.02  # s between two frames of a replay; that of the controls
+TIME_STEP = 0.02  # s between two frames of a replay, as between two servo targets
 TRANSFORM_RESOLUTION = (1e-4,) * 3 + (1 / 30000,) * 4 + (1e-4,)  # position [m], unit quaternion, length [m]
-MOTION_TOLERANCE = 5e-4  # m, or of a quaternion; a body that moves less throughout the walk is at rest
+MOTION_TOLERANCE = 5e-4  # m, or quaternion units; a body that moves less throughout the walk is at rest
 TIME_TOLERANCE = 1e-9  # s
 
 
@@ -76,10 +76,10 @@ def track_bodies(scene: Scene, rollout: Rollout) -> Tracks:
 
 
 def _align_quaternions(placed: Floats) -> None:
-    """Choose the sign of each quaternion that is nearer to the one before; both signs are the same rotation.
+    """Choose the sign of each quaternion that is closer to its predecessor; both signs mean the same rotation.
 
     Args:
-        placed: Position and orientation of each body in each pose, shape (n, nbody, 7); changed in place.
+        placed: Position and orientation of each body in each pose, shape (n, nbody, 7); modified in place.
     """
     orientations = placed[:, :, ORIENTATION]
     for i in range(1, len(placed)):

@@ -22,9 +22,9 @@ from walkerlab.world.heights import arena_bounds
 from walkerlab.world.scene import compile_scene
 
 LANE_GAP = 0.35  # m between the lanes of a race
-LIGHTNESS_FACTORS = (1.0, 0.6, 1.35)  # by which racers with the same hue differ
+LIGHTNESS_FACTORS = (1.0, 0.6, 1.35)  # lightness of racers with the same hue
 MAX_LIGHTNESS = 0.85
-MAX_NAMED_NUMBERS = 9  # in an error message
+MAX_NAMED_NUMBERS = 9  # maximum number of generations listed in an error message
 
 
 def simulate_walks(walkers: Any, settings: Settings) -> tuple[Walk, ...]:
@@ -65,7 +65,7 @@ def _labelled_genomes(walkers: Any) -> Iterable[tuple[str, Genome]]:
     """Yield each robot's label and genome; a label that occurs again gets a number."""
     if isinstance(walkers, Settings):
         raise TypeError("the first argument is the settings; the robots come first: wl.replay(genome, settings)")
-    walkers = getattr(walkers, "champion", walkers)  # of a run
+    walkers = getattr(walkers, "champion", walkers)  # the champion, if it is a run
     if hasattr(walkers, "columns"):
         Genome.of(walkers)  # raises an error that explains how to select an individual from a table
     if isinstance(walkers, Mapping):

@@ -23,8 +23,8 @@ def as_python(settings: Settings, records: pd.DataFrame | None = None) -> str:
 
     Args:
         settings: Settings of the run.
-        records: Table of the run. If given, the code evolves as many generations as the table has and inserts the same
-            genomes by hand. If None, it evolves as many generations as the settings say.
+        records: Table of the run. If given, the code evolves as many generations as the table contains and inserts the
+            same genomes by hand. If None, it evolves the number of generations in the settings.
     """
     inserted: dict[int, list[str]] = {}
     if records is not None and not records.empty:

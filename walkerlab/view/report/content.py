@@ -1,4 +1,4 @@
-"""The texts, numbers and tables of a report, as its template shows them."""
+"""The texts, numbers and tables of a report, as shown by its template."""
 
 import re
 from contextlib import suppress
@@ -87,7 +87,7 @@ def generation_cells(run: Subject) -> Cells:
 
 
 def descent_cells(run: Subject) -> Cells:
-    """Return number, generation, fitness and operators of the champion's ancestors; some are summarised in a row."""
+    """Return number, generation, fitness and operators of the champion's ancestors; one row counts omitted ones."""
     return [
         ["…", f"{n_skipped} more", "", ""] if n_skipped else [birth.individual, birth.born, fitness, birth.operators]
         for birth, fitness, n_skipped in summary.format_descent(run.records, run.champion.individual)
@@ -95,9 +95,9 @@ def descent_cells(run: Subject) -> Cells:
 
 
 def _confirmation_table(run: Subject) -> Markup | None:
-    """Return how much of the champion's fitness remains when it walks again; None if its fitness is not known."""
+    """Return how much of the champion's fitness remains when it is simulated again; None if its fitness is unknown."""
     if run.champion.verdict != "ok":
         return None
-    with suppress(RunFileError):  # a loaded run knows only the name of a user function
+    with suppress(RunFileError):  # a loaded run contains only the name of a user function
         return confirm(run.champion.genome, run.settings).table()
     return None

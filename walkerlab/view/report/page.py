@@ -37,8 +37,7 @@ def save_report(
         settings: Settings of the run.
         records: Table of the run.
         folder: Folder to write to; created if it does not exist.
-        path: Run file, which contains the versions that the run was made with; the current versions are reported if
-            None.
+        path: Run file, from which the versions are reported; if None, the current versions are reported.
         files: Whether to write the folders of pictures and tables; the page does not depend on them.
 
     Returns:
@@ -46,7 +45,7 @@ def save_report(
 
     Raises:
         ValueError: If no generation is done yet.
-        OSError: If a file cannot be made; the others are made nevertheless (see ``replacing_files``).
+        OSError: If a file cannot be created; the others still are (see ``replacing_files``).
     """
     folder = folder_path(folder)
     find_champion(records)  # raises ValueError before any file is touched
@@ -58,7 +57,7 @@ def save_report(
 def write_report(
     new: NewFiles, settings: Settings, records: pd.DataFrame, path: Path | None = None, *, files: bool = True
 ) -> None:
-    """Write the report as part of a set of new files; the other arguments are those of ``save_report``."""
+    """Write the report as part of a set of new files; for the other arguments see ``save_report``."""
     with new.write_part(RECORDS_FILE):
         _write_csv(_escape_formulas(records), new.folder / RECORDS_FILE)
     if files:
@@ -104,7 +103,7 @@ def _escape_formulas(records: pd.DataFrame) -> pd.DataFrame:
 
 
 def _versions(path: Path | None) -> dict[str, str]:
-    """Return the versions that the run was made with, from its run file, or else those of this machine."""
+    """Return the versions recorded in the run file, or the versions on this machine if there is no run file."""
     if path and path.exists():
         identity, versions = store.read_facts(path)
         return versions | identity

@@ -21,16 +21,16 @@ from walkerlab.view.snapshots import image_html
 
 FORMATS = ("svg", "pdf", "png")
 FOLDER = "pictures"
-MAX_SVG_SIZE = 400_000  # characters; a larger picture is shown on the page as PNG
+MAX_SVG_SIZE = 400_000  # characters; a picture with a larger SVG is shown on the page as PNG
 
-# Sizes of pictures in inches: half the width of the page, or all of it and of a certain height.
+# Sizes of pictures in inches: half the width of the page, or its full width with a given height.
 HALF_WIDTH = (5.2, 3.3)
 LOW = (8.0, 2.3)
 MEDIUM = (8.0, 3.2)
 HIGH = (8.0, 4.0)
 VERY_HIGH = (8.0, 5.6)
 
-FAMILY_MARGIN = 1.2  # inches of the height of the family tree that do not depend on the ancestors
+FAMILY_MARGIN = 1.2  # inches; part of the family tree's height that does not depend on the ancestors
 INCHES_PER_ANCESTOR = 0.75
 MAX_ANCESTOR_ROWS = 12
 
@@ -72,7 +72,7 @@ class Picture:
         explanation: How to read it.
         size: Width and height [inches].
         draw: Function that draws it on an Axes.
-        height: Function that computes the height [inches] from the run; if None, the height is that of ``size``.
+        height: Function that computes the height [inches] from the run; if None, the height in ``size`` is used.
     """
 
     name: str
@@ -136,7 +136,7 @@ PICTURES = (
     ),
     _trait("weight", "Weight", "If it stays at one of the limits in the settings, that limit determines the weight."),
     _trait("body_length", "Body length", "Long bodies take longer steps, but bend and topple more easily."),
-    _trait("n_segments", "Segments", "Where the band of the middle half is a line, all these robots have as many."),
+    _trait("n_segments", "Segments", "Where the band of the middle half is a line, these robots have the same number."),
     _trait("n_legs", "Legs", "Legs come in pairs; a segment may have none."),
     Picture(
         "body",

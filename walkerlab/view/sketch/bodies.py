@@ -14,7 +14,7 @@ from walkerlab.view.sketch.svg import TEXT_COLOUR, draw_path, write_image
 from walkerlab.world.geometry import surface_points
 from walkerlab.world.scene import scene_of
 
-BODY_MARGIN = 0.06  # on all sides, as a share of the drawing's width
+BODY_MARGIN = 0.06  # margin on all sides, as a share of the drawing's width
 MAX_CACHED_DRAWINGS = 512
 
 

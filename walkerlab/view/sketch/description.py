@@ -11,7 +11,7 @@ from walkerlab.settings.terrain import PLANET_GRAVITY, Terrain
 from walkerlab.settings.values import pluralize
 from walkerlab.world.heights import LANDING_LENGTH
 
-MIN_DIRECTION_SHARE = 0.1  # of a vector's length; smaller components are left out of its description
+MIN_DIRECTION_SHARE = 0.1  # share of a vector's length; smaller components are left out of its description
 
 _PLANET_NAMES = {"earth": "the earth", "moon": "the moon", "mars": "Mars", "jupiter": "Jupiter"}
 _DIRECTIONS = (("forward", "backward"), ("to the left", "to the right"), ("up", "down"))

@@ -16,10 +16,10 @@ from walkerlab.world.entities.scenery import GROUND_PATTERNS
 from walkerlab.world.heights import ARENA_LENGTH, CELLS_PER_HILL, LANDING_LENGTH, TRENCH_DEPTH, gap_ranges
 from walkerlab.world.materials import MATERIALS
 
-MAX_HILL_COLUMNS = 44  # of faces along the visible ground
-MAX_HILL_ROWS = 12  # of faces from near to far
+MAX_HILL_COLUMNS = 44  # maximum number of faces along the visible ground
+MAX_HILL_ROWS = 12  # maximum number of faces from near to far
 EPSILON = 1e-6  # m; to either side of an edge, and between items at the same depth
-MAX_SPECKLES = 1500  # on ground that is completely speckled
+MAX_SPECKLES = 1500  # number on ground that is completely speckled
 BLACK = (0.0, 0.0, 0.0)
 
 

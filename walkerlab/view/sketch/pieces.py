@@ -21,7 +21,7 @@ from walkerlab.world.geometry import N_AROUND, UNIT_BALL, UNIT_CUBE, UNIT_RING, 
 from walkerlab.world.materials import MATERIALS
 from walkerlab.world.placement import PIECE_HEIGHT, compute_layout
 
-N_SHADES = 3  # of the colour of texture pieces
+N_SHADES = 3  # shades of the colour of texture pieces
 N_DEPTH_BANDS = 12  # pieces in one band are drawn as one item
 VIEW_MARGIN = 1.0  # m beyond the visible ground, to draw obstacles that are partly visible
 
@@ -81,7 +81,7 @@ def draw_shadow(terrain: Terrain, points: Floats, window: Window) -> Element:
 
     Args:
         terrain: Terrain on which the shadow falls.
-        points: Points of which the body is the convex hull [m], shape (k, 3).
+        points: Points [m] whose convex hull is the body, shape (k, 3).
         window: Visible section of the world.
     """
     shadow = window.projection.project(ground_points(terrain, points[:, 0], points[:, 1]))
@@ -98,9 +98,9 @@ def _is_visible(points: Floats, window: Window) -> NDArray[np.bool_]:
 
 
 def _unit_corners(kind: Obstacle, number: int) -> Floats:
-    """Return the corners (k, 3) of an obstacle of size 1 about its centre; of round ones, points on the surface.
+    """Return the corners (k, 3) of an obstacle of size 1 about its centre; for round obstacles, points on the surface.
 
-    The points of a cylinder or log are those of one end, then those of the other.
+    The points of a cylinder or log are the points of one end, then of the other.
     """
     match kind:
         case Obstacle.box:

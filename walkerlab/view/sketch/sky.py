@@ -13,12 +13,12 @@ from walkerlab.view.sketch.svg import blend, draw_dashes, draw_path, draw_text, 
 from walkerlab.view.sketch.window import Window
 from walkerlab.world.entities.scenery import find_sky
 
-N_SKY_BANDS = 30  # from the zenith to the horizon
+N_SKY_BANDS = 30  # number of bands from the zenith to the horizon
 N_STARS = 70
 FORCE_ROW_HEIGHT = 34  # pixels for an arrow and its label
 MAX_ARROW_LENGTH = 22.0  # pixels
-FULL_ARROW_STRENGTH = {"gravity": 10.0, "wind": 12.0}  # m/s², m/s; from here on, arrows have their full length
-DARK_SKY_BRIGHTNESS = 0.2  # below, labels are white
+FULL_ARROW_STRENGTH = {"gravity": 10.0, "wind": 12.0}  # m/s², m/s; strengths from which arrows have their full length
+DARK_SKY_BRIGHTNESS = 0.2  # brightness below which labels are white
 
 
 def draw_sky(terrain: Terrain, window: Window) -> Element:

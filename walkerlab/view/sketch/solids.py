@@ -1,4 +1,4 @@
-"""Drawings of solid bodies: each an area of one colour with a thin edge; of a box, its visible faces."""
+"""Drawings of solid bodies: each an area of one colour with a thin edge; for a box, its visible faces."""
 
 from collections.abc import Sequence
 from typing import Any

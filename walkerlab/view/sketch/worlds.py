@@ -28,9 +28,9 @@ from walkerlab.world.scene import Scene, scene_of
 SCALE_HEIGHT = 22.0  # pixels below the picture, for the distance scale
 TICK_SPACINGS = (0.1, 0.2, 0.5, 1, 2, 5, 10)  # m
 MIN_TICK_SPACING = 90  # pixels
-MARGIN_BEHIND = 0.25  # m behind the robot or its sledge
-MARGIN_ABOVE = 0.2  # m above the robot
-MIN_SECTION_HEIGHT = 0.3  # m of the ground's section at its lowest visible point
+MARGIN_BEHIND = 0.25  # m of ground behind the robot or its sledge
+MARGIN_ABOVE = 0.2  # m of picture above the robot
+MIN_SECTION_HEIGHT = 0.3  # m; height of the ground's section at its lowest visible point
 LENGTHS_AHEAD = 2.4  # visible distance ahead of the start, in lengths of the longest robot
 NEAR_SHARE = 0.13  # distance of the ground's near edge from y = 0, as a share of the visible width
 FAR_SHARE = 0.35  # distance of the ground's far edge from y = 0, as a share of the visible width

@@ -7,7 +7,7 @@ from dm_control import composer, mjcf
 from walkerlab.world.materials import TRANSPARENT
 
 PACK_DENSITY = 400.0  # kg/m³
-CARGO_DENSITY = 600.0  # kg/m³, of the box on the sledge
+CARGO_DENSITY = 600.0  # kg/m³, density of the box on the sledge
 RUNNER_RADIUS = 0.02  # m
 PACK_COLOUR = (0.60, 0.20, 0.15, 1)
 SLEDGE_COLOUR = (0.45, 0.30, 0.18, 1)

@@ -18,7 +18,7 @@ OBSTACLE_DENSITIES = {
     Obstacle.rock: 2000,
     Obstacle.log: 500,
 }
-"""In kg/m³: those of a crate, a beach ball, a tin, a stone, dry wood."""
+"""Density [kg/m³] of a crate, a beach ball, a tin, a stone, dry wood."""
 
 OBSTACLE_COLOURS: dict[Obstacle, RGB] = {
     Obstacle.box: (0.72, 0.53, 0.30),
@@ -61,7 +61,7 @@ def body_axes(normal: Floats, angle: float) -> Floats:
 
 
 def _obstacle_geom(root: Any, kind: Obstacle, number: int, size: float) -> dict[str, Any]:
-    """Return the geom attributes of an obstacle of a size [m], and the height of its centre over the ground [m]."""
+    """Return the geom attributes of an obstacle of this size [m], and the height of its centre over the ground [m]."""
     half = size / 2
     match kind:
         case Obstacle.ball:

@@ -17,7 +17,7 @@ from walkerlab.world.materials import MATERIALS, RGB
 
 @dataclass(frozen=True)
 class Pattern:
-    """Appearance of a ground.
+    """Appearance of the ground.
 
     Attributes:
         pixels: Width and height of the texture image, which covers two by two squares; few pixels give coarse speckles.
@@ -73,12 +73,12 @@ SKIES = {
 }
 """Skies of the moon, Mars, the earth and Jupiter, each by the greatest gravity [m/s²] for which it is used."""
 
-SUN_DIRECTION = (-0.36, 0.64, -0.68)  # of its light: onto the sides that cameras see, and not onto the risers of stairs
+SUN_DIRECTION = (-0.36, 0.64, -0.68)  # sunlight falls onto the sides that cameras see
 WINDSOCK_POSITIONS = (3.0, 7.0, 11.0)  # m along the way
 MAST_HEIGHT = 1.3  # m
 SOCK_LENGTH = 0.9  # m
 SOCK_RINGS = 5
-FULL_WIND = 12.0  # m/s, at which a windsock is horizontal
+FULL_WIND = 12.0  # m/s; wind speed at which a windsock is horizontal
 SOCK_COLOURS = ((0.84, 0.25, 0.12, 1), (0.97, 0.96, 0.93, 1))
 MAST_COLOUR = (0.75, 0.77, 0.79, 1)
 LABEL_COLOUR = (0.95, 0.92, 0.83, 1)
@@ -169,7 +169,7 @@ def _darken_gaps(root: Any) -> None:
 
 
 def _add_windsock(root: Any, terrain: Terrain, x: float) -> None:
-    """Add a striped windsock beside the way; the stronger the wind, the less it droops."""
+    """Add a striped windsock beside the way; it droops less in stronger wind."""
     y = PLACEMENT_AREA[1] / 2 + 0.2
     foot = np.array([x, y, float(ground_height(terrain, np.array([x]), np.array([y]))[0])])
     top = foot + np.array([0, 0, MAST_HEIGHT])

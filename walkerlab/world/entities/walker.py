@@ -1,7 +1,7 @@
 """The walker: a chain of segments, some with a pair of two-joint legs, built from a body plan.
 
-A body plan states only which segments have legs. All sizes here are nominal: ``assembly`` writes those of each
-individual into the finished model, so that one model serves all robots of a body plan.
+A body plan states only which segments have legs. All sizes here are nominal: ``assembly`` writes each individual's
+sizes into the finished model, so that one model serves all robots of a body plan.
 """
 
 from dm_control import composer, mjcf
@@ -13,7 +13,7 @@ BodyPlan = tuple[bool, ...]
 
 SIDES = ("left", "right")
 TRUNK_COLOUR = (0.90, 0.62, 0.00, 1)
-LEG_COLOURS = {"left": (0.00, 0.45, 0.70, 1), "right": (0.34, 0.71, 0.91, 1)}  # in side view the right one is nearer
+LEG_COLOURS = {"left": (0.00, 0.45, 0.70, 1), "right": (0.34, 0.71, 0.91, 1)}  # in side view the right leg is nearer
 
 
 class Walker(composer.Entity):
