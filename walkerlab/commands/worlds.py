@@ -25,10 +25,11 @@ from walkerlab.world.scene import POSITION, Scene, compile_scene
 
 WALKER_GENOME = (
     "wl2 segments=3"
-    + " | seg length=0.26 mass=2 legs own length=0.42 force=14"
-    + 2 * " | seg length=0.26 mass=2 legs repeat length=0.42 force=14"
-    + " | gait frequency=1.2 lag=3.14 duty=0.5"
-    + 3 * " | step hip amplitude=0.3 phase=0 offset=0.35 knee amplitude=0.3 phase=1.2 offset=-0.7 stride=3.14"
+    + 3 * " | seg length=0.26 mass=2 legs own length=0.42 force=14"
+    + " | gait frequency=1.2 lag=0 duty=0.5"
+    + " | step hip amplitude=0.3 phase=0 offset=0.35 knee amplitude=0.3 phase=1.2 offset=-0.7 stride=3.14"
+    + " | step hip amplitude=0.3 phase=3.14 offset=0.35 knee amplitude=0.3 phase=1.2 offset=-0.7 stride=3.14"
+    + " | step hip amplitude=0.3 phase=0 offset=0.35 knee amplitude=0.3 phase=1.2 offset=-0.7 stride=3.14"
 )
 TILE_SIZE = (480, 320)  # pixels, width and height
 START_SHIFT = 2.8  # m by which the robot is moved forward
