@@ -67,7 +67,7 @@ def test_a_number_out_of_range_is_reported_with_field_value_unit_range_and_meani
             message = error_message(domain, **{name: value})
             assert message.startswith(f"{domain.__name__}.{name}")
             assert f" is {bad}{' ' * bool(declared.unit)}{declared.unit}; it must be " in message
-            low, high = re.search(r"must be (-?\d+(?:\.\d+)?) to (\d+(?:\.\d+)?)", message).groups()
+            low, high = re.search(r"must be between (-?\d+(?:\.\d+)?) and (\d+(?:\.\d+)?)", message).groups()
             assert (float(low), float(high)) == pytest.approx((declared.low, declared.high), rel=1e-9)
             assert message.endswith(f" It is {declared.about}.")
 
