@@ -3,7 +3,6 @@
 The public functions at the end keep the names of the design of 2017.
 """
 
-import inspect
 from collections.abc import Callable, Iterable
 from functools import partial
 from types import ModuleType
@@ -19,6 +18,7 @@ from walkerlab.ga.genes import Floats, Genes, Indices
 from walkerlab.ga.operators import Operators, cross_in_turn, mutate_in_turn, select_in_turn
 from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
 from walkerlab.ga.selection import require_finite
+from walkerlab.ga.slots import unbound_keywords
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.repair import repair
@@ -65,22 +65,13 @@ def resolve_operators(algorithm: Algorithm) -> Operators:
         return getattr(OPERATOR_MODULES[type(operator)], operator.name) if isinstance(operator, Choice) else operator
 
     def bind_settings(mutate: Operator) -> Operator:
-        keywords = _unbound_keywords(mutate)
+        keywords = unbound_keywords(mutate)
         values = {name: value for name, value in mutation_settings.items() if name in keywords}
         return partial(mutate, **values) if values else mutate
 
     slots = (algorithm.selection, algorithm.crossover, algorithm.mutation)
     select, cross, mutate = (tuple(map(resolve, slot_entries(slot))) for slot in slots)
     return Operators(select=select, cross=cross, mutate=tuple(map(bind_settings, mutate)))
-
-
-def _unbound_keywords(operator: Operator) -> set[str]:
-    """Return the parameters of an operator that are not bound by name; empty if it has no signature."""
-    try:
-        parameters = inspect.signature(operator).parameters
-    except (TypeError, ValueError):  # reported by the check of user operators
-        return set()
-    return parameters.keys() - (operator.keywords if isinstance(operator, partial) else {})
 
 
 def slot_entries(slot: Any) -> tuple[Choice | Operator, ...]:
@@ -133,7 +124,7 @@ def check_user_operators(algorithm: Algorithm, genes: Genes) -> None:
     """
     resolved = resolve_operators(algorithm)
     slots: tuple[tuple[Any, tuple[Operator, ...], Callable[[Operator], None]], ...] = (
-        (algorithm.selection, resolved.select, lambda select: checks.check_select(select)),
+        (algorithm.selection, resolved.select, lambda select: checks.check_select(select, genes)),
         (algorithm.crossover, resolved.cross, lambda cross: checks.check_cross(cross, genes)),
         (algorithm.mutation, resolved.mutate, lambda mutate: checks.check_mutate(mutate, genes)),
     )
@@ -177,7 +168,14 @@ def generate_robot_population(robot: Robot, size: int, *, seed: int) -> Floats:
     )
 
 
-def select_from_population(fitness: ArrayLike, n_parents: int, algorithm: Algorithm, *, generation: int) -> Indices:
+def select_from_population(
+    fitness: ArrayLike,
+    n_parents: int,
+    algorithm: Algorithm,
+    *,
+    generation: int,
+    genomes: Individuals | None = None,
+) -> Indices:
     """Select parents with the selections of an algorithm.
 
     Args:
@@ -185,12 +183,14 @@ def select_from_population(fitness: ArrayLike, n_parents: int, algorithm: Algori
         n_parents: Number of parents to select.
         algorithm: Settings of the algorithm.
         generation: Number of the generation that is created, which determines the random numbers.
+        genomes: Genome of each individual, all of the same length; required by selections with a keyword ``genomes``.
 
     Returns:
         Indices into ``fitness``, shape (n_parents,).
 
     Raises:
-        ValueError: If ``fitness`` is empty or not a row of numbers, or one is NaN or +inf.
+        ValueError: If ``fitness`` is empty or not a row of numbers, one is NaN or +inf, or there is not one genome for
+            each.
     """
     select = resolve_operators(algorithm).select
     values = _as_fitness(fitness)
@@ -198,7 +198,18 @@ def select_from_population(fitness: ArrayLike, n_parents: int, algorithm: Algori
         raise ValueError("fitness is empty; it must have a number for each individual to select from")
     require_count(n_parents, "n_parents", "the number of parents to select")
     require_count(generation, "generation", GENERATION_MEANING, low=0)
-    return select_in_turn(select, values, n_parents, seed=algorithm.seed, generation=generation)
+    table = None if genomes is None else np.array([genome.values for genome in read_genomes(genomes)])
+    if table is not None and len(table) != len(values):
+        raise ValueError(f"genomes must have one genome for each fitness, {len(values)}; got {len(table)}")
+    return select_in_turn(
+        select,
+        values,
+        n_parents,
+        seed=algorithm.seed,
+        generation=generation,
+        generations=algorithm.generations,
+        genomes=table,
+    )
 
 
 def crossover_population(
@@ -236,7 +247,14 @@ def crossover_population(
     comparable = fitness_for_comparison(fitness)
     require_finite(comparable)
     return cross_in_turn(
-        cross, genomes, comparable, n_children, genes=genes, seed=algorithm.seed, generation=generation
+        cross,
+        genomes,
+        comparable,
+        n_children,
+        genes=genes,
+        seed=algorithm.seed,
+        generation=generation,
+        generations=algorithm.generations,
     )
 
 
@@ -256,7 +274,10 @@ def mutate_population(genomes: Individuals, robot: Robot, algorithm: Algorithm, 
     genes = build_genes(robot)
     table = _as_table(genomes, robot)
     require_count(generation, "generation", GENERATION_MEANING, low=0)
-    return repair(mutate_in_turn(mutate, table, genes, seed=algorithm.seed, generation=generation), robot)
+    mutated = mutate_in_turn(
+        mutate, table, genes, seed=algorithm.seed, generation=generation, generations=algorithm.generations
+    )
+    return repair(mutated, robot)
 
 
 def _as_fitness(given: ArrayLike) -> Floats:

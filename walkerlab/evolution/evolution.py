@@ -250,6 +250,7 @@ class Evolution(RunProperties):
                 repair=partial(repair, robot=robot),
                 n_elites=algorithm.n_elites,
                 seed=algorithm.seed,
+                generations=algorithm.generations,
                 inserted=np.array([genome.values for genome in inserted]) if inserted else None,
             )
 
