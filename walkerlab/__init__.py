@@ -34,7 +34,9 @@ _PUBLIC_NAMES = {
     "simulation.robustness": ("Confirmation", "confirm"),
     "world.entities": ("generate_robot", "generate_terrain"),
     "simulation.evaluation": ("Evaluation", "evaluate", "evaluate_population"),
-    "evolution.evolution": ("Evolution", "Generation"),
+    "evolution.evolution": ("Evolution",),
+    "evolution.generation": ("Generation",),
+    "evolution.stopping": ("Stop",),
     "evolution.loading": ("load", "rescue"),
     "evolution.run": ("Run",),
     "evolution.running": ("evolve", "resume"),
@@ -74,12 +76,13 @@ if TYPE_CHECKING:
     from walkerlab.breeding import mutate_population as mutate_population
     from walkerlab.breeding import select_from_population as select_from_population
     from walkerlab.evolution.evolution import Evolution as Evolution
-    from walkerlab.evolution.evolution import Generation as Generation
+    from walkerlab.evolution.generation import Generation as Generation
     from walkerlab.evolution.loading import load as load
     from walkerlab.evolution.loading import rescue as rescue
     from walkerlab.evolution.run import Run as Run
     from walkerlab.evolution.running import evolve as evolve
     from walkerlab.evolution.running import resume as resume
+    from walkerlab.evolution.stopping import Stop as Stop
     from walkerlab.ga.crossover import Children as Children
     from walkerlab.ga.user_functions import OperatorError as OperatorError
     from walkerlab.genome.features import gene_table as gene_table

@@ -16,7 +16,7 @@ from walkerlab.ga import checks, crossover, mutation, selection
 from walkerlab.ga.crossover import Children
 from walkerlab.ga.genes import Floats, Genes, Indices
 from walkerlab.ga.operators import Operators, cross_in_turn, mutate_in_turn, select_in_turn
-from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
+from walkerlab.ga.population import fitness_for_comparison
 from walkerlab.ga.selection import require_finite
 from walkerlab.ga.slots import unbound_keywords
 from walkerlab.genome.features import build_genes
@@ -28,10 +28,6 @@ from walkerlab.settings.arguments import require_algorithm, require_count
 from walkerlab.settings.choices import Choice, Crossover, Mutation, Selection
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.values import function_name, short_repr
-from walkerlab.text.numbers import format_significant
-
-MIN_LEAD = 0.05  # of the best fitness over the median, as a share of the larger of their absolute values
-MIN_COUNTED = 8  # individuals; with fewer, the median can be close to the best by coincidence
 
 GENERATION_MEANING = "the number of the generation that is created"
 
@@ -84,35 +80,6 @@ def describe_operators(algorithm: Algorithm) -> str:
     return " > ".join(
         "+".join(entry.name if isinstance(entry, Choice) else function_name(entry) for entry in slot_entries(slot))
         for slot in (algorithm.selection, algorithm.crossover, algorithm.mutation)
-    )
-
-
-def explain_lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
-    """Explain why ``gradient`` hardly prefers the best of a generation, and how to fix it; "" if it does prefer it.
-
-    The measure is ``selection_pressure``: the pressure is lost below ``MIN_PRESSURE`` if the best fitness exceeds the
-    median by ``MIN_LEAD`` or more. With a smaller lead the population has converged, and there is nothing to fix.
-
-    Args:
-        fitness: Fitness of each individual of a generation, shape (n,).
-        algorithm: Settings of the algorithm.
-
-    Returns:
-        Explanation, or "".
-    """
-    counted = fitness[fitness != NOT_COUNTED]
-    if resolve_operators(algorithm).select[0] is not selection.gradient or len(counted) < MIN_COUNTED:
-        return ""
-    worst, median, best = np.quantile(counted, [0, 0.5, 1])
-    pressure = selection.selection_pressure(selection.gradient_probabilities(counted))
-    if pressure >= selection.MIN_PRESSURE or best - median < MIN_LEAD * max(abs(best), abs(median)):
-        return ""
-    return (
-        f"the lowest fitness, {format_significant(worst)}, is so far below the others that gradient selection hardly "
-        f"prefers the best robot: its fitness is {format_significant(best)} and the median "
-        f"{format_significant(median)}, yet "
-        f"it is selected only {pressure - 1:.2%} more often than the median robot. Select by order instead, with "
-        'settings.with_(selection="rank"), or limit the fitness from below.'
     )
 
 

@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 import walkerlab as wl
-from walkerlab.breeding import explain_lost_pressure
+from walkerlab.evolution.lost_pressure import explain_lost_pressure
 from walkerlab.ga import crossover, mutation, selection
 from walkerlab.runfile import provenance, store
 from walkerlab.settings.choices import Crossover, Fitness, Mutation, Selection

@@ -14,6 +14,7 @@ from walkerlab.text.escape import printable
 
 if TYPE_CHECKING:
     from walkerlab.evolution.run import Run
+    from walkerlab.evolution.stopping import Stop
 
 
 def evolve_command(arguments: argparse.Namespace) -> int:
@@ -27,6 +28,7 @@ def evolve_command(arguments: argparse.Namespace) -> int:
         from walkerlab.view import summary
 
     settings = flags.build_settings(vars(arguments), arguments.unknown_words)
+    stop = _build_stop(arguments)
     path = folder_path(arguments.out, "--out") / RUN_FILE
     if path.exists():
         raise RunFileError(
@@ -39,7 +41,7 @@ def evolve_command(arguments: argparse.Namespace) -> int:
     with interrupts_held():
         from walkerlab.evolution import running  # imports mujoco
     try:
-        run = running.evolve(settings, path, progress=not arguments.quiet)
+        run = running.evolve(settings, path, progress=not arguments.quiet, stop=stop)
     except KeyboardInterrupt:
         if not path.exists() or not (run := load(path)).n_generations:
             raise
@@ -55,6 +57,7 @@ def resume_command(arguments: argparse.Namespace) -> int:
         from walkerlab.simulation.workers import n_cores
         from walkerlab.view import summary
 
+    stop = _build_stop(arguments)
     run = restore_user_functions(load(arguments.path), {})
     done = run.n_generations
     wanted = arguments.generations
@@ -69,9 +72,21 @@ def resume_command(arguments: argparse.Namespace) -> int:
         print(summary.describe_start(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
     with interrupts_held():
         from walkerlab.evolution import running
-    return _finish(
-        running.resume(arguments.path, arguments.generations, progress=not arguments.quiet), quiet=arguments.quiet
-    )
+    run = running.resume(arguments.path, arguments.generations, progress=not arguments.quiet, stop=stop)
+    return _finish(run, quiet=arguments.quiet)
+
+
+def _build_stop(arguments: argparse.Namespace) -> Stop | None:
+    """Return the conditions under which the run stops, from the flags; None without any.
+
+    Raises:
+        StopError: If a value is not allowed.
+    """
+    from walkerlab.commands import flags
+    from walkerlab.evolution.stopping import Stop
+
+    conditions = flags.stop_conditions(vars(arguments))
+    return Stop(**conditions) if conditions else None
 
 
 def _resume_words(run: Run) -> str:
@@ -99,7 +114,7 @@ def _finish(run: Run, *, quiet: bool) -> int:
     folder = run.path.parent
     wanted = run.settings.algorithm.generations
     is_stopped = run.n_generations < wanted
-    if is_stopped:
+    if is_stopped and not (quiet and run.stop_reason):
         print(f"\n{_describe_stopped_run(run)}", file=sys.stderr if quiet else sys.stdout)
     if not quiet:
         print()
@@ -119,7 +134,7 @@ def _finish(run: Run, *, quiet: bool) -> int:
         }
         width = max(map(len, next_steps))
         print("\n".join(f"  walkerlab {words:{width}}   {about}" for words, about in next_steps.items()))
-    return EXIT_INTERRUPTED if is_stopped else 0
+    return EXIT_INTERRUPTED if is_stopped and not run.stop_reason else 0
 
 
 def _write_outputs(run: Run) -> None:
@@ -138,7 +153,7 @@ def _write_outputs(run: Run) -> None:
 def show_command(arguments: argparse.Namespace) -> int:
     """Print a summary of a run; return the exit code."""
     from walkerlab.evolution.loading import load
-    from walkerlab.runfile import paths, store
+    from walkerlab.runfile import paths, provenance, store
     from walkerlab.view import summary
 
     run = load(arguments.path)
@@ -147,6 +162,9 @@ def show_command(arguments: argparse.Namespace) -> int:
     records = run.records
     print_safely(f"{display_path(path)}: {run.n_generations} of {run.settings.algorithm.generations} generations")
     run_facts, versions = store.read_facts(path)
+    versions.pop(provenance.STOPPED, None)
+    if run.stop_reason:
+        print_safely(f"stopped because {run.stop_reason}")
     for title, facts in (("it has", run_facts), ("made with", versions)):
         if not facts:
             continue  # a run without generations
@@ -205,4 +223,6 @@ def _describe_stopped_run(run: Run) -> str:
     progress = f"after {done} of {wanted} generations, which are saved"
     if not done:
         progress = "before the first generation was complete; the settings are saved"
+    if run.stop_reason:
+        progress += f", because {run.stop_reason}"
     return f"Stopped {progress}.\nResume with: walkerlab resume {_run_path(run)}"

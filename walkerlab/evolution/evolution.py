@@ -1,9 +1,9 @@
 """Evolve one generation at a time: breed it, let it walk, store it."""
 
+import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -14,14 +14,16 @@ import pandas as pd
 from walkerlab.breeding import (
     check_user_operators,
     describe_operators,
-    explain_lost_pressure,
     generate_robot_population,
     resolve_operators,
 )
+from walkerlab.evolution.generation import Generation
 from walkerlab.evolution.insertion import InsertedGenomes
 from walkerlab.evolution.interruption import save_after
+from walkerlab.evolution.lost_pressure import explain_lost_pressure
 from walkerlab.evolution.rerating import Recorded, confirm_ratings, function_facts
 from walkerlab.evolution.run import Run, RunProperties
+from walkerlab.evolution.stopping import Improvement, Stop, find_stop_reason, require_stop
 from walkerlab.evolution.stored_functions import check_storable
 from walkerlab.ga.genes import Floats
 from walkerlab.ga.loop import first_population, next_population
@@ -33,7 +35,7 @@ from walkerlab.genome.repair import repair
 from walkerlab.runfile import paths, provenance, records
 from walkerlab.runfile.archive import Archive
 from walkerlab.runfile.opening import DamagedError
-from walkerlab.runfile.records import EvaluationRow, Individual
+from walkerlab.runfile.records import EvaluationRow
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import code_text, did_you_mean
@@ -43,28 +45,6 @@ from walkerlab.simulation.pausable import Stopped
 from walkerlab.simulation.validity import REJECTED
 from walkerlab.system.interrupts import interrupts_held
 from walkerlab.system.time_limit import effective_limit
-
-
-@dataclass(frozen=True, eq=False)
-class Generation:
-    """One evaluated generation.
-
-    Attributes:
-        number: Number of the generation; 0 is the random one.
-    """
-
-    number: int
-    _table: pd.DataFrame
-
-    @property
-    def records(self) -> pd.DataFrame:
-        """Copy of the rows of this generation in the tidy table."""
-        return records.copy_table(self._table)
-
-    @property
-    def champion(self) -> Individual:
-        """Fittest robot of this generation."""
-        return records.find_champion(self._table)
 
 
 class Evolution(RunProperties):
@@ -90,6 +70,7 @@ class Evolution(RunProperties):
         executor: Executor | None = None,
         *,
         on_walks: Callable[[int], None] = lambda _: None,
+        stop: Stop | None = None,
         **unknown: Any,
     ) -> None:
         """Check the arguments and create the run file, without any simulation.
@@ -99,6 +80,7 @@ class Evolution(RunProperties):
             path: Run file to create; if None, the run is lost once it is unused.
             executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
             on_walks: Function that is called with the number of further walks that are done.
+            stop: Conditions under which the iteration stops before the last generation.
             **unknown: Rejected; single settings belong to ``settings``.
 
         Raises:
@@ -119,6 +101,9 @@ class Evolution(RunProperties):
         self._settings = settings
         self._path = None if path is None else paths.new_path(path)
         self._on_walks = on_walks
+        self._stop = require_stop(stop)
+        self._stop_reason = ""
+        self._best_before = -np.inf
         self._archive = Archive.create(settings.model_dump(), self._path)  # after all checks
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._population: Population[EvaluationRow] | None = None
@@ -156,6 +141,8 @@ class Evolution(RunProperties):
                 raise DamagedError(path, str(error)) from error
             if evolution.n_generations < settings.algorithm.generations:
                 evolution._confirm_ratings(table, facts, rerate)
+            current_ratings = table.fitness[(table.generation >= evolution._rated_since)]
+            evolution._best_before = max(current_ratings.max(), evolution._population.fitness.max())
         if evolution._rated_since:
             evolution._functions[provenance.RATED_SINCE] = str(evolution._rated_since)
         current = table.loc[table.generation >= evolution._rated_since, :]  # older ratings are of another function
@@ -178,7 +165,8 @@ class Evolution(RunProperties):
         """The run so far."""
         has_new_ratings = self._rated_since < self.n_generations
         since = self._rated_since if has_new_ratings else 0
-        return Run(self.settings, partial(self._archive.table, self.n_generations), self.path, since)
+        table = partial(self._archive.table, self.n_generations)
+        return Run(self.settings, table, self.path, since, self._stop_reason)
 
     @property
     def n_generations(self) -> int:
@@ -201,25 +189,38 @@ class Evolution(RunProperties):
         return self._inserted.add(Genome.of(genome).within(self.settings.robot))
 
     def __iter__(self) -> Iterator[Generation]:
-        """Yield each further generation once it is evaluated and stored, up to the number in the settings."""
+        """Yield each further generation once it is evaluated and stored, up to the last or a condition of ``stop``."""
         algorithm = self.settings.algorithm
+        began = time.monotonic()
+        improvement = Improvement(self._best_before)
         while self.n_generations < algorithm.generations:
             try:
                 population = self._breed()
                 table = records.tabulate_generation(population, describe_operators(algorithm))
                 records.name_fitness(table, *fitness.name_and_unit(algorithm.fitness))
+                improvement = improvement.after(float(population.fitness.max()))
+                reason = find_stop_reason(self._stop, improvement, time.monotonic() - began)
+                facts = self._functions | ({provenance.STOPPED: reason} if reason else {})
                 with interrupts_held():  # so that the file and this object always agree
-                    self._archive.add(table, self._functions)
+                    self._archive.add(table, facts)
                     self._population = population
+                    self._stop_reason = reason
+                    self._best_before = improvement.best
                     self._inserted.set_next_generation(population.generation + 1)
             except Stopped:
                 raise
             except Exception as error:
                 if self.n_generations or self.path:
-                    save_after(error, self._archive, self.settings, self.n_generations)
+                    self.save_run_after(error)
                 raise
             self._warn_once(population)
             yield Generation(population.generation, table)
+            if reason:
+                return
+
+    def save_run_after(self, error: Exception) -> None:
+        """Make sure that the run is in a named file, and add a note to an error that says how to resume it."""
+        save_after(error, self._archive, self.settings, self.n_generations)
 
     def _warn_once(self, population: Population[EvaluationRow]) -> None:
         """Warn if selection cannot distinguish the robots of a generation, once in a run."""
@@ -284,5 +285,6 @@ def reject_unknown_arguments(function: str, unknown: dict[str, Any]) -> None:
         if name in Settings.field_locations():
             call = f"wl.{function}(wl.Settings().with_({name}={code_text(value)}))"
             raise TypeError(f"{function} has no argument {name!r}, which is a setting: {call}")
-        known = ("settings", "path", "executor", "progress" if function == "evolve" else "on_walks")
+        more = ("progress", "stop", "on_generation") if function == "evolve" else ("on_walks", "stop")
+        known = ("settings", "path", "executor", *more)
         raise TypeError(f"{function} has no argument {name!r}; it has {', '.join(known)}.{did_you_mean(name, known)}")

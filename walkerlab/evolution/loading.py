@@ -11,6 +11,7 @@ from walkerlab.runfile.missing_functions import remember_walks
 from walkerlab.runfile.opening import DamagedError, RunFileError
 from walkerlab.system import file_sets
 from walkerlab.system.files import display_path
+from walkerlab.text.escape import printable
 
 
 def load(path: str | Path) -> Run:
@@ -47,7 +48,7 @@ def load(path: str | Path) -> Run:
             "differently in this version, so that replays and pictures can differ from the table.",
             stacklevel=2,
         )
-    return Run(settings, table, path, since)
+    return Run(settings, table, path, since, printable(facts.get(provenance.STOPPED, "")))
 
 
 def rescue(path: str | Path, to: str | Path) -> Run:

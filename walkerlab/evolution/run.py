@@ -56,6 +56,7 @@ class Run(RunProperties):
         records: pd.DataFrame | Callable[[], pd.DataFrame],
         path: Path | None = None,
         rated_since: int = 0,
+        stop_reason: str = "",
     ) -> None:
         """Combine settings and a table.
 
@@ -64,16 +65,23 @@ class Run(RunProperties):
             records: Tidy table, or a function that returns it, called on first use.
             path: Run file, or None.
             rated_since: First generation rated by the current fitness function; earlier ones have no champion.
+            stop_reason: Condition of ``stop`` that ended the run; "" if none did.
         """
         self._settings = settings
         self._path = path
         self._rated_since = rated_since
+        self._stop_reason = stop_reason
         self._source = copy_table(records) if isinstance(records, pd.DataFrame) else records
 
     @property
     def rated_since(self) -> int:
         """First generation rated by the current fitness function; 0 unless ``resume(rerate=True)`` took new ratings."""
         return self._rated_since
+
+    @property
+    def stop_reason(self) -> str:
+        """Condition of ``stop`` that ended the run, such as ``2 generations had no fitter robot``; "" if none did."""
+        return self._stop_reason
 
     @property
     def records(self) -> pd.DataFrame:
@@ -91,7 +99,7 @@ class Run(RunProperties):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the run with its table."""
-        return Run, (self.settings, self.records, self.path, self._rated_since)
+        return Run, (self.settings, self.records, self.path, self._rated_since, self._stop_reason)
 
     def __repr__(self) -> str:
         """Summarise the run in a line."""
@@ -102,9 +110,10 @@ class Run(RunProperties):
         best = self.champion
         result = f"{name} {with_unit(best.fitness, unit)}" if best.verdict == "ok" else "its walk does not count"
         size = self.settings.algorithm.population_size
+        stopped = f"; stopped because {self._stop_reason}" if self._stop_reason else ""
         return (
             f"Run({self.n_generations} generations of {size} robots; champion: robot {best.individual} of "
-            f"generation {best.generation}, {result}{file})"
+            f"generation {best.generation}, {result}{stopped}{file})"
         )
 
     def _repr_html_(self) -> str:

@@ -1,6 +1,7 @@
 """Run an evolution to its end, with a progress bar: a new one, or one that is resumed from its file."""
 
 import warnings
+from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
@@ -9,10 +10,12 @@ from tqdm.auto import tqdm
 
 from walkerlab.evolution.evolution import Evolution, reject_unknown_arguments
 from walkerlab.evolution.forecast import n_walks
+from walkerlab.evolution.generation import Generation
 from walkerlab.evolution.interruption import interrupted_message
 from walkerlab.evolution.loading import load
 from walkerlab.evolution.rerating import changed_operators, function_facts
 from walkerlab.evolution.run import Run
+from walkerlab.evolution.stopping import Stop
 from walkerlab.evolution.stored_functions import restore_user_functions
 from walkerlab.genome.text import is_of_version_1
 from walkerlab.runfile import paths, provenance, store
@@ -29,6 +32,9 @@ def evolve(
     path: str | Path | None = None,
     executor: Executor | None = None,
     progress: bool = True,
+    *,
+    stop: Stop | None = None,
+    on_generation: Callable[[Generation], object] | None = None,
     **unknown: Any,
 ) -> Run:
     """Evolve walkers from a random first generation; Ctrl-C stops and returns the generations that are done.
@@ -41,6 +47,10 @@ def evolve(
         path: Run file, created before the first walk; if None, the run is lost once it is unused.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: Whether to show a progress bar.
+        stop: Conditions under which the run stops before its last generation, such as ``wl.Stop(after="10min",
+            target=8, patience=20)``; the run file records the one that held.
+        on_generation: Function that is called with each ``Generation`` once it is stored. An error that it raises ends
+            the run, which is saved.
         **unknown: Rejected; single settings belong to ``settings``.
 
     Returns:
@@ -62,7 +72,7 @@ def evolve(
     reject_unknown_arguments("evolve", unknown)
     settings = Settings() if settings is None else require_settings(settings)
     with _progress_bar(settings, progress) as bar:
-        return _run_to_end(Evolution(settings, path, executor, on_walks=bar.update), bar)
+        return _run_to_end(Evolution(settings, path, executor, on_walks=bar.update, stop=stop), bar, on_generation)
 
 
 def resume(
@@ -72,6 +82,8 @@ def resume(
     progress: bool = True,
     *,
     rerate: bool = False,
+    stop: Stop | None = None,
+    on_generation: Callable[[Generation], object] | None = None,
     **functions: Any,
 ) -> Run:
     """Continue a run; its table becomes the same as that of a run without an interruption.
@@ -83,6 +95,8 @@ def resume(
         progress: Whether to show a progress bar.
         rerate: Whether to continue from new ratings of the last generation if its fitness function has changed.
             Earlier generations keep their numbers, and the champion is taken from later ones.
+        stop: Conditions under which the run stops, as for ``evolve``; those of earlier calls no longer apply.
+        on_generation: Function that is called with each ``Generation``, as for ``evolve``.
         **functions: User functions by slot, if the run was made with any: ``mutation=my_mutation``. With a fitness
             function among them, the last generation walks again, to check that its ratings are the same.
 
@@ -124,9 +138,10 @@ def resume(
             stacklevel=2,
         )
     with _progress_bar(settings, progress, done=done) as bar:
-        evolution = Evolution.continue_run(run, path, settings, facts, rerate, executor=executor, on_walks=bar.update)
+        options: dict[str, Any] = {"executor": executor, "on_walks": bar.update, "stop": stop}
+        evolution = Evolution.continue_run(run, path, settings, facts, rerate, **options)
         del run  # frees the memory of its table, which is in the file
-        return _run_to_end(evolution, bar)
+        return _run_to_end(evolution, bar, on_generation)
 
 
 def _progress_bar(settings: Settings, progress: bool, done: int = 0) -> Any:
@@ -134,14 +149,25 @@ def _progress_bar(settings: Settings, progress: bool, done: int = 0) -> Any:
     return tqdm(total=total, unit=" walks", disable=not progress or not total, leave=True)
 
 
-def _run_to_end(evolution: Evolution, bar: Any) -> Run:
-    """Run until the last generation or Ctrl-C, and show the progress."""
+def _run_to_end(evolution: Evolution, bar: Any, on_generation: Callable[[Generation], object] | None) -> Run:
+    """Run until the last generation, a condition of ``stop`` or Ctrl-C, and show the progress."""
     try:
         for generation in evolution:
             best = generation.champion
             result = f"best {format_significant(best.fitness)}" if best.verdict == "ok" else "no walk counted"
             bar.set_postfix_str(f"generation {generation.number}, {result}")
+            if on_generation:
+                _call_back(on_generation, generation, evolution)
     except KeyboardInterrupt:
         if not evolution.n_generations:
             raise KeyboardInterrupt(interrupted_message(evolution.path, evolution.settings)) from None
     return evolution.run
+
+
+def _call_back(on_generation: Callable[[Generation], object], generation: Generation, evolution: Evolution) -> None:
+    """Call a function with a generation; if it raises an error, the run is saved and the error says where."""
+    try:
+        on_generation(generation)
+    except Exception as error:
+        evolution.save_run_after(error)
+        raise

@@ -99,7 +99,7 @@ def restore_user_functions(run: Run, functions: dict[str, Any]) -> Run:
             "code. To resume the run, pass the functions under the same names; their code may be corrected. In "
             f"Python: wl.resume({display_path(run.path)!r}, {arguments}). To view the run, they are not required."
         )
-    return Run(settings, run.records, run.path, run.rated_since)
+    return Run(settings, run.records, run.path, run.rated_since, run.stop_reason)
 
 
 def user_functions(settings: Settings) -> dict[str, str]:
