@@ -23,6 +23,7 @@ _PUBLIC_NAMES = {
         "Crossover",
         "Feature",
         "Fitness",
+        "Frozen",
         "Guard",
         "Mutation",
         "Obstacle",
@@ -36,6 +37,7 @@ _PUBLIC_NAMES = {
     "simulation.evaluation": ("Evaluation", "evaluate", "evaluate_population"),
     "evolution.evolution": ("Evolution",),
     "evolution.generation": ("Generation",),
+    "evolution.stages": ("Stage",),
     "evolution.stopping": ("Stop",),
     "evolution.loading": ("load", "rescue"),
     "evolution.run": ("Run",),
@@ -82,6 +84,7 @@ if TYPE_CHECKING:
     from walkerlab.evolution.run import Run as Run
     from walkerlab.evolution.running import evolve as evolve
     from walkerlab.evolution.running import resume as resume
+    from walkerlab.evolution.stages import Stage as Stage
     from walkerlab.evolution.stopping import Stop as Stop
     from walkerlab.ga.crossover import Children as Children
     from walkerlab.ga.user_functions import OperatorError as OperatorError
@@ -95,6 +98,7 @@ if TYPE_CHECKING:
     from walkerlab.settings.choices import Crossover as Crossover
     from walkerlab.settings.choices import Feature as Feature
     from walkerlab.settings.choices import Fitness as Fitness
+    from walkerlab.settings.choices import Frozen as Frozen
     from walkerlab.settings.choices import Guard as Guard
     from walkerlab.settings.choices import Mutation as Mutation
     from walkerlab.settings.choices import Obstacle as Obstacle

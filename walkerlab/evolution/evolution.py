@@ -17,12 +17,15 @@ from walkerlab.breeding import (
     generate_robot_population,
     resolve_operators,
 )
+from walkerlab.evolution.arguments import reject_unknown_arguments
+from walkerlab.evolution.founders import FirstPopulation, fit_genomes, place_founders, read_founders
 from walkerlab.evolution.generation import Generation
 from walkerlab.evolution.insertion import InsertedGenomes
 from walkerlab.evolution.interruption import save_after
 from walkerlab.evolution.lost_pressure import explain_lost_pressure
-from walkerlab.evolution.rerating import Recorded, confirm_ratings, function_facts
+from walkerlab.evolution.rerating import Recorded, confirm_ratings, function_facts, rate_again
 from walkerlab.evolution.run import Run, RunProperties
+from walkerlab.evolution.stages import Stage, changes_walks, record_history
 from walkerlab.evolution.stopping import Improvement, Stop, find_stop_reason, require_stop
 from walkerlab.evolution.stored_functions import check_storable
 from walkerlab.ga.genes import Floats
@@ -31,14 +34,13 @@ from walkerlab.ga.population import Population
 from walkerlab.ga.user_functions import OperatorError
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import repair
 from walkerlab.runfile import paths, provenance, records
 from walkerlab.runfile.archive import Archive
+from walkerlab.runfile.history import History
 from walkerlab.runfile.opening import DamagedError
 from walkerlab.runfile.records import EvaluationRow
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import code_text, did_you_mean
 from walkerlab.simulation import fitness, workers
 from walkerlab.simulation.evaluation import evaluate
 from walkerlab.simulation.pausable import Stopped
@@ -71,6 +73,7 @@ class Evolution(RunProperties):
         *,
         on_walks: Callable[[int], None] = lambda _: None,
         stop: Stop | None = None,
+        population: FirstPopulation | None = None,
         **unknown: Any,
     ) -> None:
         """Check the arguments and create the run file, without any simulation.
@@ -81,12 +84,14 @@ class Evolution(RunProperties):
             executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
             on_walks: Function that is called with the number of further walks that are done.
             stop: Conditions under which the iteration stops before the last generation.
+            population: First individuals of generation 0, as for ``evolve``.
             **unknown: Rejected; single settings belong to ``settings``.
 
         Raises:
             TypeError: If an argument is of the wrong type, or its name is unknown.
             OperatorError: If a user function does not do what its slot requires.
-            SettingsError: If the settings cannot be stored in a run file.
+            SettingsError: If the settings cannot be stored in a run file, or freeze genes without a population.
+            ValueError: If ``population`` has no genomes or too many, or one is not valid.
             RuntimeError: If the executor is closed.
             RunFileError: If ``path`` exists already or cannot be created.
         """
@@ -104,24 +109,27 @@ class Evolution(RunProperties):
         self._stop = require_stop(stop)
         self._stop_reason = ""
         self._best_before = -np.inf
-        self._archive = Archive.create(settings.model_dump(), self._path)  # after all checks
+        self._founders = read_founders(population, settings)
+        self._stages = (Stage(0, settings),)
+        self._archive = Archive.create(settings.model_dump(), self._path, History(self._founders))  # after all checks
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._population: Population[EvaluationRow] | None = None
         self._functions = function_facts(settings)
         self._rated_since = 0
         self._has_warned = False
         self._inserted = InsertedGenomes(settings.algorithm)
+        self._origins = {number: founder.origin for number, founder in enumerate(self._founders)}
 
     @classmethod
     def continue_run(
-        cls, run: Run, path: Path, settings: Settings, facts: Mapping[str, str], rerate: bool, **options: Any
+        cls, run: Run, path: Path, stages: tuple[Stage, ...], facts: Mapping[str, str], rerate: bool, **options: Any
     ) -> Self:
         """Return an evolution that continues a stored run after its last generation.
 
         Args:
             run: Loaded run, with its user functions.
             path: Its run file.
-            settings: Settings of the run, perhaps with more generations.
+            stages: Stages of the run; the last has the settings of the further generations.
             facts: What the last generation was made with.
             rerate: Whether to continue from new ratings of the last generation if they differ from the stored ones.
             **options: Keyword arguments of ``Evolution``.
@@ -129,7 +137,9 @@ class Evolution(RunProperties):
         Raises:
             RunFileError: If the ratings differ and ``rerate`` is false, or the file is damaged.
         """
-        evolution = cls(settings, **options)
+        settings = stages[-1].settings
+        evolution = cls(settings, population=run.founders or None, **options)
+        evolution._stages = stages
         table = run.records
         evolution._path = path
         evolution._rated_since = run.rated_since
@@ -137,6 +147,7 @@ class Evolution(RunProperties):
             try:
                 evolution._population = records.last_population(table)
                 evolution._inserted.set_next_generation(evolution.n_generations)
+                evolution._remember_origins(table)
             except ValueError as error:
                 raise DamagedError(path, str(error)) from error
             if evolution.n_generations < settings.algorithm.generations:
@@ -146,16 +157,22 @@ class Evolution(RunProperties):
         if evolution._rated_since:
             evolution._functions[provenance.RATED_SINCE] = str(evolution._rated_since)
         current = table.loc[table.generation >= evolution._rated_since, :]  # older ratings are of another function
-        evolution._archive = Archive.resume(path, current, settings.model_dump())
+        history = record_history(stages, evolution._founders)
+        evolution._archive = Archive.resume(path, current, settings.model_dump(), history)
         return evolution
 
     def _confirm_ratings(self, table: pd.DataFrame, facts: Mapping[str, str], rerate: bool) -> None:
-        """Make sure that the last generation is rated by the current fitness function."""
+        """Make sure that the last generation is rated under the current settings, by the current fitness function."""
         assert self._path
         assert self._population
         is_elsewhere = bool(provenance.describe_differences(facts, provenance.current_facts()))
         recorded = Recorded(self._path, facts, is_elsewhere, has_fitness=bool(np.isfinite(table.fitness).any()))
         walk_again = partial(self._evaluate, on_done=lambda _: None)
+        stage = self._stages[-1]
+        if stage.first == self.n_generations and changes_walks(stage.changes):
+            self._population = rate_again(self._population, walk_again)
+            self._rated_since = self.n_generations
+            return
         self._population, is_new = confirm_ratings(self._population, self.settings, recorded, walk_again, rerate=rerate)
         if is_new:
             self._rated_since = self.n_generations
@@ -166,7 +183,7 @@ class Evolution(RunProperties):
         has_new_ratings = self._rated_since < self.n_generations
         since = self._rated_since if has_new_ratings else 0
         table = partial(self._archive.table, self.n_generations)
-        return Run(self.settings, table, self.path, since, self._stop_reason)
+        return Run(self.settings, table, self.path, since, self._stop_reason, self._stages, self._founders)
 
     @property
     def n_generations(self) -> int:
@@ -186,7 +203,8 @@ class Evolution(RunProperties):
             GenomeError: If a text is not a valid genome.
             ValueError: If the next generation has no place for it, or there is no generation before or after it.
         """
-        return self._inserted.add(Genome.of(genome).within(self.settings.robot))
+        values = Genome.of(genome).within(self.settings.robot).values
+        return self._inserted.add(Genome(fit_genomes(values[np.newaxis], self.settings, self._founders)[0]))
 
     def __iter__(self) -> Iterator[Generation]:
         """Yield each further generation once it is evaluated and stored, up to the last or a condition of ``stop``."""
@@ -196,7 +214,7 @@ class Evolution(RunProperties):
         while self.n_generations < algorithm.generations:
             try:
                 population = self._breed()
-                table = records.tabulate_generation(population, describe_operators(algorithm))
+                table = records.tabulate_generation(population, describe_operators(algorithm), self._origins)
                 records.name_fitness(table, *fitness.name_and_unit(algorithm.fitness))
                 improvement = improvement.after(float(population.fitness.max()))
                 reason = find_stop_reason(self._stop, improvement, time.monotonic() - began)
@@ -206,6 +224,7 @@ class Evolution(RunProperties):
                     self._population = population
                     self._stop_reason = reason
                     self._best_before = improvement.best
+                    self._remember_origins(table)
                     self._inserted.set_next_generation(population.generation + 1)
             except Stopped:
                 raise
@@ -221,6 +240,11 @@ class Evolution(RunProperties):
     def save_run_after(self, error: Exception) -> None:
         """Make sure that the run is in a named file, and add a note to an error that says how to resume it."""
         save_after(error, self._archive, self.settings, self.n_generations)
+
+    def _remember_origins(self, table: pd.DataFrame) -> None:
+        """Remember what made each individual of the last generation of a table, for those that will be elites."""
+        last = table.loc[table.generation == table.generation.max(), :]
+        self._origins = dict(zip(last.individual.tolist(), last.operators.tolist(), strict=True))
 
     def _warn_once(self, population: Population[EvaluationRow]) -> None:
         """Warn if selection cannot distinguish the robots of a generation, once in a run."""
@@ -241,14 +265,14 @@ class Evolution(RunProperties):
         algorithm = self.settings.algorithm
         if self._population is None:
             genomes = generate_robot_population(robot, algorithm.population_size, seed=algorithm.seed)
-            return first_population(genomes, self._evaluate_new)
+            return first_population(place_founders(genomes, self.settings, self._founders), self._evaluate_new)
         with self._inserted.taking_for(self.n_generations) as inserted:
             return next_population(
                 self._population,
                 resolve_operators(algorithm),
                 build_genes(robot),
                 self._evaluate_new,
-                repair=partial(repair, robot=robot),
+                repair=partial(fit_genomes, settings=self.settings, founders=self._founders),
                 n_elites=algorithm.n_elites,
                 seed=algorithm.seed,
                 generations=algorithm.generations,
@@ -272,19 +296,3 @@ class Evolution(RunProperties):
         if len(new) < len(texts):
             self._on_walks(len(texts) - len(new))
         return [known[text] for text in texts]
-
-
-def reject_unknown_arguments(function: str, unknown: dict[str, Any]) -> None:
-    """Raise a TypeError if there are arguments of unknown names; for a setting, it says where that belongs.
-
-    Args:
-        function: Name of the function that was called, ``evolve`` or ``Evolution``.
-        unknown: Arguments that it does not have, by name.
-    """
-    for name, value in unknown.items():
-        if name in Settings.field_locations():
-            call = f"wl.{function}(wl.Settings().with_({name}={code_text(value)}))"
-            raise TypeError(f"{function} has no argument {name!r}, which is a setting: {call}")
-        more = ("progress", "stop", "on_generation") if function == "evolve" else ("on_walks", "stop")
-        known = ("settings", "path", "executor", *more)
-        raise TypeError(f"{function} has no argument {name!r}; it has {', '.join(known)}.{did_you_mean(name, known)}")

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import pandas as pd
 
+from walkerlab.evolution.stages import Stage
 from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.runfile import records
+from walkerlab.runfile.history import Founder
 from walkerlab.runfile.records import Individual, copy_table
 from walkerlab.settings.choices import Camera, Fitness
 from walkerlab.settings.settings import Settings
@@ -31,7 +33,7 @@ class RunProperties(ReadOnlyProperties):
 
     @property
     def settings(self) -> Settings:
-        """Settings of the run."""
+        """Settings of the run; of its last stage, if they were changed."""
         return self._settings
 
     @property
@@ -57,6 +59,8 @@ class Run(RunProperties):
         path: Path | None = None,
         rated_since: int = 0,
         stop_reason: str = "",
+        stages: tuple[Stage, ...] = (),
+        founders: tuple[Founder, ...] = (),
     ) -> None:
         """Combine settings and a table.
 
@@ -66,11 +70,15 @@ class Run(RunProperties):
             path: Run file, or None.
             rated_since: First generation rated by the current fitness function; earlier ones have no champion.
             stop_reason: Condition of ``stop`` that ended the run; "" if none did.
+            stages: Stages of the run; a single one with ``settings`` if empty.
+            founders: Genomes given for generation 0.
         """
         self._settings = settings
         self._path = path
         self._rated_since = rated_since
         self._stop_reason = stop_reason
+        self._stages = stages or (Stage(0, settings),)
+        self._founders = founders
         self._source = copy_table(records) if isinstance(records, pd.DataFrame) else records
 
     @property
@@ -84,6 +92,16 @@ class Run(RunProperties):
         return self._stop_reason
 
     @property
+    def stages(self) -> tuple[Stage, ...]:
+        """Stages of the run: each has ``.first``, its first generation, ``.settings`` and ``.changes``."""
+        return self._stages
+
+    @property
+    def founders(self) -> tuple[Founder, ...]:
+        """Genomes that were given for generation 0, in the order of its first individuals."""
+        return self._founders
+
+    @property
     def records(self) -> pd.DataFrame:
         """Copy of the tidy table; ``.attrs`` holds the units and the name of the fitness."""
         return copy_table(self._table)
@@ -94,12 +112,22 @@ class Run(RunProperties):
         records.name_fitness(table, *fitness.name_and_unit(self.settings.algorithm.fitness))
         if self._rated_since:
             table.attrs["rated_since"] = self._rated_since
+        if changes := {stage.first: str(stage) for stage in self._stages[1:]}:
+            table.attrs["stages"] = changes
         self._source = table
         return table
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the run with its table."""
-        return Run, (self.settings, self.records, self.path, self._rated_since, self._stop_reason)
+        return Run, (
+            self.settings,
+            self.records,
+            self.path,
+            self._rated_since,
+            self._stop_reason,
+            self._stages,
+            self._founders,
+        )
 
     def __repr__(self) -> str:
         """Summarise the run in a line."""

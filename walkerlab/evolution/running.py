@@ -8,15 +8,18 @@ from typing import Any
 
 from tqdm.auto import tqdm
 
-from walkerlab.evolution.evolution import Evolution, reject_unknown_arguments
+from walkerlab.evolution.arguments import reject_unknown_arguments
+from walkerlab.evolution.evolution import Evolution
 from walkerlab.evolution.forecast import n_walks
+from walkerlab.evolution.founders import FirstPopulation
 from walkerlab.evolution.generation import Generation
 from walkerlab.evolution.interruption import interrupted_message
 from walkerlab.evolution.loading import load
 from walkerlab.evolution.rerating import changed_operators, function_facts
 from walkerlab.evolution.run import Run
+from walkerlab.evolution.stages import check_changes, plan_stages
 from walkerlab.evolution.stopping import Stop
-from walkerlab.evolution.stored_functions import restore_user_functions
+from walkerlab.evolution.stored_functions import restore_user_functions, split_changes
 from walkerlab.genome.text import is_of_version_1
 from walkerlab.runfile import paths, provenance, store
 from walkerlab.runfile.opening import RunFileError
@@ -33,11 +36,12 @@ def evolve(
     executor: Executor | None = None,
     progress: bool = True,
     *,
+    population: FirstPopulation | None = None,
     stop: Stop | None = None,
     on_generation: Callable[[Generation], object] | None = None,
     **unknown: Any,
 ) -> Run:
-    """Evolve walkers from a random first generation; Ctrl-C stops and returns the generations that are done.
+    """Evolve walkers from a first generation; Ctrl-C stops and returns the generations that are done.
 
     If Ctrl-C comes before the first generation is done, ``KeyboardInterrupt`` is raised; a run file then holds the
     settings.
@@ -47,6 +51,9 @@ def evolve(
         path: Run file, created before the first walk; if None, the run is lost once it is unused.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: Whether to show a progress bar.
+        population: First individuals of generation 0, brought within the limits; the others are random. Genomes, their
+            texts, individuals, or a run or its table, of which the last generation is taken, best first. The column
+            ``operators`` of the table has their origin.
         stop: Conditions under which the run stops before its last generation, such as ``wl.Stop(after="10min",
             target=8, patience=20)``; the run file records the one that held.
         on_generation: Function that is called with each ``Generation`` once it is stored. An error that it raises ends
@@ -63,7 +70,9 @@ def evolve(
     Raises:
         OperatorError: If a user function does not do what its slot requires.
         RunFileError: If ``path`` exists already or cannot be written.
+        SettingsError: If the settings freeze genes, and there is no ``population``.
         TypeError: If an argument is of the wrong type, or its name is unknown.
+        ValueError: If ``population`` has no genomes or too many, or one is not valid.
         WorkersLostError: If the workers do not answer, or have no memory left.
 
     Every error has a note that names the file with the run so far, and its path as ``error.saved_path``. A run without
@@ -72,7 +81,8 @@ def evolve(
     reject_unknown_arguments("evolve", unknown)
     settings = Settings() if settings is None else require_settings(settings)
     with _progress_bar(settings, progress) as bar:
-        return _run_to_end(Evolution(settings, path, executor, on_walks=bar.update, stop=stop), bar, on_generation)
+        evolution = Evolution(settings, path, executor, on_walks=bar.update, stop=stop, population=population)
+        return _run_to_end(evolution, bar, on_generation)
 
 
 def resume(
@@ -84,9 +94,13 @@ def resume(
     rerate: bool = False,
     stop: Stop | None = None,
     on_generation: Callable[[Generation], object] | None = None,
-    **functions: Any,
+    **changes: Any,
 ) -> Run:
     """Continue a run; its table becomes the same as that of a run without an interruption.
+
+    Changed settings begin a new stage: ``wl.resume(path, 40, structure="stairs")``. Robots keep their numbers and
+    parents. If the terrain, the loads, the simulation or the fitness changes, the last generation walks again, but only
+    to choose parents, and the champion is the best of the new stage. ``run.stages`` lists the stages.
 
     Args:
         path: Run file, or the folder that holds it.
@@ -97,8 +111,9 @@ def resume(
             Earlier generations keep their numbers, and the champion is taken from later ones.
         stop: Conditions under which the run stops, as for ``evolve``; those of earlier calls no longer apply.
         on_generation: Function that is called with each ``Generation``, as for ``evolve``.
-        **functions: User functions by slot, if the run was made with any: ``mutation=my_mutation``. With a fitness
-            function among them, the last generation walks again, to check that its ratings are the same.
+        **changes: Changed settings by name, for the further generations. User functions by slot, if the run was made
+            with any: ``mutation=my_mutation``. With a fitness function among these, the last generation walks again, to
+            check that its ratings are the same.
 
     Warns:
         UserWarning: If the run was made with other versions or on another kind of processor, or the source of an
@@ -108,9 +123,12 @@ def resume(
         RunFileError: If the file does not exist, is not a run, is damaged, or was made by version 0.1; if a user
             function is missing or is another one; or if the fitness function rates the last generation differently from
             the file.
-        SettingsError: If ``generations`` is out of range.
+        SettingsError: If ``generations`` is out of range, a setting is unknown or has a wrong value, or cannot change
+            within a run.
     """
-    run = restore_user_functions(load(path), functions)
+    run = load(path)
+    functions, changes = split_changes(run.settings, changes)
+    run = restore_user_functions(run, functions, replaced=changes)
     path = paths.locate_run_file(path)
     if run.n_generations and is_of_version_1(str(run.records.genome[0])):
         raise RunFileError(
@@ -126,12 +144,21 @@ def resume(
             "on them. The file records for each generation what it was made with.",
             stacklevel=2,
         )
-    settings = run.settings if generations is None else run.settings.with_(generations=generations)
+    settings = run.settings.with_(**changes, **({} if generations is None else {"generations": generations}))
+    check_changes(run.settings, settings)
     if settings.algorithm.generations < done:
         raise SettingsError(
             f"{display_path(path)} has {done} generations already; generations is the total and must be {done} or more."
         )
-    if changed := changed_operators(facts, function_facts(settings)):
+    stages = plan_stages(run.stages, settings, done)
+    new = stages[-1].changes if stages[-1].first == done else {}
+    if new and settings.algorithm.generations == done:
+        raise SettingsError(
+            f"{display_path(path)} has all of its {done} generations, so that none would have the new settings; give a "
+            f"larger total: generations={2 * done}"
+        )
+    same_slots = {slot: fact for slot, fact in facts.items() if slot.removesuffix(" function") not in new}
+    if changed := changed_operators(same_slots, function_facts(settings)):
         warnings.warn(
             f"{display_path(path)} was made with another source of its {changed}. The run continues with the "
             "functions given; its file records for each generation which source it was made with.",
@@ -139,7 +166,7 @@ def resume(
         )
     with _progress_bar(settings, progress, done=done) as bar:
         options: dict[str, Any] = {"executor": executor, "on_walks": bar.update, "stop": stop}
-        evolution = Evolution.continue_run(run, path, settings, facts, rerate, **options)
+        evolution = Evolution.continue_run(run, path, stages, facts, rerate, **options)
         del run  # frees the memory of its table, which is in the file
         return _run_to_end(evolution, bar, on_generation)
 
