@@ -102,11 +102,15 @@ def frozen_values(run, frozen):
     return np.array([wl.Genome.parse(text).values for text in run.records.genome])[:, columns]
 
 
+def draw_anew(genomes, genes, *, rng):
+    return rng.uniform(genes.low, genes.high, genomes.shape)
+
+
 @pytest.mark.parametrize("frozen", [["length", "mass"], ["segments"], ["legs", "frequency"], ["body"], ["gait"]])
 @pytest.mark.parametrize("operators", [
     {"crossover": "paired", "mutation": "macro"}, {"crossover": "randomized", "mutation": ["favored", "micro"]},
     {"crossover": "weighted", "mutation": "randomized"}, {"crossover": "one_point", "mutation": "gaussian"},
-    {"crossover": "uniform", "mutation": lambda values, genes, *, rng: rng.uniform(genes.low, genes.high, values.shape)},
+    {"crossover": "uniform", "mutation": draw_anew},
 ], ids=["paired", "randomized", "weighted", "one_point", "user"])  # fmt: skip
 def test_frozen_genes_never_change_and_every_robot_obeys_its_limits(frozen, operators):
     settings = SETTINGS.with_(frozen=frozen, mutation_rate=0.8, **operators)

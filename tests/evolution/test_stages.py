@@ -10,12 +10,17 @@ from functools import partial
 
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 
 import walkerlab as wl
 from tests.faults import standins
+from walkerlab.__main__ import main
 from walkerlab.evolution import evolution as evolving
+from walkerlab.evolution import outputs
 from walkerlab.evolution.stages import plan_stages
 from walkerlab.runfile import schema
+from walkerlab.view.plots.style import alt_text
+from walkerlab.view.report.code import as_python
 
 SETTINGS = wl.Settings().with_(duration=1, population_size=4, generations=2, n_elites=1, seed=1, mutation_rate=0.3)
 NEW = {"structure": "stairs", "mutation_rate": 0.2, "mutation": "randomized"}
@@ -219,3 +224,41 @@ def test_real_robots_walk_again_on_the_new_terrain(path, tmp_path, monkeypatch):
     [elite] = run.records[(run.records.generation == 2) & (run.records.born < 2)].itertuples()
     walked = wl.evaluate([elite.genome], run.settings)
     assert elite.fitness == walked[0].fitness
+
+
+def test_the_command_line_begins_a_stage_and_shows_it(path, capsys, monkeypatch):
+    monkeypatch.setattr(outputs, "write_outputs", lambda run, folder: None)
+    assert main(["resume", str(path), "--generations", "4", "--structure", "stairs", "--gravity", "moon"]) == 0
+    assert [stage.first for stage in wl.load(path).stages] == [0, 2]
+    capsys.readouterr()
+    assert main(["show", str(path)]) == 0
+    assert "from generation 2 on with structure='stairs', gravity=" in capsys.readouterr().out
+    assert main(["resume", str(path), "--generations", "5", "--seed", "4"]) == 2
+    assert "Algorithm.seed cannot change" in capsys.readouterr().err
+
+
+def test_the_fitness_curve_marks_the_stages(path):
+    run = resume(path, 4, **NEW)
+    axes = wl.plots.fitness_curve(run.records, Figure().subplots())
+    boundaries = [line for line in axes.lines if line.get_linestyle() == ":" or len(set(line.get_xdata())) == 1]
+    assert [line.get_xdata()[0] for line in boundaries] == [1.5]
+    assert [text.get_text()[:18] for text in axes.texts] == ["structure='stairs'"]
+    assert "New settings from generation 2 on: structure='stairs'" in alt_text(axes)
+
+
+def test_the_fitness_curve_leaves_out_generations_rated_by_another_function(path):
+    run = resume(path, 4, fitness="velocity")
+    axes = wl.plots.fitness_curve(run.records, Figure().subplots())
+    assert min(axes.lines[0].get_xdata()) == 2
+    assert axes.get_ylabel() == "velocity [m/s]"
+
+
+def test_the_code_of_a_run_names_its_stages_and_its_given_genomes(path):
+    run = resume(path, 4, structure="stairs")
+    code = as_python(run.settings, run.records)
+    assert "# From generation 2 on, the run was resumed with structure='stairs'" in code
+    given = wl.evolve(SETTINGS, population=run, progress=False)
+    names = {}
+    exec(as_python(given.settings, given.records).replace("=population)", "=population, progress=False)"), names)
+    columns = ["genome", "fitness", "parents"]
+    same(names["run"].records[columns], given.records[columns])

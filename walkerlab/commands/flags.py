@@ -107,6 +107,16 @@ def build_settings(values: Mapping[str, Any], unknown_words: Sequence[str] = ())
         return Settings(**domains)
 
 
+def given_settings(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings that have a flag, by the name that ``Settings.with_`` takes.
+
+    Args:
+        values: Value of each given setting, by ``domain.field``; other keys are ignored.
+    """
+    places = {f"{domain}.{field}": name for name, (domain, field) in Settings.field_locations().items()}
+    return {places[place]: _unpack_preset(value) for place, value in values.items() if place in places}
+
+
 def _describe_unknown(words: Sequence[str]) -> list[str]:
     """Describe each unknown flag, or each unknown word if no flag is unknown, with the most similar flag."""
     known = [*flag_names().values(), *STOP_FLAGS]

@@ -46,12 +46,12 @@ def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.Argu
         "resume",
         runs.resume_command,
         "resume a run",
-        "PATH [--generations N] [--quiet] [--stop-after TIME] [--target X] [--patience N]",
+        "PATH [--generations N] [--quiet] [--stop-after TIME] [--target X] [--patience N] [--SETTING VALUE ...]",
     )
     resume.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")
-    resume.add_argument("--generations", type=int, metavar="N", help="total number of generations")
     resume.add_argument("--quiet", action="store_true", help="print only errors")
     flags.add_stop_flags(resume)
+    flags.add_flags(resume)
 
     show = add_command("show", runs.show_command, "print a summary of a run", "PATH")
     show.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")

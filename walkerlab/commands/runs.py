@@ -51,6 +51,7 @@ def evolve_command(arguments: argparse.Namespace) -> int:
 def resume_command(arguments: argparse.Namespace) -> int:
     """Resume a run; if it is complete, write missing output files. Return the exit code."""
     with interrupts_held():
+        from walkerlab.commands import flags
         from walkerlab.evolution import outputs
         from walkerlab.evolution.loading import load
         from walkerlab.evolution.stored_functions import restore_user_functions
@@ -58,21 +59,22 @@ def resume_command(arguments: argparse.Namespace) -> int:
         from walkerlab.view import summary
 
     stop = _build_stop(arguments)
-    run = restore_user_functions(load(arguments.path), {})
+    changes = flags.given_settings(vars(arguments))
+    run = restore_user_functions(load(arguments.path), {}, replaced=changes)
     done = run.n_generations
-    wanted = arguments.generations
-    wanted = run.settings.algorithm.generations if wanted is None else wanted
-    if done == wanted and run.path:
+    settings = run.settings.with_(**changes)
+    wanted = settings.algorithm.generations
+    if done == wanted and run.path and not changes.keys() - {"generations"}:
         if not outputs.are_there(run.path):  # the run was stopped before they were written
             _write_outputs(run)
         if not arguments.quiet:
             print(f"All {done} generations are done; to continue: walkerlab {_resume_words(run)}")
         return 0
     if not arguments.quiet and done < wanted:
-        print(summary.describe_start(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
+        print(summary.describe_start(settings, n_cores(), done=done), flush=True)
     with interrupts_held():
         from walkerlab.evolution import running
-    run = running.resume(arguments.path, arguments.generations, progress=not arguments.quiet, stop=stop)
+    run = running.resume(arguments.path, progress=not arguments.quiet, stop=stop, **changes)
     return _finish(run, quiet=arguments.quiet)
 
 
@@ -169,6 +171,8 @@ def show_command(arguments: argparse.Namespace) -> int:
         if not facts:
             continue  # a run without generations
         print_safely(f"{title} {', '.join(printable(f'{name} {fact}') for name, fact in facts.items())}")
+    for stage in run.stages[1:]:
+        print_safely(f"from generation {stage.first} on with {printable(stage)}")
     print_safely(f"\n{summary.list_changed_settings(settings)}")
     if not run.n_generations:
         print_safely(f"\nNo generation is complete yet. Start the first one: walkerlab {_resume_words(run)}")

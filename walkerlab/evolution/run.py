@@ -114,6 +114,9 @@ class Run(RunProperties):
             table.attrs["rated_since"] = self._rated_since
         if changes := {stage.first: str(stage) for stage in self._stages[1:]}:
             table.attrs["stages"] = changes
+            table.attrs["fitness_since"] = max(
+                (stage.first for stage in self._stages if "fitness" in stage.changes), default=0
+            )
         self._source = table
         return table
 
