@@ -18,5 +18,5 @@ def reject_unknown_arguments(function: str, unknown: dict[str, Any]) -> None:
             call = f"wl.{function}(wl.Settings().with_({name}={code_text(value)}))"
             raise TypeError(f"{function} has no argument {name!r}, which is a setting: {call}")
         more = ("progress", "on_generation") if function == "evolve" else ("on_walks",)
-        known = ("settings", "path", "executor", "population", "stop", *more)
+        known = ("settings", "path", "executor", *more, "population", "stop")
         raise TypeError(f"{function} has no argument {name!r}; it has {', '.join(known)}.{did_you_mean(name, known)}")
