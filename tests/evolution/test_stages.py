@@ -262,3 +262,13 @@ def test_the_code_of_a_run_names_its_stages_and_its_given_genomes(path):
     exec(as_python(given.settings, given.records).replace("=population)", "=population, progress=False)"), names)
     columns = ["genome", "fitness", "parents"]
     same(names["run"].records[columns], given.records[columns])
+
+
+def test_conditions_compare_only_with_the_ratings_of_the_stage(path):
+    before = wl.load(path).champion.fitness
+    run = resume(path, 9, structure="stairs", stop=wl.Stop(target=2 * before))
+    assert run.n_generations == 3
+    assert run.stop_reason.startswith("the best fitness reached the target")
+    run = resume(path, 9, structure="gaps", mutation_rate=0, crossover="none", stop=wl.Stop(patience=2))
+    assert run.n_generations == 5
+    assert run.stop_reason == "2 generations had no fitter robot"

@@ -59,9 +59,9 @@ class Evolution(RunProperties):
     """
 
     INSTEAD: ClassVar = {
-        "settings": "All generations of a run are made with the same settings, which its file records. To evolve with "
-        "other settings, start a new evolution: wl.Evolution(evolution.settings.with_(...)). To add generations to a "
-        "run that has a file, resume it: wl.resume(path, generations=...).",
+        "settings": "An evolution keeps its settings, which its file records. To evolve with other settings, start a "
+        "new evolution: wl.Evolution(evolution.settings.with_(...)). To continue a run that has a file with more "
+        "generations or other settings, resume it: wl.resume(path, generations=..., structure=...).",
         "path": "The generations so far are stored there. Copy that file to store the run elsewhere.",
     }
 
@@ -152,8 +152,8 @@ class Evolution(RunProperties):
                 raise DamagedError(path, str(error)) from error
             if evolution.n_generations < settings.algorithm.generations:
                 evolution._confirm_ratings(table, facts, rerate)
-            current_ratings = table.fitness[(table.generation >= evolution._rated_since)]
-            evolution._best_before = max(current_ratings.max(), evolution._population.fitness.max())
+            rated = table.fitness[table.generation >= evolution._rated_since]
+            evolution._best_before = max([*rated, *evolution._population.fitness])
         if evolution._rated_since:
             evolution._functions[provenance.RATED_SINCE] = str(evolution._rated_since)
         current = table.loc[table.generation >= evolution._rated_since, :]  # older ratings are of another function
