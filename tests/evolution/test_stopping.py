@@ -3,6 +3,7 @@
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -64,6 +65,7 @@ def test_after_the_time_limit_no_generation_begins(whole, monkeypatch):
 
 @pytest.mark.parametrize(("after", "seconds"), [
     ("90s", 90), ("10min", 600), ("2 h", 7200), ("1h 30min", 5400), ("0.5min", 30), (12, 12),
+    (np.int64(12), 12),
 ])  # fmt: skip
 def test_times_are_read_with_their_unit(after, seconds):
     assert wl.Stop(after=after).after == seconds

@@ -13,7 +13,7 @@ class Generation:
     """One evaluated generation.
 
     Attributes:
-        number: Number of the generation; 0 is the random one.
+        number: Number of the generation, from 0.
     """
 
     number: int

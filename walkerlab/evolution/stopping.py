@@ -5,6 +5,8 @@ import re
 from dataclasses import dataclass, replace
 from typing import Self
 
+import numpy as np
+
 from walkerlab.errors import WalkerlabError
 from walkerlab.settings.values import number_text, pluralize, short_repr
 
@@ -106,7 +108,7 @@ def require_stop(given: object) -> Stop | None:
 
 
 def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+    return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
 
 
 def _parse_seconds(given: float | str) -> float:
