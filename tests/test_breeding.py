@@ -10,9 +10,9 @@ from walkerlab.breeding import (
     OPERATOR_MODULES,
     check_user_operators,
     describe_operators,
-    explain_lost_pressure,
     resolve_operators,
 )
+from walkerlab.evolution.lost_pressure import explain_lost_pressure
 from walkerlab.ga import mutation, selection
 from walkerlab.genome.features import build_genes
 from walkerlab.randomness import random_stream

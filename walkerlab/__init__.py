@@ -23,6 +23,7 @@ _PUBLIC_NAMES = {
         "Crossover",
         "Feature",
         "Fitness",
+        "Frozen",
         "Guard",
         "Mutation",
         "Obstacle",
@@ -34,7 +35,10 @@ _PUBLIC_NAMES = {
     "simulation.robustness": ("Confirmation", "confirm"),
     "world.entities": ("generate_robot", "generate_terrain"),
     "simulation.evaluation": ("Evaluation", "evaluate", "evaluate_population"),
-    "evolution.evolution": ("Evolution", "Generation"),
+    "evolution.evolution": ("Evolution",),
+    "evolution.generation": ("Generation",),
+    "evolution.stages": ("Stage",),
+    "evolution.stopping": ("Stop",),
     "evolution.loading": ("load", "rescue"),
     "evolution.run": ("Run",),
     "evolution.running": ("evolve", "resume"),
@@ -74,12 +78,14 @@ if TYPE_CHECKING:
     from walkerlab.breeding import mutate_population as mutate_population
     from walkerlab.breeding import select_from_population as select_from_population
     from walkerlab.evolution.evolution import Evolution as Evolution
-    from walkerlab.evolution.evolution import Generation as Generation
+    from walkerlab.evolution.generation import Generation as Generation
     from walkerlab.evolution.loading import load as load
     from walkerlab.evolution.loading import rescue as rescue
     from walkerlab.evolution.run import Run as Run
     from walkerlab.evolution.running import evolve as evolve
     from walkerlab.evolution.running import resume as resume
+    from walkerlab.evolution.stages import Stage as Stage
+    from walkerlab.evolution.stopping import Stop as Stop
     from walkerlab.ga.crossover import Children as Children
     from walkerlab.ga.user_functions import OperatorError as OperatorError
     from walkerlab.genome.features import gene_table as gene_table
@@ -92,6 +98,7 @@ if TYPE_CHECKING:
     from walkerlab.settings.choices import Crossover as Crossover
     from walkerlab.settings.choices import Feature as Feature
     from walkerlab.settings.choices import Fitness as Fitness
+    from walkerlab.settings.choices import Frozen as Frozen
     from walkerlab.settings.choices import Guard as Guard
     from walkerlab.settings.choices import Mutation as Mutation
     from walkerlab.settings.choices import Obstacle as Obstacle

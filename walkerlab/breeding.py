@@ -3,7 +3,6 @@
 The public functions at the end keep the names used in the 2017 design.
 """
 
-import inspect
 from collections.abc import Callable, Iterable
 from functools import partial
 from types import ModuleType
@@ -17,8 +16,9 @@ from walkerlab.ga import checks, crossover, mutation, selection
 from walkerlab.ga.crossover import Children
 from walkerlab.ga.genes import Floats, Genes, Indices
 from walkerlab.ga.operators import Operators, cross_in_turn, mutate_in_turn, select_in_turn
-from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
+from walkerlab.ga.population import fitness_for_comparison
 from walkerlab.ga.selection import require_finite
+from walkerlab.ga.slots import unbound_keywords
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.repair import repair
@@ -28,10 +28,6 @@ from walkerlab.settings.arguments import require_algorithm, require_count
 from walkerlab.settings.choices import Choice, Crossover, Mutation, Selection
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.values import function_name, short_repr
-from walkerlab.text.numbers import format_significant
-
-MIN_LEAD = 0.05  # minimum lead of the best fitness over the median, as a fraction of the larger absolute value
-MIN_COUNTED = 8  # minimum number of individuals that count; with fewer, the median can be near the best by chance
 
 GENERATION_MEANING = "the number of the generation that is created"
 
@@ -65,22 +61,13 @@ def resolve_operators(algorithm: Algorithm) -> Operators:
         return getattr(OPERATOR_MODULES[type(operator)], operator.name) if isinstance(operator, Choice) else operator
 
     def bind_settings(mutate: Operator) -> Operator:
-        keywords = _unbound_keywords(mutate)
+        keywords = unbound_keywords(mutate)
         values = {name: value for name, value in mutation_settings.items() if name in keywords}
         return partial(mutate, **values) if values else mutate
 
     slots = (algorithm.selection, algorithm.crossover, algorithm.mutation)
     select, cross, mutate = (tuple(map(resolve, slot_entries(slot))) for slot in slots)
     return Operators(select=select, cross=cross, mutate=tuple(map(bind_settings, mutate)))
-
-
-def _unbound_keywords(operator: Operator) -> set[str]:
-    """Return the parameters of an operator that are not bound by name; empty if it has no signature."""
-    try:
-        parameters = inspect.signature(operator).parameters
-    except (TypeError, ValueError):  # reported by the check of user operators
-        return set()
-    return parameters.keys() - (operator.keywords if isinstance(operator, partial) else {})
 
 
 def slot_entries(slot: Any) -> tuple[Choice | Operator, ...]:
@@ -96,36 +83,6 @@ def describe_operators(algorithm: Algorithm) -> str:
     )
 
 
-def explain_lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:
-    """Return why ``gradient`` hardly prefers the best individual and how to fix that, or "" if there is no problem.
-
-    The measure is ``selection_pressure``. The pressure counts as lost if it is below ``MIN_PRESSURE`` although the best
-    fitness exceeds the median by at least ``MIN_LEAD``. With a smaller lead the population has converged, and there is
-    nothing to fix.
-
-    Args:
-        fitness: Fitness of each individual of a generation, shape (n,).
-        algorithm: Settings of the algorithm.
-
-    Returns:
-        Explanation, or "".
-    """
-    counted = fitness[fitness != NOT_COUNTED]
-    if resolve_operators(algorithm).select[0] is not selection.gradient or len(counted) < MIN_COUNTED:
-        return ""
-    worst, median, best = np.quantile(counted, [0, 0.5, 1])
-    pressure = selection.selection_pressure(selection.gradient_probabilities(counted))
-    if pressure >= selection.MIN_PRESSURE or best - median < MIN_LEAD * max(abs(best), abs(median)):
-        return ""
-    return (
-        f"the lowest fitness, {format_significant(worst)}, is so far below the others that gradient selection hardly "
-        f"prefers the best robot: its fitness is {format_significant(best)} and the median "
-        f"{format_significant(median)}, yet "
-        f"it is selected only {pressure - 1:.2%} more often than the median robot. Select by rank instead: "
-        'settings.with_(selection="rank"), or set a lower bound on the fitness.'
-    )
-
-
 def check_user_operators(algorithm: Algorithm, genes: Genes) -> None:
     """Check each user operator of an algorithm on a trial population, before any simulation.
 
@@ -135,7 +92,7 @@ def check_user_operators(algorithm: Algorithm, genes: Genes) -> None:
     """
     resolved = resolve_operators(algorithm)
     slots: tuple[tuple[Any, tuple[Operator, ...], Callable[[Operator], None]], ...] = (
-        (algorithm.selection, resolved.select, lambda select: checks.check_select(select)),
+        (algorithm.selection, resolved.select, lambda select: checks.check_select(select, genes)),
         (algorithm.crossover, resolved.cross, lambda cross: checks.check_cross(cross, genes)),
         (algorithm.mutation, resolved.mutate, lambda mutate: checks.check_mutate(mutate, genes)),
     )
@@ -179,7 +136,14 @@ def generate_robot_population(robot: Robot, size: int, *, seed: int) -> Floats:
     )
 
 
-def select_from_population(fitness: ArrayLike, n_parents: int, algorithm: Algorithm, *, generation: int) -> Indices:
+def select_from_population(
+    fitness: ArrayLike,
+    n_parents: int,
+    algorithm: Algorithm,
+    *,
+    generation: int,
+    genomes: Individuals | None = None,
+) -> Indices:
     """Select parents with the algorithm's selection operators.
 
     Args:
@@ -187,12 +151,15 @@ def select_from_population(fitness: ArrayLike, n_parents: int, algorithm: Algori
         n_parents: Number of parents to select.
         algorithm: Settings of the algorithm.
         generation: Number of the generation that is created, which determines the random numbers.
+        genomes: Genome of each individual, all of the same length; required by selection
+            operators with a keyword ``genomes``.
 
     Returns:
         Indices into ``fitness``, shape (n_parents,).
 
     Raises:
-        ValueError: If ``fitness`` is empty or not a row of numbers, or contains NaN or +inf.
+        ValueError: If ``fitness`` is empty or not a row of numbers, or contains NaN or +inf; or if the number of
+            genomes differs from the number of fitness values.
     """
     select = resolve_operators(algorithm).select
     values = _as_fitness(fitness)
@@ -200,7 +167,18 @@ def select_from_population(fitness: ArrayLike, n_parents: int, algorithm: Algori
         raise ValueError("fitness is empty; it must have a number for each individual to select from")
     require_count(n_parents, "n_parents", "the number of parents to select")
     require_count(generation, "generation", GENERATION_MEANING, low=0)
-    return select_in_turn(select, values, n_parents, seed=algorithm.seed, generation=generation)
+    table = None if genomes is None else np.array([genome.values for genome in read_genomes(genomes)])
+    if table is not None and len(table) != len(values):
+        raise ValueError(f"genomes must have one genome for each fitness, {len(values)}; got {len(table)}")
+    return select_in_turn(
+        select,
+        values,
+        n_parents,
+        seed=algorithm.seed,
+        generation=generation,
+        generations=algorithm.generations,
+        genomes=table,
+    )
 
 
 def crossover_population(
@@ -238,7 +216,14 @@ def crossover_population(
     comparable = fitness_for_comparison(fitness)
     require_finite(comparable)
     return cross_in_turn(
-        cross, genomes, comparable, n_children, genes=genes, seed=algorithm.seed, generation=generation
+        cross,
+        genomes,
+        comparable,
+        n_children,
+        genes=genes,
+        seed=algorithm.seed,
+        generation=generation,
+        generations=algorithm.generations,
     )
 
 
@@ -258,7 +243,10 @@ def mutate_population(genomes: Individuals, robot: Robot, algorithm: Algorithm, 
     genes = build_genes(robot)
     table = _as_table(genomes, robot)
     require_count(generation, "generation", GENERATION_MEANING, low=0)
-    return repair(mutate_in_turn(mutate, table, genes, seed=algorithm.seed, generation=generation), robot)
+    mutated = mutate_in_turn(
+        mutate, table, genes, seed=algorithm.seed, generation=generation, generations=algorithm.generations
+    )
+    return repair(mutated, robot)
 
 
 def _as_fitness(given: ArrayLike) -> Floats:

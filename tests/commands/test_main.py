@@ -72,7 +72,7 @@ def help_of(command: str, capsys: pytest.CaptureFixture[str]) -> str:
 def test_every_setting_has_a_flag_and_every_flag_a_setting(capsys):
     declared = {(name, field) for name, domain in wl.Settings() for field in type(domain).declared()}
     assert set(flags.flag_names()) == declared
-    general = {"--help", "--out", "--quiet"}
+    general = {"--help", "--out", "--quiet", *flags.STOP_FLAGS}
     shown = set(re.findall(r" (--[a-z][a-z-]*)", help_of("evolve", capsys).partition("options:")[2]))
     assert shown - general == set(flags.flag_names().values())
 

@@ -65,6 +65,26 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
         )
 
 
+STOP_FLAGS = {
+    "--stop-after": ("after", "TIME", "begin no further generation after this time, such as 90s, 10min or 1h"),
+    "--target": ("target", "X", "stop when the best fitness is this high"),
+    "--patience": ("patience", "N", "stop after this number of generations without a fitter robot"),
+}
+"""Flag of each condition under which a run stops: field of ``Stop``, placeholder and help."""
+
+
+def add_stop_flags(parser: argparse.ArgumentParser) -> None:
+    """Add a flag for each condition under which a run stops."""
+    for flag, (field, metavar, about) in STOP_FLAGS.items():
+        parser.add_argument(flag, dest=f"stop_{field}", type=parse_value, metavar=metavar, help=about)
+
+
+def stop_conditions(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the conditions under which a run stops, as arguments of ``Stop``; empty if there is no flag for any."""
+    fields = [field for field, *_ in STOP_FLAGS.values()]
+    return {field: values[f"stop_{field}"] for field in fields if values[f"stop_{field}"] is not None}
+
+
 def build_settings(values: Mapping[str, Any], unknown_words: Sequence[str] = ()) -> Settings:
     """Create settings from parsed flags.
 
@@ -84,9 +104,19 @@ def build_settings(values: Mapping[str, Any], unknown_words: Sequence[str] = ())
         return Settings(**domains)
 
 
+def given_settings(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings that have a flag, by the name that ``Settings.with_`` takes.
+
+    Args:
+        values: Value of each given setting, by ``domain.field``; other keys are ignored.
+    """
+    places = {f"{domain}.{field}": name for name, (domain, field) in Settings.field_locations().items()}
+    return {places[place]: _unpack_preset(value) for place, value in values.items() if place in places}
+
+
 def _describe_unknown(words: Sequence[str]) -> list[str]:
     """Describe each unknown flag, or each unknown word if no flag is unknown, with the most similar flag."""
-    known = list(flag_names().values())
+    known = [*flag_names().values(), *STOP_FLAGS]
     unknown = [word for word in words if word.startswith("--")] or words
     guesses = [get_close_matches(word, known, n=1) for word in unknown]
     return [

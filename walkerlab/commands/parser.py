@@ -33,18 +33,25 @@ def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.Argu
         "evolve",
         runs.evolve_command,
         "evolve robots and write the run into a new folder",
-        "[--out FOLDER] [--quiet] [--SETTING VALUE ...]",
+        "[--out FOLDER] [--quiet] [--stop-after TIME] [--target X] [--patience N] [--SETTING VALUE ...]",
     )
     evolve.add_argument(
         "--out", type=flags.parse_path, default="walk", metavar="FOLDER", help="folder of the run [walk]"
     )
     evolve.add_argument("--quiet", action="store_true", help="print only errors")
+    flags.add_stop_flags(evolve)
     flags.add_flags(evolve)
 
-    resume = add_command("resume", runs.resume_command, "resume a run", "PATH [--generations N] [--quiet]")
+    resume = add_command(
+        "resume",
+        runs.resume_command,
+        "resume a run",
+        "PATH [--generations N] [--quiet] [--stop-after TIME] [--target X] [--patience N] [--SETTING VALUE ...]",
+    )
     resume.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")
-    resume.add_argument("--generations", type=int, metavar="N", help="total number of generations")
     resume.add_argument("--quiet", action="store_true", help="print only errors")
+    flags.add_stop_flags(resume)
+    flags.add_flags(resume)
 
     show = add_command("show", runs.show_command, "print a summary of a run", "PATH")
     show.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")

@@ -14,6 +14,7 @@ from walkerlab.text.escape import printable
 
 if TYPE_CHECKING:
     from walkerlab.evolution.run import Run
+    from walkerlab.evolution.stopping import Stop
 
 
 def evolve_command(arguments: argparse.Namespace) -> int:
@@ -27,6 +28,7 @@ def evolve_command(arguments: argparse.Namespace) -> int:
         from walkerlab.view import summary
 
     settings = flags.build_settings(vars(arguments), arguments.unknown_words)
+    stop = _build_stop(arguments)
     path = folder_path(arguments.out, "--out") / RUN_FILE
     if path.exists():
         raise RunFileError(
@@ -39,7 +41,7 @@ def evolve_command(arguments: argparse.Namespace) -> int:
     with interrupts_held():
         from walkerlab.evolution import running  # imports mujoco
     try:
-        run = running.evolve(settings, path, progress=not arguments.quiet)
+        run = running.evolve(settings, path, progress=not arguments.quiet, stop=stop)
     except KeyboardInterrupt:
         if not path.exists() or not (run := load(path)).n_generations:
             raise
@@ -49,31 +51,46 @@ def evolve_command(arguments: argparse.Namespace) -> int:
 def resume_command(arguments: argparse.Namespace) -> int:
     """Resume a run; if it is complete, write missing output files. Return the exit code."""
     with interrupts_held():
+        from walkerlab.commands import flags
         from walkerlab.evolution import outputs
         from walkerlab.evolution.loading import load, reject_version_1
         from walkerlab.evolution.stored_functions import restore_user_functions
         from walkerlab.simulation.workers import n_cores
         from walkerlab.view import summary
 
+    stop = _build_stop(arguments)
+    changes = flags.given_settings(vars(arguments))
     run = load(arguments.path)
     reject_version_1(run)
-    run = restore_user_functions(run, {})
+    run = restore_user_functions(run, {}, replaced=changes)
     done = run.n_generations
-    wanted = arguments.generations
-    wanted = run.settings.algorithm.generations if wanted is None else wanted
-    if done == wanted and run.path:
+    settings = run.settings.with_(**changes)
+    wanted = settings.algorithm.generations
+    if done == wanted and run.path and not changes.keys() - {"generations"}:
         if not outputs.are_there(run.path):  # the run was stopped before they were written
             _write_outputs(run)
         if not arguments.quiet:
             print(f"All {done} generations are done; to continue: walkerlab {_resume_words(run)}")
         return 0
     if not arguments.quiet and done < wanted:
-        print(summary.describe_start(run.settings.with_(generations=wanted), n_cores(), done=done), flush=True)
+        print(summary.describe_start(settings, n_cores(), done=done), flush=True)
     with interrupts_held():
         from walkerlab.evolution import running
-    return _finish(
-        running.resume(arguments.path, arguments.generations, progress=not arguments.quiet), quiet=arguments.quiet
-    )
+    run = running.resume(arguments.path, progress=not arguments.quiet, stop=stop, **changes)
+    return _finish(run, quiet=arguments.quiet)
+
+
+def _build_stop(arguments: argparse.Namespace) -> Stop | None:
+    """Return the conditions under which the run stops, from the flags; None without any.
+
+    Raises:
+        StopError: If a value is not allowed.
+    """
+    from walkerlab.commands import flags
+    from walkerlab.evolution.stopping import Stop
+
+    conditions = flags.stop_conditions(vars(arguments))
+    return Stop(**conditions) if conditions else None
 
 
 def _resume_words(run: Run) -> str:
@@ -101,7 +118,7 @@ def _finish(run: Run, *, quiet: bool) -> int:
     folder = run.path.parent
     wanted = run.settings.algorithm.generations
     is_stopped = run.n_generations < wanted
-    if is_stopped:
+    if is_stopped and not (quiet and run.stop_reason):
         print(f"\n{_describe_stopped_run(run)}", file=sys.stderr if quiet else sys.stdout)
     if not quiet:
         print()
@@ -121,7 +138,7 @@ def _finish(run: Run, *, quiet: bool) -> int:
         }
         width = max(map(len, next_steps))
         print("\n".join(f"  walkerlab {words:{width}}   {about}" for words, about in next_steps.items()))
-    return EXIT_INTERRUPTED if is_stopped else 0
+    return EXIT_INTERRUPTED if is_stopped and not run.stop_reason else 0
 
 
 def _write_outputs(run: Run) -> None:
@@ -140,7 +157,7 @@ def _write_outputs(run: Run) -> None:
 def show_command(arguments: argparse.Namespace) -> int:
     """Print a summary of a run; return the exit code."""
     from walkerlab.evolution.loading import load
-    from walkerlab.runfile import paths, store
+    from walkerlab.runfile import paths, provenance, store
     from walkerlab.view import summary
 
     run = load(arguments.path)
@@ -149,10 +166,15 @@ def show_command(arguments: argparse.Namespace) -> int:
     records = run.records
     print_safely(f"{display_path(path)}: {run.n_generations} of {run.settings.algorithm.generations} generations")
     run_facts, versions = store.read_facts(path)
+    versions.pop(provenance.STOPPED, None)
+    if run.stop_reason:
+        print_safely(f"stopped because {run.stop_reason}")
     for title, facts in (("it has", run_facts), ("made with", versions)):
         if not facts:
             continue  # a run without generations
         print_safely(f"{title} {', '.join(printable(f'{name} {fact}') for name, fact in facts.items())}")
+    for stage in run.stages[1:]:
+        print_safely(f"from generation {stage.first} on with {printable(stage)}")
     print_safely(f"\n{summary.list_changed_settings(settings)}")
     if not run.n_generations:
         print_safely(f"\nNo generation is complete yet. Start the first one: walkerlab {_resume_words(run)}")
@@ -207,4 +229,6 @@ def _describe_stopped_run(run: Run) -> str:
     progress = f"after {done} of {wanted} generations, which are saved"
     if not done:
         progress = "before the first generation was complete; the settings are saved"
+    if run.stop_reason:
+        progress += f", because {run.stop_reason}"
     return f"Stopped {progress}.\nResume with: walkerlab resume {_run_path(run)}"

@@ -1,9 +1,9 @@
 """Evolve one generation at a time: breed it, evaluate it, store it."""
 
+import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar, Self
@@ -14,14 +14,19 @@ import pandas as pd
 from walkerlab.breeding import (
     check_user_operators,
     describe_operators,
-    explain_lost_pressure,
     generate_robot_population,
     resolve_operators,
 )
+from walkerlab.evolution.arguments import reject_unknown_arguments
+from walkerlab.evolution.founders import FirstPopulation, fit_genomes, place_founders, read_founders
+from walkerlab.evolution.generation import Generation
 from walkerlab.evolution.insertion import InsertedGenomes
 from walkerlab.evolution.interruption import save_after
-from walkerlab.evolution.rerating import Recorded, confirm_ratings, function_facts
+from walkerlab.evolution.lost_pressure import explain_lost_pressure
+from walkerlab.evolution.rerating import Recorded, confirm_ratings, function_facts, rate_again
 from walkerlab.evolution.run import Run, RunProperties
+from walkerlab.evolution.stages import Stage, changes_walks, record_history
+from walkerlab.evolution.stopping import Improvement, Stop, find_stop_reason, require_stop
 from walkerlab.evolution.stored_functions import check_storable
 from walkerlab.ga.genes import Floats
 from walkerlab.ga.loop import first_population, next_population
@@ -29,42 +34,19 @@ from walkerlab.ga.population import Population
 from walkerlab.ga.user_functions import OperatorError
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome
-from walkerlab.genome.repair import repair
 from walkerlab.runfile import paths, provenance, records
 from walkerlab.runfile.archive import Archive
+from walkerlab.runfile.history import History
 from walkerlab.runfile.opening import DamagedError
-from walkerlab.runfile.records import EvaluationRow, Individual
+from walkerlab.runfile.records import EvaluationRow
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import code_text, did_you_mean
 from walkerlab.simulation import fitness, workers
 from walkerlab.simulation.evaluation import evaluate
 from walkerlab.simulation.pausable import Stopped
 from walkerlab.simulation.validity import REJECTED
 from walkerlab.system.interrupts import interrupts_held
 from walkerlab.system.time_limit import effective_limit
-
-
-@dataclass(frozen=True, eq=False)
-class Generation:
-    """One evaluated generation.
-
-    Attributes:
-        number: Number of the generation; 0 is the initial random generation.
-    """
-
-    number: int
-    _table: pd.DataFrame
-
-    @property
-    def records(self) -> pd.DataFrame:
-        """Copy of the rows of this generation in the tidy table."""
-        return records.copy_table(self._table)
-
-    @property
-    def champion(self) -> Individual:
-        """Fittest robot of this generation."""
-        return records.find_champion(self._table)
 
 
 class Evolution(RunProperties):
@@ -77,9 +59,9 @@ class Evolution(RunProperties):
     """
 
     INSTEAD: ClassVar = {
-        "settings": "All generations of a run are made with the same settings, which its file records. To evolve with "
-        "other settings, start a new evolution: wl.Evolution(evolution.settings.with_(...)). To add generations to a "
-        "run that has a file, resume it: wl.resume(path, generations=...).",
+        "settings": "An evolution keeps its settings, which its file records. To evolve with other settings, start a "
+        "new evolution: wl.Evolution(evolution.settings.with_(...)). To continue a run that has a file with more "
+        "generations or other settings, resume it: wl.resume(path, generations=..., structure=...).",
         "path": "The generations so far are stored there. Copy that file to store the run elsewhere.",
     }
 
@@ -90,6 +72,8 @@ class Evolution(RunProperties):
         executor: Executor | None = None,
         *,
         on_walks: Callable[[int], None] = lambda _: None,
+        stop: Stop | None = None,
+        population: FirstPopulation | None = None,
         **unknown: Any,
     ) -> None:
         """Check the arguments and create the run file, without any simulation.
@@ -99,12 +83,15 @@ class Evolution(RunProperties):
             path: Run file to create; if None, the run is discarded when it is no longer referenced.
             executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
             on_walks: Function that is called with the number of newly finished walks.
+            stop: Conditions under which the iteration stops before the last generation.
+            population: First individuals of generation 0, as for ``evolve``.
             **unknown: Rejected; individual settings belong in ``settings``.
 
         Raises:
             TypeError: If an argument is of the wrong type, or its name is unknown.
             OperatorError: If a user function does not do what its slot requires.
-            SettingsError: If the settings cannot be stored in a run file.
+            SettingsError: If the settings cannot be stored in a run file, or freeze genes without a population.
+            ValueError: If ``population`` has no genomes or too many, or one is not valid.
             RuntimeError: If the executor is closed.
             RunFileError: If ``path`` exists already or cannot be created.
         """
@@ -119,24 +106,30 @@ class Evolution(RunProperties):
         self._settings = settings
         self._path = None if path is None else paths.new_path(path)
         self._on_walks = on_walks
-        self._archive = Archive.create(settings.model_dump(), self._path)  # after all checks
+        self._stop = require_stop(stop)
+        self._stop_reason = ""
+        self._best_before = -np.inf
+        self._founders = read_founders(population, settings)
+        self._stages = (Stage(0, settings),)
+        self._archive = Archive.create(settings.model_dump(), self._path, History(self._founders))  # after all checks
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._population: Population[EvaluationRow] | None = None
         self._functions = function_facts(settings)
         self._rated_since = 0
         self._has_warned = False
         self._inserted = InsertedGenomes(settings.algorithm)
+        self._origins = {number: founder.origin for number, founder in enumerate(self._founders)}
 
     @classmethod
     def continue_run(
-        cls, run: Run, path: Path, settings: Settings, facts: Mapping[str, str], rerate: bool, **options: Any
+        cls, run: Run, path: Path, stages: tuple[Stage, ...], facts: Mapping[str, str], rerate: bool, **options: Any
     ) -> Self:
         """Return an evolution that continues a stored run after its last generation.
 
         Args:
             run: Loaded run, with its user functions.
             path: Its run file.
-            settings: Settings of the run, perhaps with more generations.
+            stages: Stages of the run; the last has the settings for further generations.
             facts: Provenance of the last generation.
             rerate: Whether to continue from new ratings of the last generation if they differ from the stored ones.
             **options: Keyword arguments of ``Evolution``.
@@ -144,7 +137,9 @@ class Evolution(RunProperties):
         Raises:
             RunFileError: If the ratings differ and ``rerate`` is false, or the file is damaged.
         """
-        evolution = cls(settings, **options)
+        settings = stages[-1].settings
+        evolution = cls(settings, population=run.founders or None, **options)
+        evolution._stages = stages
         table = run.records
         evolution._path = path
         evolution._rated_since = run.rated_since
@@ -152,23 +147,32 @@ class Evolution(RunProperties):
             try:
                 evolution._population = records.last_population(table)
                 evolution._inserted.set_next_generation(evolution.n_generations)
+                evolution._remember_origins(table)
             except ValueError as error:
                 raise DamagedError(path, str(error)) from error
             if evolution.n_generations < settings.algorithm.generations:
                 evolution._confirm_ratings(table, facts, rerate)
+            rated = table.fitness[table.generation >= evolution._rated_since]
+            evolution._best_before = max([*rated, *evolution._population.fitness])
         if evolution._rated_since:
             evolution._functions[provenance.RATED_SINCE] = str(evolution._rated_since)
         current = table.loc[table.generation >= evolution._rated_since, :]  # older ratings come from another function
-        evolution._archive = Archive.resume(path, current, settings.model_dump())
+        history = record_history(stages, evolution._founders)
+        evolution._archive = Archive.resume(path, current, settings.model_dump(), history)
         return evolution
 
     def _confirm_ratings(self, table: pd.DataFrame, facts: Mapping[str, str], rerate: bool) -> None:
-        """Make sure that the last generation is rated by the current fitness function."""
+        """Make sure that the last generation is rated under the current settings by the current fitness function."""
         assert self._path
         assert self._population
         is_elsewhere = bool(provenance.describe_differences(facts, provenance.current_facts()))
         recorded = Recorded(self._path, facts, is_elsewhere, has_fitness=bool(np.isfinite(table.fitness).any()))
         walk_again = partial(self._evaluate, on_done=lambda _: None)
+        stage = self._stages[-1]
+        if stage.first == self.n_generations and changes_walks(stage.changes):
+            self._population = rate_again(self._population, walk_again)
+            self._rated_since = self.n_generations
+            return
         self._population, is_new = confirm_ratings(self._population, self.settings, recorded, walk_again, rerate=rerate)
         if is_new:
             self._rated_since = self.n_generations
@@ -178,7 +182,8 @@ class Evolution(RunProperties):
         """The run so far."""
         has_new_ratings = self._rated_since < self.n_generations
         since = self._rated_since if has_new_ratings else 0
-        return Run(self.settings, partial(self._archive.table, self.n_generations), self.path, since)
+        table = partial(self._archive.table, self.n_generations)
+        return Run(self.settings, table, self.path, since, self._stop_reason, self._stages, self._founders)
 
     @property
     def n_generations(self) -> int:
@@ -198,28 +203,48 @@ class Evolution(RunProperties):
             GenomeError: If a text is not a valid genome.
             ValueError: If there is no room for the genome, no generation is done yet, or the run is complete.
         """
-        return self._inserted.add(Genome.of(genome).within(self.settings.robot))
+        values = Genome.of(genome).within(self.settings.robot).values
+        return self._inserted.add(Genome(fit_genomes(values[np.newaxis], self.settings, self._founders)[0]))
 
     def __iter__(self) -> Iterator[Generation]:
-        """Yield each further generation once it is evaluated and stored, up to the number in the settings."""
+        """Yield each further generation once it is evaluated and stored, up to the last or a condition of ``stop``."""
         algorithm = self.settings.algorithm
+        began = time.monotonic()
+        improvement = Improvement(self._best_before)
         while self.n_generations < algorithm.generations:
             try:
                 population = self._breed()
-                table = records.tabulate_generation(population, describe_operators(algorithm))
+                table = records.tabulate_generation(population, describe_operators(algorithm), self._origins)
                 records.name_fitness(table, *fitness.name_and_unit(algorithm.fitness))
+                improvement = improvement.after(float(population.fitness.max()))
+                reason = find_stop_reason(self._stop, improvement, time.monotonic() - began)
+                facts = self._functions | ({provenance.STOPPED: reason} if reason else {})
                 with interrupts_held():  # so that the file and this object always agree
-                    self._archive.add(table, self._functions)
+                    self._archive.add(table, facts)
                     self._population = population
+                    self._stop_reason = reason
+                    self._best_before = improvement.best
+                    self._remember_origins(table)
                     self._inserted.set_next_generation(population.generation + 1)
             except Stopped:
                 raise
             except Exception as error:
                 if self.n_generations or self.path:
-                    save_after(error, self._archive, self.settings, self.n_generations)
+                    self.save_run_after(error)
                 raise
             self._warn_once(population)
             yield Generation(population.generation, table)
+            if reason:
+                return
+
+    def save_run_after(self, error: Exception) -> None:
+        """Make sure that the run is in a named file, and add a note to an error that says how to resume it."""
+        save_after(error, self._archive, self.settings, self.n_generations)
+
+    def _remember_origins(self, table: pd.DataFrame) -> None:
+        """Remember what made each individual of the last generation of a table, for those that will be elites."""
+        last = table.loc[table.generation == table.generation.max(), :]
+        self._origins = dict(zip(last.individual.tolist(), last.operators.tolist(), strict=True))
 
     def _warn_once(self, population: Population[EvaluationRow]) -> None:
         """Warn, at most once per run, if selection cannot distinguish the robots of a generation."""
@@ -241,16 +266,17 @@ class Evolution(RunProperties):
         algorithm = self.settings.algorithm
         if self._population is None:
             genomes = generate_robot_population(robot, algorithm.population_size, seed=algorithm.seed)
-            return first_population(genomes, self._evaluate_new)
+            return first_population(place_founders(genomes, self.settings, self._founders), self._evaluate_new)
         with self._inserted.taking_for(self.n_generations) as inserted:
             return next_population(
                 self._population,
                 resolve_operators(algorithm),
                 build_genes(robot),
                 self._evaluate_new,
-                repair=partial(repair, robot=robot),
+                repair=partial(fit_genomes, settings=self.settings, founders=self._founders),
                 n_elites=algorithm.n_elites,
                 seed=algorithm.seed,
+                generations=algorithm.generations,
                 inserted=np.array([genome.values for genome in inserted]) if inserted else None,
             )
 
@@ -271,18 +297,3 @@ class Evolution(RunProperties):
         if len(new) < len(texts):
             self._on_walks(len(texts) - len(new))
         return [known[text] for text in texts]
-
-
-def reject_unknown_arguments(function: str, unknown: dict[str, Any]) -> None:
-    """Raise a TypeError for unknown arguments; if one is a setting, the message shows where to put it.
-
-    Args:
-        function: Name of the function that was called, ``evolve`` or ``Evolution``.
-        unknown: Arguments that it does not have, by name.
-    """
-    for name, value in unknown.items():
-        if name in Settings.field_locations():
-            call = f"wl.{function}(wl.Settings().with_({name}={code_text(value)}))"
-            raise TypeError(f"{name!r} is a setting, not an argument of {function}. Use: {call}")
-        known = ("settings", "path", "executor", "progress" if function == "evolve" else "on_walks")
-        raise TypeError(f"{function} has no argument {name!r}; it has {', '.join(known)}.{did_you_mean(name, known)}")

@@ -3,7 +3,9 @@
 import warnings
 from pathlib import Path
 
+from walkerlab.evolution.founders import read_founders
 from walkerlab.evolution.run import Run
+from walkerlab.evolution.stages import restore_stages
 from walkerlab.evolution.stored_functions import restore_settings
 from walkerlab.genome.text import is_of_version_1
 from walkerlab.runfile import paths, provenance, records, store
@@ -11,6 +13,7 @@ from walkerlab.runfile.missing_functions import remember_walks
 from walkerlab.runfile.opening import DamagedError, RunFileError
 from walkerlab.system import file_sets
 from walkerlab.system.files import display_path
+from walkerlab.text.escape import printable
 
 
 def load(path: str | Path) -> Run:
@@ -30,18 +33,25 @@ def load(path: str | Path) -> Run:
     path = paths.locate_run_file(path)
     file_sets.restore(path.parent)
     plain, table = store.read(path)
+    history = store.read_history(path)
     _, facts = store.read_facts(path)
     try:
         records.check_table(table)
         settings = restore_settings(plain)
-        since = provenance.rated_since(facts, int(table.generation.nunique()))
+        n_done = int(table.generation.nunique())
+        since = provenance.rated_since(facts, n_done)
+        earlier = [restore_settings(stage.settings) for stage in history.earlier]
+        stages = restore_stages(history, settings, earlier)
+        founders = read_founders(history.founders or None, settings)
+        if history.last_first > n_done:
+            raise ValueError(f"its last stage begins with generation {history.last_first}")
     except (TypeError, KeyError, ValueError, RecursionError) as error:
         raise DamagedError(path, str(error)) from error
     sizes = table.groupby("generation").size()
     if sizes.to_dict() != dict.fromkeys(range(len(sizes)), settings.algorithm.population_size):
         raise DamagedError(path, "its table has too few or too many robots")
-    remember_walks(settings, table)
-    run = Run(settings, table, path, since)
+    remember_walks(settings, table.loc[table.generation >= since, :])
+    run = Run(settings, table, path, since, printable(facts.get(provenance.STOPPED, "")), stages, founders)
     if _is_made_by_version_1(run):
         warnings.warn(
             f"{display_path(path)} was made by walkerlab 0.1. Its table and genomes are complete, but its robots walk "

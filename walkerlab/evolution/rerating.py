@@ -96,7 +96,7 @@ def confirm_ratings(
     is_same_source = recorded.facts.get(FITNESS_FACT) == now and UNKNOWN_SOURCE not in (now or "")
     if not rerate and (now is None or (recorded.is_elsewhere and is_same_source)):
         return population, False
-    rated = _rerate(population, evaluate)
+    rated = rate_again(population, evaluate)
     counted = np.isfinite(population.fitness)
     is_comparable = bool(counted.any()) or is_same_source or not recorded.has_fitness
     if is_comparable and np.array_equal(rated.fitness, population.fitness):
@@ -106,7 +106,7 @@ def confirm_ratings(
     raise RunFileError(_difference_message(population, rated, settings, recorded))
 
 
-def _rerate(
+def rate_again(
     population: Population[EvaluationRow], evaluate: Callable[[Floats], Sequence[Evaluation]]
 ) -> Population[EvaluationRow]:
     """Return a population with new ratings; equal genomes are simulated once."""

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 import pandas as pd
 
+from walkerlab.evolution.stages import Stage
 from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.runfile import records
+from walkerlab.runfile.history import Founder
 from walkerlab.runfile.records import Individual, copy_table
 from walkerlab.settings.choices import Camera, Fitness
 from walkerlab.settings.settings import Settings
@@ -31,7 +33,7 @@ class RunProperties(ReadOnlyProperties):
 
     @property
     def settings(self) -> Settings:
-        """Settings of the run."""
+        """Settings of the run; if they were changed, those of its last stage."""
         return self._settings
 
     @property
@@ -56,6 +58,9 @@ class Run(RunProperties):
         records: pd.DataFrame | Callable[[], pd.DataFrame],
         path: Path | None = None,
         rated_since: int = 0,
+        stop_reason: str = "",
+        stages: tuple[Stage, ...] = (),
+        founders: tuple[Founder, ...] = (),
     ) -> None:
         """Combine settings and a table.
 
@@ -64,16 +69,37 @@ class Run(RunProperties):
             records: Tidy table, or a function that returns it, called on first use.
             path: Run file, or None.
             rated_since: First generation rated by the current fitness function; earlier ones have no champion.
+            stop_reason: Condition of ``stop`` that ended the run; "" if none did.
+            stages: Stages of the run; a single one with ``settings`` if empty.
+            founders: Genomes given for generation 0.
         """
         self._settings = settings
         self._path = path
         self._rated_since = rated_since
+        self._stop_reason = stop_reason
+        self._stages = stages or (Stage(0, settings),)
+        self._founders = founders
         self._source = copy_table(records) if isinstance(records, pd.DataFrame) else records
 
     @property
     def rated_since(self) -> int:
         """First generation rated by the current fitness function; 0 unless ``resume(rerate=True)`` took new ratings."""
         return self._rated_since
+
+    @property
+    def stop_reason(self) -> str:
+        """Condition of ``stop`` that ended the run, such as ``2 generations had no fitter robot``; "" if none did."""
+        return self._stop_reason
+
+    @property
+    def stages(self) -> tuple[Stage, ...]:
+        """Stages of the run: each has ``.first``, its first generation, ``.settings`` and ``.changes``."""
+        return self._stages
+
+    @property
+    def founders(self) -> tuple[Founder, ...]:
+        """Genomes that were given for generation 0, in the order of its first individuals."""
+        return self._founders
 
     @property
     def records(self) -> pd.DataFrame:
@@ -86,12 +112,25 @@ class Run(RunProperties):
         records.name_fitness(table, *fitness.name_and_unit(self.settings.algorithm.fitness))
         if self._rated_since:
             table.attrs["rated_since"] = self._rated_since
+        if changes := {stage.first: str(stage) for stage in self._stages[1:]}:
+            table.attrs["stages"] = changes
+            table.attrs["fitness_since"] = max(
+                (stage.first for stage in self._stages if "fitness" in stage.changes), default=0
+            )
         self._source = table
         return table
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the run with its table."""
-        return Run, (self.settings, self.records, self.path, self._rated_since)
+        return Run, (
+            self.settings,
+            self.records,
+            self.path,
+            self._rated_since,
+            self._stop_reason,
+            self._stages,
+            self._founders,
+        )
 
     def __repr__(self) -> str:
         """Summarise the run in a line."""
@@ -102,9 +141,10 @@ class Run(RunProperties):
         best = self.champion
         result = f"{name} {with_unit(best.fitness, unit)}" if best.verdict == "ok" else "its walk does not count"
         size = self.settings.algorithm.population_size
+        stopped = f"; stopped because {self._stop_reason}" if self._stop_reason else ""
         return (
             f"Run({self.n_generations} generations of {size} robots; champion: robot {best.individual} of "
-            f"generation {best.generation}, {result}{file})"
+            f"generation {best.generation}, {result}{stopped}{file})"
         )
 
     def _repr_html_(self) -> str:

@@ -3,6 +3,8 @@
 import builtins
 import json
 import unicodedata
+from collections.abc import Collection
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -66,25 +68,48 @@ def check_storable(settings: Settings) -> None:
         raise SettingsError("\n".join(faults))
 
 
-def restore_user_functions(run: Run, functions: dict[str, Any]) -> Run:
+def split_changes(settings: Settings, given: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Split the settings given to ``resume`` into the run's own user functions and changed settings.
+
+    In a slot in which the run has a user function, a user function or a function of the same name is its own.
+
+    Args:
+        settings: Settings of the loaded run.
+        given: Settings given, by name.
+
+    Returns:
+        User functions by slot, and changed settings by name.
+
+    Raises:
+        SettingsError: If a name is unknown or a value is not allowed.
+    """
+    changed = settings.with_(**given)
+    functions: dict[str, Any] = {}
+    for slot in user_functions(settings).keys() & given.keys():
+        recorded, now = (slot_entries(getattr(one.algorithm, slot)) for one in (settings, changed))
+        is_same_name = list(map(_name_of_entry, now)) == list(map(_name_of_entry, recorded))
+        if is_same_name or any(_is_user_function(operator, slot) for operator in now):
+            functions[slot] = given[slot]
+    return functions, {name: value for name, value in given.items() if name not in functions}
+
+
+def _name_of_entry(operator: Any) -> str:
+    return operator.name if isinstance(operator, Choice) else name_of(operator)
+
+
+def restore_user_functions(run: Run, functions: dict[str, Any], replaced: Collection[str] = ()) -> Run:
     """Return a loaded run with the user functions that its file does not contain.
 
     Args:
         run: Loaded run.
         functions: User functions, by slot.
+        replaced: Names of settings that change, whose functions are not required.
 
     Raises:
         RunFileError: If a function is missing, or is not the one that the run was made with.
     """
     recorded = {slot: slot_entries(getattr(run.settings.algorithm, slot)) for slot in _BUILT_IN}
-    required = user_functions(run.settings)
-    for slot in functions.keys() - required.keys():
-        if slot in recorded:
-            used = _operators_as_python(recorded[slot])
-            reason = f"the run was made with {slot}={used}, and a run keeps its settings when it is resumed"
-        else:
-            reason = f"the slots for functions are {', '.join(recorded)}"
-        raise RunFileError(f"{display_path(run.path)} cannot be resumed with {slot!r}: {reason}.")
+    required = {slot: code for slot, code in user_functions(run.settings).items() if slot not in replaced}
     settings = run.settings.with_(**functions)
     wrong = [
         f"{slot}={code}"
@@ -99,7 +124,8 @@ def restore_user_functions(run: Run, functions: dict[str, Any]) -> Run:
             "code. To resume the run, pass the functions under the same names; their code may be corrected. In "
             f"Python: wl.resume({display_path(run.path)!r}, {arguments}). To view the run, they are not required."
         )
-    return Run(settings, run.records, run.path, run.rated_since)
+    stages = (*run.stages[:-1], replace(run.stages[-1], settings=settings))
+    return Run(settings, run.records, run.path, run.rated_since, run.stop_reason, stages, run.founders)
 
 
 def user_functions(settings: Settings) -> dict[str, str]:

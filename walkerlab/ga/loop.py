@@ -43,6 +43,7 @@ def next_population(
     repair: Callable[[Floats], Floats],
     n_elites: int,
     seed: int,
+    generations: int | None = None,
     inserted: Floats | None = None,
 ) -> Population[EvaluationT]:
     """Breed and evaluate the next generation, of the same size.
@@ -56,6 +57,7 @@ def next_population(
         n_elites: Number of the best individuals that are carried over unchanged, with their evaluations; fewer if fewer
             individuals count.
         seed: Seed of the run; each operator draws from its own stream.
+        generations: Number of generations of the run, for operators with a keyword ``generations``.
         inserted: Genomes inserted from outside, shape (n_inserted, n_genes), which replace the last children.
 
     Returns:
@@ -78,7 +80,15 @@ def next_population(
     n_children = n - len(elites)
 
     n_parents = n_children + n_children % 2  # whole couples
-    selected = select_in_turn(operators.select, population.fitness, n_parents, seed=seed, generation=generation)
+    selected = select_in_turn(
+        operators.select,
+        population.fitness,
+        n_parents,
+        seed=seed,
+        generation=generation,
+        generations=generations,
+        genomes=population.genomes,
+    )
     crossed = cross_in_turn(
         operators.cross,
         population.genomes[selected],
@@ -87,8 +97,11 @@ def next_population(
         genes=genes,
         seed=seed,
         generation=generation,
+        generations=generations,
     )
-    mutated = mutate_in_turn(operators.mutate, crossed.genomes, genes, seed=seed, generation=generation)
+    mutated = mutate_in_turn(
+        operators.mutate, crossed.genomes, genes, seed=seed, generation=generation, generations=generations
+    )
     inserted = np.empty((0, len(genes))) if inserted is None else inserted
     n_bred = n_children - len(inserted)
     if n_bred < 0:

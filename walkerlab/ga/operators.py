@@ -41,7 +41,14 @@ class Operators:
 
 
 def select_in_turn(
-    operators: Sequence[Select], fitness: Floats, n_parents: int, *, seed: int, generation: int
+    operators: Sequence[Select],
+    fitness: Floats,
+    n_parents: int,
+    *,
+    seed: int,
+    generation: int,
+    generations: int | None = None,
+    genomes: Floats | None = None,
 ) -> Indices:
     """Apply selection operators in turn, each to the individuals that the previous one selected.
 
@@ -51,6 +58,8 @@ def select_in_turn(
         n_parents: Number of parents that each operator returns.
         seed: Seed of the run.
         generation: Number of the generation that is created.
+        generations: Number of generations of the run, for operators with this keyword.
+        genomes: Genome of each individual, shape (n, n_genes), for operators with this keyword.
 
     Returns:
         Indices into ``fitness``, shape (n_parents,).
@@ -66,7 +75,10 @@ def select_in_turn(
         selected = np.arange(len(fitness))
     for position, select in enumerate(operators):
         with _operator_stream("selection", seed, generation, position) as rng:
-            selected = selected[run_select(select, comparable[selected], n_parents, rng=rng)]
+            offered = _known(generation=generation, generations=generations)
+            if genomes is not None:
+                offered["genomes"] = genomes[selected]
+            selected = selected[run_select(select, comparable[selected], n_parents, rng=rng, offered=offered)]
     return selected
 
 
@@ -79,6 +91,7 @@ def cross_in_turn(
     genes: Genes,
     seed: int,
     generation: int,
+    generations: int | None = None,
 ) -> Children:
     """Apply crossover operators in turn, each to the children of the previous one, with their parents' mean fitness.
 
@@ -90,6 +103,7 @@ def cross_in_turn(
         genes: Gene table.
         seed: Seed of the run.
         generation: Number of the generation that is created.
+        generations: Number of generations of the run, for operators with this keyword.
 
     Returns:
         Children, with indices into ``parents`` even after several crossovers.
@@ -98,17 +112,26 @@ def cross_in_turn(
         OperatorError: If an operator does not work.
     """
     children = Children(parents, np.arange(len(parents))[:, None])
+    offered = _known(genes=genes, generation=generation, generations=generations)
     for position, cross in enumerate(operators):
         is_last = position == len(operators) - 1
         n = n_children if is_last else len(parents)
         with _operator_stream("crossover", seed, generation, position) as rng:
-            genomes, direct_parents = run_cross(cross, children.genomes, fitness, n, genes=genes, rng=rng)
+            genomes, direct_parents = run_cross(cross, children.genomes, fitness, n, rng=rng, offered=offered)
         children = Children(genomes, children.parents[direct_parents].reshape(n, -1))
         fitness = fitness[direct_parents].mean(axis=1)
     return children
 
 
-def mutate_in_turn(operators: Sequence[Mutate], genomes: Floats, genes: Genes, *, seed: int, generation: int) -> Floats:
+def mutate_in_turn(
+    operators: Sequence[Mutate],
+    genomes: Floats,
+    genes: Genes,
+    *,
+    seed: int,
+    generation: int,
+    generations: int | None = None,
+) -> Floats:
     """Apply mutation operators in turn.
 
     Args:
@@ -117,6 +140,7 @@ def mutate_in_turn(operators: Sequence[Mutate], genomes: Floats, genes: Genes, *
         genes: Gene table.
         seed: Seed of the run.
         generation: Number of the generation that is created.
+        generations: Number of generations of the run, for operators with this keyword.
 
     Returns:
         Mutated genomes, shape (n, n_genes).
@@ -124,10 +148,16 @@ def mutate_in_turn(operators: Sequence[Mutate], genomes: Floats, genes: Genes, *
     Raises:
         OperatorError: If an operator does not work.
     """
+    offered = _known(generation=generation, generations=generations)
     for position, mutate in enumerate(operators):
         with _operator_stream("mutation", seed, generation, position) as rng:
-            genomes = run_mutate(mutate, genomes, genes, rng=rng)
+            genomes = run_mutate(mutate, genomes, genes, rng=rng, offered=offered)
     return genomes
+
+
+def _known(**values: object) -> dict[str, object]:
+    """Return the arguments that are not None."""
+    return {name: value for name, value in values.items() if value is not None}
 
 
 @contextmanager

@@ -1,9 +1,16 @@
-"""The three operator slots: how each operator is called, and the checks of what it returns."""
+"""The three operator slots: how each operator is called, and the checks of what it returns.
+
+An operator also receives each of the following that it accepts as a keyword, unless ``functools.partial`` has bound
+it: ``generation``, the number of the generation that is created; ``generations``, the number of generations of the run;
+``genes``, the gene table (crossover operators); ``genomes``, the genomes of the individuals in ``fitness`` (selection
+operators).
+"""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from copy import deepcopy
+from functools import partial
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -15,7 +22,10 @@ from walkerlab.ga.genes import Floats, Genes, Indices
 from walkerlab.ga.user_functions import RUN_TIME_LIMIT, OperatorError, Slot, call_in_slot, describe_result
 
 Select: TypeAlias = Callable[..., Indices]
-"""``select(fitness, n_parents, *, rng)`` -> indices into ``fitness``, shape (n_parents,)."""
+"""``select(fitness, n_parents, *, rng)`` -> indices into ``fitness``, shape (n_parents,).
+
+With a keyword ``genomes``, it also receives the genomes of the individuals in ``fitness``, shape (n, n_genes).
+"""
 
 Cross: TypeAlias = Callable[..., tuple[Floats, Indices]]
 """``cross(parents, fitness, n_children, *, rng)`` -> ``Children``; with a keyword ``genes``, it gets the gene table."""
@@ -30,7 +40,13 @@ MUTATION_SLOT = Slot("mutation", "mutate(genomes, genes, *, rng)", "genomes = ge
 
 
 def run_select(
-    select: Select, fitness: Floats, n_parents: int, *, rng: Generator, time_limit: float = RUN_TIME_LIMIT
+    select: Select,
+    fitness: Floats,
+    n_parents: int,
+    *,
+    rng: Generator,
+    offered: Mapping[str, object] = {},
+    time_limit: float = RUN_TIME_LIMIT,
 ) -> Indices:
     """Call a selection operator and check what it returns.
 
@@ -39,6 +55,7 @@ def run_select(
         fitness: Fitness of each individual, shape (n,); finite.
         n_parents: Number of parents to select; may be more than n.
         rng: Random generator; the operator receives copies of it and of all arrays.
+        offered: Further arguments; the operator receives those that it accepts as keywords.
         time_limit: Time limit of a call, s.
 
     Returns:
@@ -48,9 +65,10 @@ def run_select(
         OperatorError: If the operator returns anything else, or breaks another rule for operators.
     """
     label = SELECTION_SLOT.label(select)
+    keywords = _requested(select, offered)
 
     def call() -> object:
-        return select(_read_only_copy(fitness), n_parents, rng=deepcopy(rng))
+        return select(_read_only_copy(fitness), n_parents, rng=deepcopy(rng), **_read_only_copies(keywords))
 
     result = call_in_slot(SELECTION_SLOT, select, call, time_limit)
     selected = _as_array(result)
@@ -69,19 +87,19 @@ def run_cross(
     fitness: Floats,
     n_children: int,
     *,
-    genes: Genes,
     rng: Generator,
+    offered: Mapping[str, object] = {},
     time_limit: float = RUN_TIME_LIMIT,
 ) -> Children:
-    """Call a crossover operator, with the gene table if it accepts it, and check what it returns.
+    """Call a crossover operator and check what it returns.
 
     Args:
         cross: Crossover operator.
         parents: Genomes of the parents, shape (n_parents, n_genes).
         fitness: Fitness of each parent, shape (n_parents,); finite.
         n_children: Number of children.
-        genes: Gene table.
         rng: Random generator; the operator receives copies of it and of all arrays.
+        offered: Further arguments; the operator receives those that it accepts as keywords.
         time_limit: Time limit of a call, s.
 
     Returns:
@@ -90,7 +108,7 @@ def run_cross(
     Raises:
         OperatorError: If the operator returns anything else, or breaks another rule for operators.
     """
-    keywords = {"genes": genes} if accepts_genes(cross) else {}
+    keywords = _requested(cross, offered)
     label = CROSSOVER_SLOT.label(cross)
 
     def call() -> object:
@@ -109,7 +127,13 @@ def run_cross(
 
 
 def run_mutate(
-    mutate: Mutate, genomes: Floats, genes: Genes, *, rng: Generator, time_limit: float = RUN_TIME_LIMIT
+    mutate: Mutate,
+    genomes: Floats,
+    genes: Genes,
+    *,
+    rng: Generator,
+    offered: Mapping[str, object] = {},
+    time_limit: float = RUN_TIME_LIMIT,
 ) -> Floats:
     """Call a mutation operator and check what it returns.
 
@@ -118,6 +142,7 @@ def run_mutate(
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
         rng: Random generator; the operator receives copies of it and of all arrays.
+        offered: Further arguments; the operator receives those that it accepts as keywords.
         time_limit: Time limit of a call, s.
 
     Returns:
@@ -126,20 +151,35 @@ def run_mutate(
     Raises:
         OperatorError: If the operator returns anything else, or breaks another rule for operators.
     """
+    keywords = _requested(mutate, offered)
 
     def call() -> object:
-        return mutate(_read_only_copy(genomes), genes, rng=deepcopy(rng))
+        return mutate(_read_only_copy(genomes), genes, rng=deepcopy(rng), **keywords)
 
     result = call_in_slot(MUTATION_SLOT, mutate, call, time_limit)
     return _check_genomes(result, MUTATION_SLOT.label(mutate), genomes.shape, "(n, n_genes)")
 
 
-def accepts_genes(cross: Cross) -> bool:
-    """Return whether a crossover operator has a keyword ``genes``, for the gene table."""
+def unbound_keywords(operator: Callable[..., object]) -> set[str]:
+    """Return the parameters of an operator that are not bound by name; empty if it has no signature."""
     try:
-        return "genes" in inspect.signature(cross).parameters
-    except ValueError:  # functions of C libraries may have no signature
-        return False
+        parameters = inspect.signature(operator).parameters
+    except (TypeError, ValueError):  # functions of C libraries may have no signature
+        return set()
+    return parameters.keys() - (operator.keywords if isinstance(operator, partial) else {})
+
+
+def _requested(operator: Callable[..., object], offered: Mapping[str, object]) -> dict[str, Any]:
+    """Return the offered arguments that an operator accepts as keywords."""
+    names = unbound_keywords(operator)
+    return {name: value for name, value in offered.items() if name in names}
+
+
+def _read_only_copies(keywords: Mapping[str, Any]) -> dict[str, Any]:
+    """Return keyword arguments with a read-only copy of each array."""
+    return {
+        name: _read_only_copy(value) if isinstance(value, np.ndarray) else value for name, value in keywords.items()
+    }
 
 
 def _read_only_copy(array: Floats) -> Floats:

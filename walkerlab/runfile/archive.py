@@ -15,6 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from walkerlab.runfile import store
+from walkerlab.runfile.history import History
 from walkerlab.runfile.records import EvaluationRow, concatenate_tables, copy_table
 
 
@@ -35,35 +36,37 @@ class Archive:
         self._lock = Lock()
 
     @classmethod
-    def create(cls, settings: dict[str, Any], path: Path | None = None) -> Self:
+    def create(cls, settings: dict[str, Any], path: Path | None = None, history: History = store.NO_HISTORY) -> Self:
         """Create the run file, with the settings and without generations.
 
         Args:
             settings: Settings as plain data.
             path: Run file to create; if None, a temporary one that is deleted with the archive.
+            history: Genomes given for generation 0.
 
         Raises:
             RunFileError: If ``path`` exists already or cannot be created.
         """
         file = path or store.open_temporary()
-        archive = cls(file, store.create(file, settings))
+        archive = cls(file, store.create(file, settings, history))
         if not isinstance(file, Path):
             weakref.finalize(archive, file.close)
         return archive
 
     @classmethod
-    def resume(cls, path: Path, table: pd.DataFrame, settings: dict[str, Any]) -> Self:
+    def resume(cls, path: Path, table: pd.DataFrame, settings: dict[str, Any], history: History | None = None) -> Self:
         """Continue a run file.
 
         Args:
             path: Run file.
             table: Generations of the run whose evaluations may be reused; only their index is kept in memory.
             settings: Settings of the further generations, as plain data.
+            history: History of the run; if None, the history in the file stays unchanged.
 
         Raises:
             RunFileError: If the file cannot be written.
         """
-        archive = cls(path, store.prepare_resume(path, settings))
+        archive = cls(path, store.prepare_resume(path, settings, history))
         archive._add_to_index(table)
         return archive
 

@@ -18,6 +18,7 @@ from walkerlab.text.escape import printable
 DIGEST_DIGITS = 16
 MAX_DEPTH = 8  # maximum nesting of functions within functions
 RATED_SINCE = "fitness rated since generation"
+STOPPED = "stopped because"  # recorded with the generation after which a condition stopped the run
 UNKNOWN_SOURCE = "unknown"  # stands in place of a digest
 RECORDED_PACKAGES = ("walkerlab", "mujoco", "dm-control", "numpy")
 

@@ -1,6 +1,7 @@
 """Tidy table of a run: one row for each individual and generation. It is stored, shown and plotted."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from operator import attrgetter
 from typing import Any, NamedTuple, Self, cast
@@ -24,7 +25,7 @@ RECORD_COLUMNS: dict[str, tuple[type, str, str]] = {
     "individual": (int, "", "number of the robot, the same wherever it appears"),
     "born": (int, "generation", "generation in which it first walked; an elite is older than its generation"),
     "parents": (str, "", "numbers of its parents, separated by spaces"),
-    "operators": (str, "", "how it was made: selection > crossover > mutation, random, or by hand"),
+    "operators": (str, "", "how it was made: selection > crossover > mutation, random, given, or by hand"),
     "fitness": (float, "", "higher is better; -inf if the walk does not count"),
     "verdict": (str, "", "ok, or why the walk does not count"),
     "reason": (str, "", "the figures behind the verdict"),
@@ -37,9 +38,10 @@ RECORD_COLUMNS: dict[str, tuple[type, str, str]] = {
     "genome": (str, "", "the genome, as text"),
 }
 """Each column: its type, unit and meaning."""
-
 HAS_COPY_ON_WRITE = int(pd.__version__.partition(".")[0]) >= 3
-INSERTED_BY_HAND = "by hand"  # value of the column operators for an inserted genome
+RANDOM = "random"  # value of the column operators for a random genome of generation 0
+INSERTED_BY_HAND = "by hand"  # for a genome inserted into a later generation
+GIVEN = "given"  # for a genome given for generation 0, perhaps followed by the robot that it comes from
 
 
 class EvaluationRow(NamedTuple):
@@ -70,23 +72,29 @@ class EvaluationRow(NamedTuple):
 _measurements = attrgetter(*EvaluationRow._fields[:-1])
 
 
-def tabulate_generation(population: Population[EvaluationRow], operators: str) -> pd.DataFrame:
+def tabulate_generation(
+    population: Population[EvaluationRow], operators: str, known_origins: Mapping[int, str] = {}
+) -> pd.DataFrame:
     """Write a generation as a table.
 
     Args:
         population: Evaluated generation.
         operators: Names of the operators that produced the children of this generation.
+        known_origins: How individuals were made whose origin is known: elites, and genomes given for generation 0.
 
     Returns:
         Table with a row for each individual, the columns of ``RECORD_COLUMNS``, and their units in ``.attrs``.
     """
-    origins = zip(population.parents, population.born.tolist(), strict=True)
+    origins = zip(population.individuals.tolist(), population.parents, population.born.tolist(), strict=True)
     columns = {
         "generation": population.generation,
         "individual": population.individuals,
         "born": population.born,
         "parents": [" ".join(map(str, parents)) for parents in population.parents],
-        "operators": [operators if parents else INSERTED_BY_HAND if born else "random" for parents, born in origins],
+        "operators": [
+            known_origins.get(i) or (operators if parents else INSERTED_BY_HAND if born else RANDOM)
+            for i, parents, born in origins
+        ],
         **dict(zip(EvaluationRow._fields, zip(*population.evaluations, strict=True), strict=True)),
     }
     return tidy_table(pd.DataFrame(columns))

@@ -42,12 +42,13 @@ class LayoutError(Exception):
     """A SQLite file does not have the layout of a run file; the message is appended to the file name."""
 
 
-def create_tables(db: sqlite3.Connection, settings: str) -> str:
+def create_tables(db: sqlite3.Connection, settings: str, history: str = "") -> str:
     """Create the tables of a new run.
 
     Args:
         db: Open transaction on an empty file.
         settings: Settings as JSON.
+        history: History as JSON; "" if there is none.
 
     Returns:
         Id of the run.
@@ -59,12 +60,26 @@ def create_tables(db: sqlite3.Connection, settings: str) -> str:
     run_id = uuid4().hex
     db.execute("INSERT INTO run VALUES ('id', ?)", [run_id])
     write_settings(db, settings)
+    if history:
+        write_history(db, history)
     return run_id
 
 
 def write_settings(db: sqlite3.Connection, settings: str) -> None:
     """Write the settings, as JSON, and their digest."""
-    facts = {"settings": settings, "settings digest": sha256_digest(settings)}
+    _write_with_digest(db, "settings", settings)
+
+
+def write_history(db: sqlite3.Connection, history: str) -> None:
+    """Write the history, as JSON, and its digest; "" removes it."""
+    if history:
+        _write_with_digest(db, "history", history)
+    else:
+        db.execute("DELETE FROM run WHERE fact IN ('history', 'history digest')")
+
+
+def _write_with_digest(db: sqlite3.Connection, name: str, text: str) -> None:
+    facts = {name: text, f"{name} digest": sha256_digest(text)}
     db.executemany("INSERT OR REPLACE INTO run VALUES (?, ?)", facts.items())
 
 

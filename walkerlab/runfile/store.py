@@ -18,12 +18,14 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.runfile import provenance, schema
+from walkerlab.runfile.history import History
 from walkerlab.runfile.opening import DamagedError, RunFile, RunFileError, draft_of, open_database, open_run
 from walkerlab.runfile.paths import new_path
 from walkerlab.runfile.records import RECORD_COLUMNS, check_table, tidy_table
 from walkerlab.system.files import display_path
 from walkerlab.text import strict_json
 
+NO_HISTORY = History()
 DIGEST_DIGITS = 16  # digits of a digest that are reported
 
 
@@ -60,12 +62,13 @@ def save_temporary(db: sqlite3.Connection) -> Path:
     )
 
 
-def create(file: RunFile, settings: dict[str, Any]) -> str:
+def create(file: RunFile, settings: dict[str, Any], history: History = NO_HISTORY) -> str:
     """Create a run file without generations, atomically.
 
     Args:
         file: Path of the new file, or a temporary file.
         settings: Settings as plain data.
+        history: Genomes given for generation 0.
 
     Returns:
         Id of the run.
@@ -76,9 +79,9 @@ def create(file: RunFile, settings: dict[str, Any]) -> str:
     text = json.dumps(settings)
     if not isinstance(file, Path):
         with open_run(file, "create") as db:
-            return schema.create_tables(db, text)
+            return schema.create_tables(db, text, history.to_json())
     with draft_of(file) as draft, open_run(draft, "create", file) as db:
-        return schema.create_tables(db, text)
+        return schema.create_tables(db, text, history.to_json())
 
 
 def append(file: RunFile, generation: pd.DataFrame, run_id: str, functions: Mapping[str, str] = {}) -> None:
@@ -105,18 +108,21 @@ def append(file: RunFile, generation: pd.DataFrame, run_id: str, functions: Mapp
         _insert_generations(db, generation, _made_with_now(functions))
 
 
-def prepare_resume(path: Path, settings: dict[str, Any]) -> str:
+def prepare_resume(path: Path, settings: dict[str, Any], history: History | None = None) -> str:
     """Upgrade a run file to the current layout, and store the settings for further generations.
 
     Args:
         path: Run file.
         settings: Settings as plain data.
+        history: History to write; if None, the history in the file stays unchanged.
 
     Returns:
         Id of the run.
     """
     with open_run(path, "write") as db:
         schema.write_settings(db, json.dumps(settings))
+        if history is not None:
+            schema.write_history(db, history.to_json())
         return schema.read_fact(db, "id")
 
 
@@ -140,6 +146,19 @@ def read(path: Path) -> tuple[dict[str, Any], pd.DataFrame]:
     """
     with open_run(path, "check") as db:
         return _read_settings(db, path), _read_table(db, path)
+
+
+def read_history(path: Path) -> History:
+    """Read the genomes that were given for generation 0, and the earlier stages.
+
+    Raises:
+        DamagedError: If they were changed or damaged after they were written.
+    """
+    with open_run(path) as db:
+        try:
+            return History.from_json(_read_with_digest(db, path, "history"))
+        except (ValueError, RecursionError) as error:
+            raise DamagedError(path, str(error)) from error
 
 
 def read_facts(path: Path) -> tuple[dict[str, str], dict[str, str]]:
@@ -211,6 +230,7 @@ def _rescue(path: Path, draft: Path, to: Path) -> int:
     try:
         with open_run(path, "rescue") as db:
             settings = _read_settings(db, path)
+            history = _read_with_digest(db, path, "history")
             with suppress(sqlite3.Error, ValueError):
                 for number, (generation, made_with, rows) in enumerate(schema.sealed_generations(db)):
                     if rows is None or generation != number:
@@ -219,7 +239,7 @@ def _rescue(path: Path, draft: Path, to: Path) -> int:
     except DamagedError as error:
         raise RunFileError(f"nothing can be recovered from {display_path(path)}: {error.what}.") from error
     with open_run(draft, "create", to) as db:
-        schema.create_tables(db, json.dumps(settings))
+        schema.create_tables(db, json.dumps(settings), history)
         for made_with, table in undamaged:
             _insert_generations(db, table, made_with)
     return len(undamaged)
@@ -243,13 +263,21 @@ def _require_id(db: sqlite3.Connection, file: RunFile, run_id: str) -> None:
 
 
 def _read_settings(db: sqlite3.Connection, file: RunFile) -> dict[str, Any]:
-    text = schema.read_fact(db, "settings")
-    if schema.sha256_digest(text) != schema.read_fact(db, "settings digest"):
-        raise DamagedError(file, "its settings were changed or damaged after they were written")
+    text = _read_with_digest(db, file, "settings")
     try:
         return strict_json.loads(text)
     except (ValueError, RecursionError) as error:
         raise DamagedError(file, str(error)) from error
+
+
+def _read_with_digest(db: sqlite3.Connection, file: RunFile, name: str) -> str:
+    """Return a fact that has a digest; "" if the run does not have it."""
+    text = schema.read_fact(db, name)
+    digest = schema.read_fact(db, f"{name} digest")
+    verb, written = ("were", "they were") if name == "settings" else ("was", "it was")
+    if (text or digest or name == "settings") and schema.sha256_digest(text) != digest:
+        raise DamagedError(file, f"its {name} {verb} changed or damaged after {written} written")
+    return text
 
 
 def _read_table(db: sqlite3.Connection, file: RunFile, first: float = -math.inf, end: float = math.inf) -> pd.DataFrame:

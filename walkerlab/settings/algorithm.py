@@ -5,7 +5,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import model_validator
 
-from walkerlab.settings.choices import Crossover, Feature, Fitness, Mutation, Selection
+from walkerlab.settings.choices import Crossover, Feature, Fitness, Frozen, Mutation, Selection
 from walkerlab.settings.fields import OneOf, Quantity
 from walkerlab.settings.glossary import DisplayedDomain
 
@@ -45,6 +45,14 @@ class Algorithm(DisplayedDomain, frozen=True):
     favored_gene: Annotated[Feature, OneOf(Feature, about="the feature that favored mutation changes most often")] = (
         Feature.leg_length
     )
+    frozen: Annotated[
+        Any,
+        OneOf(
+            Frozen,
+            about="the list of genes that do not evolve: they keep the values of the first robot given as population",
+            several=True,
+        ),
+    ] = Frozen.none
     seed: Annotated[
         int, Quantity(low=0, high=2**31 - 1, about="the seed of all random numbers of the algorithm", whole=True)
     ] = 0

@@ -115,6 +115,31 @@ class Feature(Choice):
     repeat = 16, "whether the legs copy the nearest legs in front, shape and motion (1), or have genes of their own (0)"
 
 
+class Frozen(Choice):
+    """Genes that evolution does not change: all of the body, all of the gait, or single features."""
+
+    none = 0, "all genes evolve"
+    body = 1, "segments, lengths, masses and legs: only the gait evolves"
+    gait = 2, "rhythm and joints: only the body evolves"
+    segments = 3, Feature.segments.about
+    frequency = 4, Feature.frequency.about
+    length = 5, Feature.length.about
+    mass = 6, Feature.mass.about
+    legs = 7, Feature.legs.about
+    leg_length = 8, Feature.leg_length.about
+    leg_force = 9, Feature.leg_force.about
+    hip_amplitude = 10, Feature.hip_amplitude.about
+    hip_phase = 11, Feature.hip_phase.about
+    hip_offset = 12, Feature.hip_offset.about
+    knee_amplitude = 13, Feature.knee_amplitude.about
+    knee_phase = 14, Feature.knee_phase.about
+    knee_offset = 15, Feature.knee_offset.about
+    stride = 16, Feature.stride.about
+    lag = 17, Feature.lag.about
+    duty = 18, Feature.duty.about
+    repeat = 19, Feature.repeat.about
+
+
 class Guard(Choice):
     """Rule that a walk must follow to count."""
 

@@ -50,7 +50,7 @@ def _origin(row: Any) -> str:
     """Describe how a robot was produced."""
     parents = row.parents.split()
     if not parents:
-        return "made by hand" if row.operators == INSERTED_BY_HAND else "random"
+        return "made by hand" if row.operators == INSERTED_BY_HAND else str(row.operators)
     more = f" and {len(parents) - MAX_PARENTS} more" if len(parents) > MAX_PARENTS else ""
     return f"child of {', '.join(parents[:MAX_PARENTS])}{more}, by {row.operators.replace(' > ', ', ')}"
 

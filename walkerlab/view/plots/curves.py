@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 
 from walkerlab.settings.values import did_you_mean, pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
+from walkerlab.view.plots.stages import mark_stages, with_current_fitness
 from walkerlab.view.plots.style import (
     add_description,
     add_legend,
@@ -43,7 +44,8 @@ MAX_LARGE_MARKERS = 60  # number of generations above which the best robots have
 def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "", look: int | None = None) -> Axes:
     """Draw the best (solid), the median (dashed) and the middle half of the fitness of each generation.
 
-    Only walks that count are included.
+    Only walks that count are included. A dotted line marks the first generation with changed settings. If the
+    fitness function was changed, only the generations with the current function are drawn.
 
     Args:
         records: Table of a run, or the run.
@@ -57,7 +59,7 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     Raises:
         ValueError: If the table contains several runs, or the Axes show another quantity.
     """
-    records = require_table(records, "verdict", "fitness")
+    records = with_current_fitness(require_table(records, "verdict", "fitness"))
     axes = ax or new_axes()
     title = "Fitness of each generation"
     quantity = fitness_label(records)
@@ -80,6 +82,7 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
             f"{prefix}{name} over {pluralize(n_generations, 'generation')}: the best {describe_change(best, unit)}, "
             f"the median {describe_change(median, unit)}."
         )
+    text += mark_stages(axes, records)
     add_description(axes, title, text[0].upper() + text[1:], quantity)
     axes.set_ylabel(escape_label(quantity))
     format_value_axis(axes)

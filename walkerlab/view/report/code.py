@@ -6,7 +6,7 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.breeding import slot_entries
-from walkerlab.runfile.records import INSERTED_BY_HAND, birth_rows
+from walkerlab.runfile.records import GIVEN, INSERTED_BY_HAND, birth_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name
 from walkerlab.text.escape import printable
@@ -27,12 +27,20 @@ def as_python(settings: Settings, records: pd.DataFrame | None = None) -> str:
             same genomes by hand. If None, it evolves the number of generations in the settings.
     """
     inserted: dict[int, list[str]] = {}
+    given: list[str] = []
     if records is not None and not records.empty:
         settings = settings.with_(generations=int(records.generation.max()) + 1)
         inserted_births: Any = birth_rows(records.loc[records.operators == INSERTED_BY_HAND, :])
         for row in inserted_births.itertuples():
             inserted.setdefault(int(row.born), []).append(str(row.genome))
+        is_given: Any = records.operators.str.startswith(GIVEN) & (records.generation == 0)
+        given = records.genome[is_given].map(str).tolist()
     assignment = f"settings = {settings.as_python()}"
+    changed = {} if records is None else records.attrs.get("stages", {})
+    stages = [
+        f"# From generation {first} on, the run was resumed with {printable(changes)}; this code has the last settings."
+        for first, changes in changed.items()
+    ]
     imports = {
         f"from {module} import {name}" for module, name in _functions(settings) if module.startswith(BUILT_IN_MODULES)
     }
@@ -40,22 +48,25 @@ def as_python(settings: Settings, records: pd.DataFrame | None = None) -> str:
         imports.add("from functools import partial")
     if "np." in assignment:
         imports.add("import numpy as np")
-    evolution = _insertion_lines(inserted) if inserted else ["run = wl.evolve(settings)"]
-    return "\n".join([*sorted(imports), "import walkerlab as wl", "", assignment, *evolution])
+    population = ["population = [", *(f"    {text!r}," for text in given), "]"] if given else []
+    arguments = "settings, population=population" if given else "settings"
+    evolution = _insertion_lines(inserted, arguments) if inserted else [f"run = wl.evolve({arguments})"]
+    return "\n".join([*sorted(imports), "import walkerlab as wl", "", *stages, assignment, *population, *evolution])
 
 
-def _insertion_lines(inserted: dict[int, list[str]]) -> list[str]:
+def _insertion_lines(inserted: dict[int, list[str]], arguments: str) -> list[str]:
     """Return the lines of code that evolve a run and insert genomes.
 
     Args:
         inserted: Texts of the genomes, by the generation into which each is inserted.
+        arguments: Arguments of ``Evolution``.
     """
     genomes = (f"    {number}: [{', '.join(map(repr, texts))}]," for number, texts in inserted.items())
     return [
         "inserted = {",
         *genomes,
         "}",
-        "evolution = wl.Evolution(settings)",
+        f"evolution = wl.Evolution({arguments})",
         "for generation in evolution:",
         "    for genome in inserted.get(generation.number + 1, []):",
         "        evolution.insert(genome)",
