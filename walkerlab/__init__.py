@@ -38,6 +38,9 @@ _PUBLIC_NAMES = {
     "evolution.loading": ("load", "rescue"),
     "evolution.run": ("Run",),
     "evolution.running": ("evolve", "resume"),
+    "experiment.compare": ("compare", "sweep"),
+    "experiment.experiment": ("Experiment", "load_experiment"),
+    "experiment.optimisers": ("random_search",),
     "simulation.export": ("export_mjcf",),
     "ga.crossover": ("Children",),
     "ga.user_functions": ("OperatorError",),
@@ -80,6 +83,11 @@ if TYPE_CHECKING:
     from walkerlab.evolution.run import Run as Run
     from walkerlab.evolution.running import evolve as evolve
     from walkerlab.evolution.running import resume as resume
+    from walkerlab.experiment.compare import compare as compare
+    from walkerlab.experiment.compare import sweep as sweep
+    from walkerlab.experiment.experiment import Experiment as Experiment
+    from walkerlab.experiment.experiment import load_experiment as load_experiment
+    from walkerlab.experiment.optimisers import random_search as random_search
     from walkerlab.ga.crossover import Children as Children
     from walkerlab.ga.user_functions import OperatorError as OperatorError
     from walkerlab.genome.features import gene_table as gene_table

@@ -6,7 +6,7 @@ order in which they finish can change a result.
 
 from numpy.random import Generator, SeedSequence, default_rng
 
-PURPOSES = ("population", "selection", "crossover", "mutation", "perturbation", "terrain", "check")
+PURPOSES = ("population", "selection", "crossover", "mutation", "perturbation", "terrain", "check", "search")
 """What random numbers are used for. Results depend on the order: append, never reorder."""
 
 

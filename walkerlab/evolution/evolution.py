@@ -6,7 +6,7 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -43,6 +43,10 @@ from walkerlab.simulation.pausable import Stopped
 from walkerlab.simulation.validity import REJECTED
 from walkerlab.system.interrupts import interrupts_held
 from walkerlab.system.time_limit import effective_limit
+
+
+Recall: TypeAlias = Callable[[list[str]], dict[str, EvaluationRow]]
+"""Function from texts of genomes to the evaluations that are known, by text."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +94,7 @@ class Evolution(RunProperties):
         executor: Executor | None = None,
         *,
         on_walks: Callable[[int], None] = lambda _: None,
+        recall: Recall | None = None,
         **unknown: Any,
     ) -> None:
         """Check the arguments and create the run file, without any simulation.
@@ -99,6 +104,8 @@ class Evolution(RunProperties):
             path: Run file to create; if None, the run is lost once it is unused.
             executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
             on_walks: Function that is called with the number of further walks that are done.
+            recall: Function that returns the known evaluations of genomes, by their texts, given a list of texts; these
+                genomes do not walk. Its caller stores the generations, so that an error saves no other file.
             **unknown: Rejected; single settings belong to ``settings``.
 
         Raises:
@@ -119,6 +126,7 @@ class Evolution(RunProperties):
         self._settings = settings
         self._path = None if path is None else paths.new_path(path)
         self._on_walks = on_walks
+        self._recall = recall
         self._archive = Archive.create(settings.model_dump(), self._path)  # after all checks
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._population: Population[EvaluationRow] | None = None
@@ -215,7 +223,7 @@ class Evolution(RunProperties):
             except Stopped:
                 raise
             except Exception as error:
-                if self.n_generations or self.path:
+                if (self.n_generations or self.path) and not self._recall:
                     save_after(error, self._archive, self.settings, self.n_generations)
                 raise
             self._warn_once(population)
@@ -256,7 +264,7 @@ class Evolution(RunProperties):
     def _evaluate_new(self, genomes: Floats) -> list[EvaluationRow]:
         """Evaluate (n, n_genes) genomes; those that the run has evaluated before, or that are equal, do not walk."""
         texts = [str(Genome(values)) for values in genomes]
-        known = self._archive.find(texts)
+        known = self._archive.find(texts) | (self._recall(texts) if self._recall else {})
         new = {text: row for row, text in enumerate(texts) if text not in known}
         if new:
             rows = list(new.values())
