@@ -44,7 +44,6 @@ from walkerlab.simulation.validity import REJECTED
 from walkerlab.system.interrupts import interrupts_held
 from walkerlab.system.time_limit import effective_limit
 
-
 Recall: TypeAlias = Callable[[list[str]], dict[str, EvaluationRow]]
 """Function from texts of genomes to the evaluations that are known, by text."""
 

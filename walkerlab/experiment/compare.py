@@ -37,9 +37,9 @@ def compare(
 ) -> Experiment:
     """Run each condition with each seed, and return the experiment, which compares them.
 
-    Runs with the same seed are pairs: they have the same first generation, if the limits of the robots are the same, and
-    the same random numbers for every operator that does not differ. Seed by seed, all conditions are run, so that an
-    interrupted experiment has complete pairs. Ctrl-C stops and returns the runs that have ended.
+    Runs with the same seed are pairs: they have the same first generation, if the limits of the robots are the same,
+    and the same random numbers for every operator that does not differ. Seed by seed, all conditions are run, so that
+    an interrupted experiment has complete pairs. Ctrl-C stops and returns the runs that have ended.
 
     The same call with the same ``path`` continues an interrupted experiment; its table becomes the same as that of an
     experiment without an interruption. It can also add seeds.
@@ -87,7 +87,7 @@ def compare(
         if not (run := stored.runs.get((number, seed))) or not run.is_finished
     ]
     if progress and work:
-        print(describe_plan([planned[number].settings for number, _ in work]), flush=True)
+        print(_describe_plan([planned[number].settings for number, _ in work]), flush=True)
     total = sum(n_walks(planned[number].settings) for number, _ in work)
     try:
         with tqdm(total=total, unit=" walks", disable=not progress or not work) as bar:
@@ -117,7 +117,7 @@ def sweep(
     progress: bool = True,
     **values: Any,
 ) -> Experiment:
-    """Compare all combinations of the values of some settings: ``wl.sweep(s, mutation_rate=[0.02, 0.3], n_elites=[0, 2])``.
+    """Compare all combinations of the values of some settings: ``wl.sweep(s, mutation_rate=[0.02, 0.3])``.
 
     Args:
         settings: Settings that all conditions share.
@@ -139,7 +139,7 @@ def sweep(
     return compare(grid(settings, values), seeds, path, executor, progress)
 
 
-def describe_plan(settings: list[Settings]) -> str:
+def _describe_plan(settings: list[Settings]) -> str:
     """Describe the runs that remain, and forecast their duration.
 
     Args:
@@ -149,7 +149,8 @@ def describe_plan(settings: list[Settings]) -> str:
     n_remaining = sum(map(n_walks, settings))
     duration = describe_duration(sum(seconds[id(one)] for one in settings))
     cores = pluralize(workers.n_cores(), "core")
-    return f"{pluralize(len(settings), 'run')}, {pluralize(n_remaining, 'walk')}: {duration} on {cores}. Ctrl-C stops early."
+    runs = pluralize(len(settings), "run")
+    return f"{runs}, {pluralize(n_remaining, 'walk')}: {duration} on {cores}. Ctrl-C stops early."
 
 
 def _check_continuation(path: Path, stored: StoredExperiment, planned: list[Condition], seeds: list[int]) -> list[int]:
@@ -168,8 +169,8 @@ def _check_continuation(path: Path, stored: StoredExperiment, planned: list[Cond
         )
     if changed := [name for name in ours if ours[name] != theirs[name]]:
         raise RunFileError(
-            f"{display_path(path)} holds an experiment whose condition {changed[0]!r} has other settings than the one "
-            f"given: {_describe_changes(theirs[changed[0]], ours[changed[0]])}. {elsewhere}"
+            f"{display_path(path)} holds an experiment whose condition {changed[0]!r} has settings other than "
+            f"those given: {_describe_changes(theirs[changed[0]], ours[changed[0]])}. {elsewhere}"
         )
     for (number, seed), run in stored.runs.items():
         facts = planned[number].function_facts()
@@ -184,8 +185,8 @@ def _check_continuation(path: Path, stored: StoredExperiment, planned: list[Cond
             changed_versions := provenance.describe_differences(run.made_with, provenance.current_facts())
         ):
             warnings.warn(
-                f"the run of condition {planned[number].name!r} with seed {seed} was begun with {changed_versions}; its "
-                "further generations can differ in the last digits from what they would have been there.",
+                f"the run of condition {planned[number].name!r} with seed {seed} was begun with {changed_versions}; "
+                "its further generations can differ in the last digits from what they would have been there.",
                 stacklevel=3,
             )
     added = [seed for seed in seeds if seed not in stored.seeds]
@@ -193,8 +194,8 @@ def _check_continuation(path: Path, stored: StoredExperiment, planned: list[Cond
     if added and all(place in stored.runs and stored.runs[place].is_finished for place in places):
         warnings.warn(
             f"{pluralize(len(added), 'seed')} added to a complete experiment. If the reason is that its result was not "
-            "clear, p-values become too small: whoever adds seeds until a difference appears will find one. Decide on "
-            "the number of seeds first.",
+            "clear, p-values become too small: seeds that are added until a difference appears always find one. Choose "
+            "the number of seeds before the experiment.",
             stacklevel=3,
         )
     return [*stored.seeds, *added]
@@ -283,6 +284,6 @@ def _add_note(error: Exception, file: RunFile) -> None:
         return
     error.saved_path = path  # type: ignore[attr-defined]
     error.add_note(
-        f"The experiment so far is saved in {display_path(path)}. When the error is fixed, continue it with the same call "
-        f"and path={display_path(path)!r}."
+        f"The experiment so far is saved in {display_path(path)}. When the error is fixed, continue it with the same "
+        f"call and path={display_path(path)!r}."
     )

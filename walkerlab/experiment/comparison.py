@@ -75,10 +75,10 @@ def tabulate_conditions(
         thresholds: Fitness to reach, for each condition.
 
     Returns:
-        Table with the columns ``condition``, ``runs``, ``best`` (median of the best fitness of a run), ``best_low`` and
-        ``best_high`` (its interval), ``threshold``, ``reached`` (number of runs that reached it), ``evaluations``
-        (median number of robots until then, ``inf`` if less than half of the runs reached it), ``budget`` (median number
-        of robots of a run) and ``counted`` (share of walks that count).
+        Table with the columns ``condition``, ``runs``, ``best`` (median of the best fitness of a run), ``best_low``
+        and ``best_high`` (its interval), ``threshold``, ``reached`` (number of runs that reached it), ``evaluations``
+        (median number of robots until then, ``inf`` if less than half of the runs reached it), ``budget`` (median
+        number of robots of a run) and ``counted`` (share of walks that count).
     """
     rows: list[dict[str, Any]] = []
     for condition, of_condition, threshold in zip(conditions, tables, thresholds, strict=True):
@@ -121,7 +121,7 @@ def tabulate_comparisons(
         pairs: Numbers of the conditions of each pair.
 
     Returns:
-        Table with the columns ``a``, ``b``, ``difference`` (of the medians), ``low`` and ``high`` (its paired interval),
+        Table with the columns ``a``, ``b``, ``difference`` (of medians), ``low`` and ``high`` (its paired interval),
         ``a_better`` and ``b_better`` (numbers of seeds), ``a12``, ``a12_low`` and ``a12_high`` (effect size), ``p``,
         ``p_corrected`` (Holm) and ``detectable`` (smallest true difference that is found with a probability of 80 %).
     """
@@ -151,5 +151,5 @@ def tabulate_comparisons(
         )
     table = pd.DataFrame(rows)
     if rows:
-        table.insert(table.columns.get_loc("p") + 1, "p_corrected", statistics.holm(table["p"].tolist()))
+        table.insert(len(table.columns) - 1, "p_corrected", statistics.holm(table["p"].tolist()))
     return table

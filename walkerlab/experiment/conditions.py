@@ -97,7 +97,7 @@ def read_conditions(given: object) -> list[Condition]:
     for name in entries:
         if not isinstance(name, str) or not name.strip() or not name.isprintable() or len(name) > MAX_NAME:
             raise SettingsError(
-                f"a condition has the name {short_repr(name)}; it must be a text of one line, of 1 to {MAX_NAME} characters"
+                f"a condition has the name {short_repr(name)}; it must be a line of text, of 1 to {MAX_NAME} characters"
             )
     settings = [entry for entry in entries.values() if isinstance(entry, Settings)]
     conditions = [_read_condition(name, entry, settings) for name, entry in entries.items()]
@@ -112,8 +112,8 @@ def read_conditions(given: object) -> list[Condition]:
         if (other := condition.settings.algorithm.fitness) != first:
             raise SettingsError(
                 f"the conditions {conditions[0].name!r} and {condition.name!r} have different fitness "
-                f"({_value_name(first)} and {_value_name(other)}), whose numbers cannot be compared. Give all conditions "
-                "the same fitness."
+                f"({_value_name(first)} and {_value_name(other)}), whose numbers cannot be compared. Give all "
+                "conditions the same fitness."
             )
     return conditions
 
@@ -132,9 +132,9 @@ def _read_condition(name: str, entry: Any, settings: list[Settings]) -> Conditio
                 )
             if any(_task(one) != _task(settings[0]) for one in settings):
                 raise SettingsError(
-                    f"condition {name!r} is the optimiser {function_name(entry)}, and the other conditions differ in the "
-                    "ground, the robots, the walk, the fitness or the number of evaluations, so it is unclear which it "
-                    f"should have. Give its settings with it: {{{name!r}: ({function_name(entry)}, settings)}}"
+                    f"condition {name!r} is the optimiser {function_name(entry)}, and the other conditions differ in "
+                    "the ground, the robots, the walk, the fitness or the number of evaluations: it is unclear which "
+                    f"it should have. Give its settings with it: {{{name!r}: ({function_name(entry)}, settings)}}"
                 )
             return Condition(name, settings[0], function_name(entry), entry)
         case _:

@@ -149,8 +149,8 @@ class Experiment:
         """Compare the conditions by the best fitness of each run; only seeds of which all runs have ended count.
 
         Args:
-            threshold: Fitness to reach, for the number of robots until then; if None, the lowest median of the conditions
-                that are compared with each other.
+            threshold: Fitness to reach, for the number of robots until then; if None, the lowest median of the
+                conditions that are compared with each other.
             against: Name of the condition that all others are compared with; if None, each is compared with each. With
                 fewer comparisons, smaller differences can be found.
 
@@ -188,8 +188,8 @@ class Experiment:
         """Write a report: a self-contained page, the pictures and all tables.
 
         Args:
-            folder: Folder for ``report.html``, ``records.csv``, ``pictures`` and ``tables``; created if it does not exist.
-                An earlier report in it is replaced.
+            folder: Folder for ``report.html``, ``records.csv``, ``pictures`` and ``tables``; created if it does not
+                exist. An earlier report in it is replaced.
 
         Returns:
             Path of ``report.html``.

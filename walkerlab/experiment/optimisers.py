@@ -1,8 +1,8 @@
 """Optimisers that can be compared with the genetic algorithm: random search, and functions of the user.
 
-An optimiser is a function ``optimise(evaluate, settings, n_evaluations, *, rng)``. It calls ``evaluate`` with genomes, as
-often and with as many as it wants, and gets their fitness. What it returns is ignored. ``evaluate`` ends the run when
-``n_evaluations`` genomes are evaluated, so that a loop without an end is allowed:
+An optimiser is a function ``optimise(evaluate, settings, n_evaluations, *, rng)``. It calls ``evaluate`` with genomes,
+as often and with as many as it requires, and gets their fitness. What it returns is ignored. ``evaluate`` ends the run
+when ``n_evaluations`` genomes are evaluated, so that an endless loop is allowed:
 
     def hill_climber(evaluate, settings, n_evaluations, *, rng):
         genes = wl.gene_table(settings.robot)
@@ -16,6 +16,7 @@ often and with as many as it wants, and gets their fitness. What it returns is i
 """
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -79,10 +80,8 @@ def run_optimiser(
     """
     rng = random_stream(settings.algorithm.seed, "search")
     evaluator = _Evaluator(settings, function_name(optimise), walk, recall, on_generation)
-    try:
+    with suppress(EvaluationsUsedError):
         optimise(evaluator, settings, n_walks(settings), rng=rng)
-    except EvaluationsUsedError:
-        pass
     evaluator.flush()
 
 

@@ -26,9 +26,7 @@ def describe(comparisons: pd.DataFrame, conditions: pd.DataFrame, n_seeds: int, 
         return "No seed has a complete set of runs yet, so that nothing can be compared."
     if comparisons.empty:
         (best,) = conditions["best"].iloc[:1]
-        return (
-            f"One condition: the median of the best {name} over {pluralize(n_seeds, 'seed')} is {_value(best, unit)}."
-        )
+        return f"One condition: the median best {name} of {pluralize(n_seeds, 'run')} is {_value(best, unit)}."
     medians = dict(zip(conditions["condition"], conditions["best"], strict=True))
     rows: list[Any] = list(comparisons.itertuples())
     n_required = seeds_required(len(rows))
@@ -50,8 +48,8 @@ def _describe_too_few(rows: list[Any], medians: dict[str, float], n_seeds: int, 
     if len(rows) == 1:
         row = rows[0]
         seen = (
-            f"The medians are {_value(medians[row.a], unit)} ({row.a}) and {_value(medians[row.b], unit)} ({row.b}), but "
-            "this can be chance: "
+            f"The medians are {_value(medians[row.a], unit)} ({row.a}) and {_value(medians[row.b], unit)} ({row.b}), "
+            "but this can be chance: "
         )
     text = (
         f"{seen}with {pluralize(n_seeds, 'seed')}{many}, no difference of any size could have been found; at least "
@@ -93,16 +91,14 @@ def _describe_pairs(rows: list[Any], medians: dict[str, float], n_seeds: int, un
             for better, worse in map(_in_order, clear[:MAX_NAMED])
         )
         more = f"; and {len(clear) - MAX_NAMED} more, in the table" if len(clear) > MAX_NAMED else ""
-        count = "All" if not unclear else str(len(clear))
-        verb = "differences are" if len(clear) > 1 else "difference is"
+        if unclear:
+            verb = "differences are" if len(clear) > 1 else "difference is"
+            count = f"{len(clear)} of {len(rows)} {verb}"
+        else:
+            count = f"All {len(rows)} differences are"
         sentences.append(
-            f"{count} of {len(rows)} {verb} clear with {pluralize(n_seeds, 'seed')}, by their medians: {named}{more}. If "
-            f"there were no differences at all, even one clear difference would occur in at most {ALPHA:.0%} of such "
-            "experiments."
-            if unclear
-            else f"All {len(rows)} differences are clear with {pluralize(n_seeds, 'seed')}, by their medians: {named}{more}. "
-            f"If there were no differences at all, even one clear difference would occur in at most {ALPHA:.0%} of such "
-            "experiments."
+            f"{count} clear with {pluralize(n_seeds, 'seed')}, by their medians: {named}{more}. If there were no "
+            f"differences at all, even one clear difference would occur in at most {ALPHA:.0%} of such experiments."
         )
     if unclear:
         which = "The others can" if clear else f"None of {len(rows)} differences is clear: all can"
@@ -116,8 +112,8 @@ def _limit(rows: list[Any], n_seeds: int, unit: str) -> str:
     limits = np.array([row.detectable for row in rows])
     if not np.isfinite(limits).all():
         return (
-            f"How small a difference {pluralize(n_seeds, 'seed')} could have shown is unknown, because there are runs in "
-            "which no walk counted."
+            f"How small a difference {pluralize(n_seeds, 'seed')} could have shown is unknown, because there are runs "
+            "in which no walk counted."
         )
     low, high = limits.min(), limits.max()
     bound = f"about {_value(low, unit)}"

@@ -1,10 +1,11 @@
-"""Statistics of paired runs, as functions of arrays: intervals, effect size, tests, and what a number of seeds can show.
+"""Statistics of paired runs, as functions of arrays: intervals, effect size, tests, and what seeds can show.
 
 A run in which no walk counted has the result ``-inf``, which is lower than any number.
 """
 
 from collections.abc import Sequence
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,10 +29,10 @@ def median_interval(values: ArrayLike, confidence: float = CONFIDENCE) -> tuple[
         confidence: Probability that the interval covers the median.
 
     Returns:
-        Low and high end; NaN with fewer than two values.
+        Low and high end; NaN with fewer values than any interval of a median requires.
     """
     given = np.asarray(values, dtype=np.float64)
-    if len(given) < 2:
+    if len(given) < seeds_required(alpha=1 - confidence):
         return NOTHING
     finite, floor = _with_finite_floor(given)
     found = stats.bootstrap((finite,), np.median, vectorized=True, **_bootstrap_options(confidence))
@@ -52,10 +53,11 @@ def difference_interval(
             as for runs that do not share their seeds.
 
     Returns:
-        Low and high end; NaN with fewer than two values, or if a result is not finite.
+        Low and high end; NaN with fewer values than any interval of a median requires, or if a result is not finite.
     """
     first, second = (np.asarray(values, dtype=np.float64) for values in (a, b))
-    if min(len(first), len(second)) < 2 or not (np.isfinite(first).all() and np.isfinite(second).all()):
+    n = min(len(first), len(second))
+    if n < seeds_required(alpha=1 - confidence) or not (np.isfinite(first).all() and np.isfinite(second).all()):
         return NOTHING
 
     def difference(x: Floats, y: Floats, axis: int = -1) -> Floats:
@@ -81,8 +83,8 @@ def effect_size(a: ArrayLike, b: ArrayLike) -> float:
 def effect_size_interval(a: ArrayLike, b: ArrayLike, confidence: float = CONFIDENCE) -> tuple[float, float]:
     """Return the interval of A12, also if all runs of one condition are better.
 
-    Method 5 of Newcombe 2006, Statistics in Medicine 25. It treats the runs as not paired, so that it is rather too wide
-    than too narrow for runs with the same seeds.
+    Method 5 of Newcombe 2006, Statistics in Medicine 25. It treats the runs as not paired, so that for runs with the
+    same seeds it is too wide rather than too narrow.
     """
     theta = effect_size(a, b)
     n_a = np.size(a)
@@ -104,16 +106,16 @@ def effect_size_interval(a: ArrayLike, b: ArrayLike, confidence: float = CONFIDE
 def paired_test(a: ArrayLike, b: ArrayLike) -> float:
     """Return the two-sided p-value of the signed-rank test of Wilcoxon for paired results.
 
-    The p-value is exact for any number of pairs, also with ties, which ``scipy.stats.wilcoxon`` only approximates. Pairs
-    without a difference are left out. A run without a counted walk is worse by more than any finite difference.
+    The p-value is exact for any number of pairs, also with ties, which ``scipy.stats.wilcoxon`` only approximates.
+    Pairs without a difference are left out. A run without a counted walk is worse by more than any finite difference.
 
     Args:
         a: Results of one condition, shape (n,).
         b: Results of the other condition, in the same order of seeds.
     """
     first, second = (np.asarray(values, dtype=np.float64) for values in (a, b))
-    differences = np.where(first == second, 0.0, first - np.where(first == second, first, second))
-    differences = differences[differences != 0]
+    differs = first != second  # two runs without a counted walk are equal
+    differences = first[differs] - second[differs]
     if not differences.size:
         return 1.0
     doubled_ranks = np.rint(2 * stats.rankdata(np.abs(differences))).astype(int)
@@ -138,7 +140,7 @@ def _count_sign_patterns(doubled_ranks: tuple[int, ...]) -> Floats:
 def holm(p_values: Sequence[float]) -> Floats:
     """Return p-values corrected for the number of comparisons, in the order given.
 
-    Holm 1979, Scandinavian Journal of Statistics 6: the smallest is multiplied by their number, the next one by one less.
+    Holm 1979, Scandinavian Journal of Statistics 6: the smallest is multiplied by their number, the next by one less.
     """
     given = np.asarray(p_values, dtype=np.float64)
     order = np.argsort(given, kind="stable")
@@ -150,14 +152,14 @@ def holm(p_values: Sequence[float]) -> Floats:
 
 def seeds_required(n_comparisons: int = 1, alpha: float = ALPHA) -> int:
     """Return the lowest number of seeds with which the test can find any difference at all."""
-    return int(np.ceil(1 - np.log2(alpha / n_comparisons)))
+    return int(np.ceil(1 - np.log2(alpha / n_comparisons) - 1e-9))
 
 
 def detectable_difference(differences: ArrayLike, n_comparisons: int = 1) -> float:
     """Return the smallest true difference that is found with a probability of 80 %.
 
-    It is that of a t-test with the spread of the given differences, for a little fewer seeds, since the signed-rank test
-    uses ranks only. The level is divided by the number of comparisons, as Holm's correction does for the first one.
+    It is that of a t-test with the spread of the given differences, for a little fewer seeds, since the signed-rank
+    test uses ranks only. The level is divided by the number of comparisons, as Holm's correction does for the first.
 
     Args:
         differences: Paired differences, shape (n,).
@@ -187,10 +189,11 @@ def power(n: int, effect: float, n_comparisons: int = 1) -> float:
     degrees = effective - 1
     critical = stats.t.ppf(1 - ALPHA / n_comparisons / 2, degrees)
     shift = effect * np.sqrt(effective)
-    return float(stats.nct.sf(critical, degrees, shift) + stats.nct.cdf(-critical, degrees, shift))
+    found = stats.nct.sf(critical, degrees, shift)  # NaN if the effect is so large that it is found always
+    return 1.0 if np.isnan(found) else float(found)
 
 
-def _bootstrap_options(confidence: float) -> dict[str, object]:
+def _bootstrap_options(confidence: float) -> dict[str, Any]:
     return {
         "confidence_level": confidence,
         "method": "percentile",

@@ -1,6 +1,7 @@
 """Summary of an experiment: two tables and a text, for a notebook, a terminal and a report."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -73,6 +74,7 @@ class Summary:
 
 def condition_cells(conditions: pd.DataFrame) -> Cells:
     """Return the cells of the table of conditions."""
+    rows: list[Any] = list(conditions.itertuples())
     return [
         [
             str(row.condition),
@@ -83,12 +85,13 @@ def condition_cells(conditions: pd.DataFrame) -> Cells:
             f"{row.reached} of {row.runs}",
             f"{row.evaluations:.0f}" if np.isfinite(row.evaluations) else f"> {row.budget:.0f}",
         ]
-        for row in conditions.itertuples()
+        for row in rows
     ]
 
 
 def comparison_cells(comparisons: pd.DataFrame) -> Cells:
     """Return the cells of the table of comparisons."""
+    rows: list[Any] = list(comparisons.itertuples())
     return [
         [
             f"{row.a} − {row.b}",
@@ -101,7 +104,7 @@ def comparison_cells(comparisons: pd.DataFrame) -> Cells:
             _p_text(row.p_corrected),
             "nothing" if row.detectable == np.inf else format_significant(row.detectable),
         ]
-        for row in comparisons.itertuples()
+        for row in rows
     ]
 
 

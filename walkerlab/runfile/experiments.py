@@ -1,8 +1,8 @@
-"""The file of an experiment: one SQLite file with the plan and the tables of all runs, written generation by generation.
+"""The file of an experiment: one SQLite file with the plan and the tables of all runs.
 
-It follows the rules of a run file: complete generations only, a seal on each, text and numbers only, and nothing in it is
-ever executed. Its tables are ``experiment``, facts by name, among them the plan; ``records``, the tidy tables of the runs;
-``provenance``; ``generations``, the seal of each generation; and ``finished``, the runs that have ended.
+It follows the rules of a run file: one transaction and one seal for each generation, text and numbers only, and nothing
+in it is ever executed. Its tables are ``experiment``, facts by name, among them the plan; ``records``, the tidy tables
+of the runs; ``provenance``; ``generations``, the seal of each generation; and ``finished``, the runs that have ended.
 """
 
 import json

@@ -40,7 +40,7 @@ def best_of_each_run(experiment: Any, ax: Axes | None = None) -> Axes:
     Runs in which no walk counted are drawn at the lower edge, as crosses.
 
     Args:
-        experiment: An experiment, or its table; or a dict from names to lists of runs, whose order is that of the seeds.
+        experiment: An experiment, or its table; or a dict from names to lists of runs in the order of the seeds.
         ax: Axes to draw on; those of a new figure if None.
 
     Returns:
@@ -72,7 +72,7 @@ def best_of_each_run(experiment: Any, ax: Axes | None = None) -> Axes:
         style: dict[str, Any] = {"ls": "", "color": colour, "ms": 6, "mec": "white", "mew": 0.6, "zorder": 2}
         marker = RUN_MARKERS[number % len(RUN_MARKERS)]
         axes.plot(np.full(counted.sum(), number), values[counted], marker=marker, **style)
-        missing = style | {"mec": colour, "mew": 1.5}
+        missing: dict[str, Any] = style | {"mec": colour, "mew": 1.5}
         axes.plot(np.full((~counted).sum(), number), np.full((~counted).sum(), floor), marker="x", **missing)
         median = float(np.median(values))
         if np.isfinite(median):
@@ -81,7 +81,8 @@ def best_of_each_run(experiment: Any, ax: Axes | None = None) -> Axes:
         n_missing = int((~counted).sum())
         missing_text = f", in {n_missing} of them no walk counted" if n_missing else ""
         result = format_value(median, unit) if np.isfinite(median) else "no counted walk"
-        text = f"{name or 'Runs'}: the best fitness of {pluralize(len(values), 'run')} has the median {result}{missing_text}."
+        runs = pluralize(len(values), "run")
+        text = f"{name or 'Runs'}: the best fitness of {runs} has the median {result}{missing_text}."
         add_description(axes, TITLE, text, quantity)
     if not finite.size:
         annotate_no_data(axes, "no walk counted")

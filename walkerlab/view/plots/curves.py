@@ -50,7 +50,8 @@ def fitness_curve(records: Any, ax: Axes | None = None, *, label: str = "", look
     over its runs, and their middle half.
 
     Args:
-        records: Table of a run, or the run; a list of runs, a dict from names to runs or lists of runs, or an experiment.
+        records: Table of a run, or the run; a list of runs, a dict from names to runs or to lists of them, or an
+            experiment.
         ax: Axes to draw on; those of a new figure if None. Each run on the same Axes has its own colour and marker.
         label: Name of the run, which precedes the names of its lines in the legend.
         look: Number of the colour and marker, from 0; the next ones if None.
@@ -67,6 +68,7 @@ def fitness_curve(records: Any, ax: Axes | None = None, *, label: str = "", look
         first = require_same_fitness(groups)
         name = f"best {first.attrs.get('fitness', UNKNOWN_FITNESS)} so far"
         options = {"quantity": fitness_label(first), "unit": unit_of(first, "fitness"), "label": label}
+        options["axis_label"] = axis_label(name, options["unit"])
         draw_groups(axes, groups, best_so_far, title=title, what=name, **options)
         return axes
     records = require_table(records, "verdict", "fitness")
@@ -108,7 +110,8 @@ def trait(records: Any, name: str, ax: Axes | None = None, *, label: str = "") -
     generation is drawn: for each condition the median over its runs, and their middle half.
 
     Args:
-        records: Table of a run, or the run; a list of runs, a dict from names to runs or lists of runs, or an experiment.
+        records: Table of a run, or the run; a list of runs, a dict from names to runs or to lists of them, or an
+            experiment.
         name: Numeric column: ``body_length``, ``weight``, ``n_legs``, ``n_segments``, ``velocity`` …
         ax: Axes to draw on; those of a new figure if None. Each run on the same Axes has its own colour and marker.
         label: Name of the run, which precedes the names of its lines in the legend.
@@ -137,7 +140,8 @@ def trait(records: Any, name: str, ax: Axes | None = None, *, label: str = "") -
 
         def median_of(table: pd.DataFrame) -> pd.Series:
             used = table[(table.verdict == "ok") & np.isfinite(table[name])] if name in WALK_RESULTS else table
-            return used.groupby("generation")[name].median().reindex(sorted(table.generation.unique()))
+            medians: Any = used.groupby("generation")[name].median()
+            return medians.reindex(sorted(table.generation.unique()))
 
         options = {"quantity": quantity, "unit": unit, "label": label}
         draw_groups(axes, groups, median_of, title=title, what=f"median {trait_name}", **options)
@@ -167,7 +171,8 @@ def trait(records: Any, name: str, ax: Axes | None = None, *, label: str = "") -
     else:
         of_best = f", that of the best robot {describe_change(best, unit)}" if len(best) else ""
         over = f"over {pluralize(n_generations, 'generation')}"
-        text = f"{prefix}{trait_name} {over}: the median {describe_change(median, unit)}{f' {share}' if share else ''}{of_best}."
+        of_counted = f" {share}" if share else ""
+        text = f"{prefix}{trait_name} {over}: the median {describe_change(median, unit)}{of_counted}{of_best}."
     add_description(axes, title, text[0].upper() + text[1:], quantity)
     axes.set_ylabel(escape_label(quantity))
     format_value_axis(axes)

@@ -42,14 +42,14 @@ def diversity(records: Any, ax: Axes | None = None, *, label: str = "") -> Axes:
 
     The distance between two robots in a gene is a fraction of the range of that gene in the gene table of the default
     limits, so that all runs can be compared. In a cyclic gene, it is the chord between two points on a circle, as a
-    fraction of the diameter, so that 0.01 and 6.28 rad are close. The diversity is the root mean square over all pairs of
-    robots and all genes: 0 if all robots are clones, some 0.4 (0.7 in cyclic genes) if genes are uniformly distributed.
-    Genes without effect are included, because children inherit them and may express them. In a generation of more than
-    200 robots, 200 are evaluated, evenly spaced in the table.
+    fraction of the diameter, so that 0.01 and 6.28 rad are close. The diversity is the root mean square over all pairs
+    of robots and all genes: 0 if all robots are clones, some 0.4 (0.7 in cyclic genes) if genes are uniformly
+    distributed. Genes without effect are included, because children inherit them and may express them. In a generation
+    of more than 200 robots, 200 are evaluated, evenly spaced in the table.
 
     Args:
-        records: Table of a run, or the run; a list of runs, a dict from names to runs or lists of runs, or an experiment,
-            of which the median over the runs and their middle half are drawn.
+        records: Table of a run, or the run; a list of runs, a dict from names to runs or to lists of them, or an
+            experiment, of which the median over the runs and their middle half are drawn.
         ax: Axes to draw on; those of a new figure if None. Each run on the same Axes has its own colour and marker.
         label: Name of the run in the legend.
 

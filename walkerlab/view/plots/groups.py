@@ -6,6 +6,7 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.font_manager import FontProperties
 
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.style import (
@@ -33,7 +34,8 @@ def read_groups(given: Any) -> Groups | None:
     """Return the runs of each condition, or None for a single run.
 
     Args:
-        given: A run or its table; a list of runs; a dict from names to runs or lists of runs; an experiment, or its table.
+        given: A run or its table; a list of runs; a dict from names to runs or to lists of them; an experiment, or its
+            table.
 
     Raises:
         TypeError: If it contains something else.
@@ -79,6 +81,7 @@ def draw_groups(
     quantity: str,
     unit: str = "",
     label: str = "",
+    axis_label: str = "",
 ) -> None:
     """Draw the median of each condition over its runs, and the middle half of the runs, over the generations.
 
@@ -94,6 +97,7 @@ def draw_groups(
         quantity: Quantity on the vertical axis, with its unit.
         unit: Unit of the value.
         label: Text that precedes the names of the conditions.
+        axis_label: Label of the vertical axis; the quantity if empty.
     """
     require_quantity(axes, quantity)
     n_generations = 1
@@ -103,7 +107,7 @@ def draw_groups(
         colour, marker = next_run_style(axes, title)
         values = pd.concat([compute(table) for table in tables], axis=1, join="inner").sort_index()
         quartiles = _quartiles(values)
-        median = quartiles[0.5].dropna()
+        median: Any = quartiles[0.5].dropna()
         n_generations = max(n_generations, len(values))
         n_runs.add(len(tables))
         if len(tables) > 1:
@@ -117,14 +121,14 @@ def draw_groups(
         add_description(axes, title, f"{full_name or 'Runs'}: {what} {over}: {change}.", quantity)
     if not any(len(line.get_xdata()) for line in axes.lines):  # type: ignore[arg-type]
         annotate_no_data(axes, "no walk counted")
-    axes.set_ylabel(escape_label(quantity))
+    axes.set_ylabel(escape_label(axis_label or quantity))
     format_value_axis(axes)
     format_generation_axis(axes, n_generations)
     add_legend(axes, n_legend_columns(count_plots(axes, title)))
     legend = axes.get_legend()
     if legend and max(n_runs) > 1:
         each = f" of {max(n_runs)} runs" if len(n_runs) == 1 else " of the runs"
-        legend.set_title(f"median{each}, and their middle half", {"size": 9})
+        legend.set_title(f"median{each}, and their middle half", FontProperties(size=9))
         legend.set_alignment("left")
 
 

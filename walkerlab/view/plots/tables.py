@@ -50,8 +50,8 @@ def require_same_fitness(groups: Mapping[str, Sequence[pd.DataFrame]]) -> pd.Dat
     labels = list(dict.fromkeys(map(fitness_label, tables)))
     if len(labels) > 1:
         raise ValueError(
-            f"these runs have different fitness, {labels[0]!r} and {labels[1]!r}, which cannot share a vertical axis. Draw "
-            "them on separate Axes, as in: figure, (left, right) = plt.subplots(1, 2)"
+            f"these runs have different fitness, {labels[0]!r} and {labels[1]!r}, which cannot share a vertical axis. "
+            "Draw them on separate Axes, as in: figure, (left, right) = plt.subplots(1, 2)"
         )
     return tables[0]
 
