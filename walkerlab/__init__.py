@@ -63,7 +63,13 @@ _PUBLIC_NAMES = {
 }
 """Public names, by the module that defines them."""
 
-_PUBLIC_MODULES = {"fitness": "simulation.fitness", "ga": "ga", "plots": "view.plots", "widgets": "widgets"}
+_PUBLIC_MODULES = {
+    "fitness": "simulation.fitness",
+    "ga": "ga",
+    "plots": "view.plots",
+    "stats": "experiment.stats",
+    "widgets": "widgets",
+}
 """Public modules: name, and path within the package."""
 
 _DEFINING_MODULE = {name: module for module, names in _PUBLIC_NAMES.items() for name in names}
@@ -83,6 +89,7 @@ if TYPE_CHECKING:
     from walkerlab.evolution.run import Run as Run
     from walkerlab.evolution.running import evolve as evolve
     from walkerlab.evolution.running import resume as resume
+    from walkerlab.experiment import stats as stats
     from walkerlab.experiment.compare import compare as compare
     from walkerlab.experiment.compare import sweep as sweep
     from walkerlab.experiment.experiment import Experiment as Experiment

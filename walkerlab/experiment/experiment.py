@@ -249,6 +249,8 @@ def load_experiment(path: str | Path) -> Experiment:
     try:
         conditions = [Condition.from_plain(plain) for plain in stored.conditions]
         seeds = [Settings().with_(seed=seed).algorithm.seed for seed in stored.seeds]
+        if len({condition.name for condition in conditions}) < len(conditions):
+            raise ValueError("two of its conditions have the same name")
         if not conditions or any(
             number not in range(len(conditions)) or seed not in seeds for number, seed in stored.runs
         ):

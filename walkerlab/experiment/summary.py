@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from walkerlab.settings.values import pluralize
 from walkerlab.text.numbers import NO_VALUE, format_significant
 from walkerlab.text.templates import Markup, render
 
@@ -49,7 +50,7 @@ class Summary:
         """Return caption, column names and cells of both tables."""
         return [
             (
-                f"Best {self.fitness} of each run, over {self.n_seeds} seeds",
+                f"Best {self.fitness} of each run, over {pluralize(self.n_seeds, 'seed')}",
                 [
                     "condition",
                     "median",
