@@ -62,16 +62,17 @@ def fitness_curve(records: Any, ax: Axes | None = None, *, label: str = "", look
     Raises:
         ValueError: If the table contains several runs, or the Axes show another quantity.
     """
-    axes = ax or new_axes()
     title = "Fitness of each generation"
     if (groups := read_groups(records)) is not None:
         first = require_same_fitness(groups)
+        axes = ax or new_axes()
         name = f"best {first.attrs.get('fitness', UNKNOWN_FITNESS)} so far"
         options = {"quantity": fitness_label(first), "unit": unit_of(first, "fitness"), "label": label}
         options["axis_label"] = axis_label(name, options["unit"])
         draw_groups(axes, groups, best_so_far, title=title, what=name, **options)
         return axes
     records = require_table(records, "verdict", "fitness")
+    axes = ax or new_axes()
     quantity = fitness_label(records)
     require_quantity(axes, quantity)
     counted: Any = records[records.verdict == "ok"]
@@ -130,13 +131,14 @@ def trait(records: Any, name: str, ax: Axes | None = None, *, label: str = "") -
         guess = did_you_mean(name, numeric)
         raise ValueError(f"the table has no numeric column {name!r}; it has {', '.join(numeric)}.{guess}")
     require_table(records, "individual", "verdict", "fitness")
+    if groups is not None:
+        require_same_fitness(groups)
     axes = ax or new_axes()
     trait_name = {"n_legs": "number of legs", "n_segments": "number of segments"}.get(name, name.replace("_", " "))
     title = f"{trait_name[0].upper()}{trait_name[1:]} of each generation"
     unit = unit_of(records, name)
     quantity = fitness_label(records) if name == "fitness" else axis_label(trait_name, unit)
     if groups is not None:
-        require_same_fitness(groups)
 
         def median_of(table: pd.DataFrame) -> pd.Series:
             used = table[(table.verdict == "ok") & np.isfinite(table[name])] if name in WALK_RESULTS else table

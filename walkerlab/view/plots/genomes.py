@@ -56,9 +56,9 @@ def diversity(records: Any, ax: Axes | None = None, *, label: str = "") -> Axes:
     Returns:
         The Axes drawn on.
     """
-    axes = ax or new_axes()
     title = "Genetic diversity of each generation"
     if (groups := read_groups(records)) is not None:
+        axes = ax or new_axes()
         draw_groups(
             axes,
             groups,
@@ -71,6 +71,7 @@ def diversity(records: Any, ax: Axes | None = None, *, label: str = "") -> Axes:
         _format_diversity_axis(axes)
         return axes
     records = require_table(records, "genome")
+    axes = ax or new_axes()
     require_quantity(axes, DIVERSITY_LABEL)
     values = diversity_by_generation(records)
     colour, marker = next_run_style(axes, title)
