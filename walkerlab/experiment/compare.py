@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
+from contextlib import closing, nullcontext
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -71,41 +72,8 @@ def compare(
     workers.check_executor(executor)
     workers.check_open(executor)
     file: RunFile = store.open_temporary() if path is None else paths.new_path(path)
-    plain = [condition.to_plain() for condition in planned]
-    if isinstance(file, Path) and file.exists():
-        experiment_id, stored = experiments.read(file)
-        wanted = _check_continuation(file, stored, planned, wanted)
-        if wanted != stored.seeds:
-            experiments.write_seeds(file, experiment_id, wanted)
-    else:
-        experiment_id = experiments.create(file, plain, wanted)
-        stored = StoredExperiment(plain, wanted, {})
-    work = [
-        (number, seed)
-        for seed in wanted
-        for number in range(len(planned))
-        if not (run := stored.runs.get((number, seed))) or not run.is_finished
-    ]
-    if progress and work:
-        print(_describe_plan([planned[number].settings for number, _ in work]), flush=True)
-    total = sum(n_walks(planned[number].settings) for number, _ in work)
-    try:
-        with tqdm(total=total, unit=" walks", disable=not progress or not work) as bar:
-            for number, seed in work:
-                bar.set_postfix_str(f"seed {seed}, {planned[number].name}")
-                storing = _Storage(
-                    file, experiment_id, (number, seed), planned[number], stored.runs.get((number, seed))
-                )
-                _run(planned[number], seed, executor, bar.update, storing)
-    except KeyboardInterrupt:
-        pass
-    except Exception as error:
-        _add_note(error, file)
-        raise
-    _, stored = experiments.read(file)
-    if not isinstance(file, Path):
-        file.close()
-    return Experiment(planned, wanted, stored.runs, file if isinstance(file, Path) else None)
+    with nullcontext() if isinstance(file, Path) else closing(file):
+        return _run_experiment(file, planned, wanted, executor, progress)
 
 
 def sweep(
@@ -137,6 +105,46 @@ def sweep(
         RunFileError: If the file holds something else or another experiment, or cannot be used.
     """
     return compare(grid(settings, values), seeds, path, executor, progress)
+
+
+def _run_experiment(
+    file: RunFile, planned: list[Condition], seeds: list[int], executor: Executor | None, progress: bool
+) -> Experiment:
+    """Run what an experiment lacks, and return it as its file holds it."""
+    plain = [condition.to_plain() for condition in planned]
+    if isinstance(file, Path) and file.exists():
+        experiment_id, stored = experiments.read(file)
+        all_seeds = _check_continuation(file, stored, planned, seeds)
+        if all_seeds != stored.seeds:
+            experiments.write_seeds(file, experiment_id, all_seeds)
+    else:
+        experiment_id = experiments.create(file, plain, seeds)
+        stored = StoredExperiment(plain, seeds, {})
+        all_seeds = seeds
+    work = [
+        (number, seed)
+        for seed in all_seeds
+        for number in range(len(planned))
+        if not (run := stored.runs.get((number, seed))) or not run.is_finished
+    ]
+    if progress and work:
+        print(_describe_plan([planned[number].settings for number, _ in work]), flush=True)
+    n_remaining = sum(n_walks(planned[number].settings) for number, _ in work)
+    try:
+        with tqdm(total=n_remaining, unit=" walks", disable=not progress or not work) as bar:
+            for place in work:
+                number, seed = place
+                condition = planned[number]
+                bar.set_postfix_str(f"seed {seed}, {condition.name}")
+                storage = _Storage(file, experiment_id, place, condition, stored.runs.get(place))
+                _run(condition, seed, executor, bar.update, storage)
+    except KeyboardInterrupt:
+        pass  # the generations that are done are stored
+    except Exception as error:
+        _add_note(error, file)
+        raise
+    _, stored = experiments.read(file)
+    return Experiment(planned, all_seeds, stored.runs, file if isinstance(file, Path) else None)
 
 
 def _describe_plan(settings: list[Settings]) -> str:
@@ -172,7 +180,7 @@ def _check_continuation(path: Path, stored: StoredExperiment, planned: list[Cond
             f"{display_path(path)} holds an experiment whose condition {changed[0]!r} has settings other than "
             f"those given: {_describe_changes(theirs[changed[0]], ours[changed[0]])}. {elsewhere}"
         )
-    for (number, seed), run in stored.runs.items():
+    for (number, _), run in stored.runs.items():
         facts = planned[number].function_facts()
         for name, fact in facts.items():
             then = run.made_with.get(name, fact)
@@ -181,22 +189,23 @@ def _check_continuation(path: Path, stored: StoredExperiment, planned: list[Cond
                     f"{display_path(path)} was made with another source of the {name} of condition "
                     f"{planned[number].name!r}. An experiment must not mix the results of two functions. {elsewhere}"
                 )
-        if not run.is_finished and (
-            changed_versions := provenance.describe_differences(run.made_with, provenance.current_facts())
-        ):
-            warnings.warn(
-                f"the run of condition {planned[number].name!r} with seed {seed} was begun with {changed_versions}; "
-                "its further generations can differ in the last digits from what they would have been there.",
-                stacklevel=3,
-            )
     added = [seed for seed in seeds if seed not in stored.seeds]
     places = [(number, seed) for number in range(len(planned)) for seed in stored.seeds]
-    if added and all(place in stored.runs and stored.runs[place].is_finished for place in places):
+    is_complete = all(place in stored.runs and stored.runs[place].is_finished for place in places)
+    made_with = next((run.made_with for run in stored.runs.values()), {})
+    changed_versions = provenance.describe_differences(made_with, provenance.current_facts())
+    if changed_versions and (added or not is_complete):
+        warnings.warn(
+            f"{display_path(path)} was made with {changed_versions}. The runs that have ended stay the same; further "
+            "ones can differ in the last digits from what they would have been there.",
+            stacklevel=4,
+        )
+    if added and is_complete:
         warnings.warn(
             f"{pluralize(len(added), 'seed')} added to a complete experiment. If the reason is that its result was not "
             "clear, p-values become too small: seeds that are added until a difference appears always find one. Choose "
             "the number of seeds before the experiment.",
-            stacklevel=3,
+            stacklevel=4,
         )
     return [*stored.seeds, *added]
 
