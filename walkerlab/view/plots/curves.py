@@ -92,7 +92,7 @@ def fitness_curve(records: Any, ax: Axes | None = None, *, label: str = "", look
         unit = unit_of(records, "fitness")
         text = (
             f"{prefix}{name} over {pluralize(n_generations, 'generation')}: the best {describe_change(best, unit)}, "
-            f"the median {describe_change(median, unit)}{f', {share}' if share else ''}."
+            f"the median{share} {describe_change(median, unit)}."
         )
     add_description(axes, title, text[0].upper() + text[1:], quantity)
     axes.set_ylabel(escape_label(quantity))
@@ -173,8 +173,7 @@ def trait(records: Any, name: str, ax: Axes | None = None, *, label: str = "") -
     else:
         of_best = f", that of the best robot {describe_change(best, unit)}" if len(best) else ""
         over = f"over {pluralize(n_generations, 'generation')}"
-        of_counted = f" {share}" if share else ""
-        text = f"{prefix}{trait_name} {over}: the median {describe_change(median, unit)}{of_counted}{of_best}."
+        text = f"{prefix}{trait_name} {over}: the median{share} {describe_change(median, unit)}{of_best}."
     add_description(axes, title, text[0].upper() + text[1:], quantity)
     axes.set_ylabel(escape_label(quantity))
     format_value_axis(axes)
@@ -211,6 +210,6 @@ def _draw_quartiles(
     axes.fill_between(quartiles.index, low, high, color=colour, alpha=0.18, lw=0, label=area_label)
     line: dict[str, Any] = {"lw": 1.4, "ls": (0, (4, 2)), "color": colour, "label": escape_label(f"{prefix}median")}
     if share and not prefix:
-        line["label"] = f"median {share}"
+        line["label"] = f"median{share}"
     axes.plot(median.index, median, **line, marker=marker, ms=2.5, markevery=marker_stride(len(median)))
     return median

@@ -28,6 +28,8 @@ Groups = dict[str, list[pd.DataFrame]]
 """Tables of the runs of each condition, by its name; "" if there is only one."""
 
 QUARTILES = (0.25, 0.5, 0.75)
+DASHES = ("-", (0, (5, 1.5)), (0, (5, 1.2, 1.2, 1.2)), (0, (1.5, 1)))
+"""Line styles of successive conditions, which distinguish them in black and white."""
 
 
 def read_groups(given: Any) -> Groups | None:
@@ -104,6 +106,7 @@ def draw_groups(
     n_runs: set[int] = set()
     for name, tables in groups.items():
         full_name = ": ".join(filter(None, [label, name]))
+        dashes: Any = DASHES[count_plots(axes, title) % len(DASHES)]
         colour, marker = next_run_style(axes, title)
         values = pd.concat([compute(table) for table in tables], axis=1, join="inner").sort_index()
         quartiles = _quartiles(values)
@@ -111,9 +114,12 @@ def draw_groups(
         n_generations = max(n_generations, len(values))
         n_runs.add(len(tables))
         if len(tables) > 1:
-            axes.fill_between(quartiles.index, quartiles[0.25], quartiles[0.75], color=colour, alpha=0.18, lw=0)
+            area_label = "" if full_name else "middle half of the runs"
+            band = quartiles[[0.25, 0.75]]
+            axes.fill_between(band.index, band[0.25], band[0.75], color=colour, alpha=0.15, lw=0, label=area_label)
+            axes.plot(band.index, band, color=colour, lw=0.6, ls=dashes, alpha=0.6, zorder=1.5)
         shown = full_name or f"median of {pluralize(len(tables), 'run')}"
-        style: dict[str, Any] = {"lw": 2, "color": colour, "marker": marker, "ms": 4}
+        style: dict[str, Any] = {"lw": 2, "ls": dashes, "color": colour, "marker": marker, "ms": 4}
         axes.plot(median.index, median, **style, markevery=marker_stride(len(median)), label=escape_label(shown))
         runs = pluralize(len(tables), "run")
         change = f"the median {describe_change(median, unit)}" if len(median) else "no walk counted"
@@ -126,7 +132,7 @@ def draw_groups(
     format_generation_axis(axes, n_generations)
     add_legend(axes, n_legend_columns(count_plots(axes, title)))
     legend = axes.get_legend()
-    if legend and max(n_runs) > 1:
+    if legend and max(n_runs) > 1 and (label or any(groups)):
         each = f" of {max(n_runs)} runs" if len(n_runs) == 1 else " of the runs"
         legend.set_title(f"median{each}, and their middle half", FontProperties(size=9))
         legend.set_alignment("left")
