@@ -125,7 +125,7 @@ def draw_groups(
         change = f"the median {describe_change(median, unit)}" if len(median) else "no walk counted"
         over = f"over {pluralize(len(values), 'generation')} of {runs}"
         add_description(axes, title, f"{full_name or 'Runs'}: {what} {over}: {change}.", quantity)
-    if not any(len(line.get_xdata()) for line in axes.lines):  # type: ignore[arg-type]
+    if not any(np.isfinite(np.asarray(line.get_ydata(), dtype=np.float64)).any() for line in axes.lines):
         annotate_no_data(axes, "no walk counted")
     axes.set_ylabel(escape_label(axis_label or quantity))
     format_value_axis(axes)
