@@ -1,7 +1,7 @@
 """The report of an experiment, and its display in a notebook."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 from walkerlab.runfile import provenance
 from walkerlab.runfile.records import RECORD_COLUMNS
@@ -11,9 +11,6 @@ from walkerlab.text.escape import escape_cell
 from walkerlab.text.templates import render
 from walkerlab.view import plots
 from walkerlab.view.plots.comparison import draw_experiment, figure_html
-
-if TYPE_CHECKING:
-    from walkerlab.experiment.experiment import Experiment
 
 TERMS = (
     ("median", "half of the runs are better, half are worse"),
@@ -31,7 +28,7 @@ TERMS = (
 )
 
 
-def experiment_html(experiment: "Experiment") -> str:
+def experiment_html(experiment: Any) -> str:
     """Return an experiment as a notebook shows it."""
     picture = "" if experiment.records.empty else figure_html(draw_experiment(experiment.records, on_screen=False))
     return render(
@@ -39,7 +36,7 @@ def experiment_html(experiment: "Experiment") -> str:
     )
 
 
-def save_report(experiment: "Experiment", folder: str | Path) -> Path:
+def save_report(experiment: Any, folder: str | Path) -> Path:
     """Write the report of an experiment; see ``Experiment.report``."""
     folder = folder_path(folder)
     summary = experiment.summary()

@@ -228,7 +228,7 @@ def _parse_genomes(records: pd.DataFrame) -> tuple[Floats, Genes]:
         raise ValueError("the genomes of this table differ in length; draw the table of one run at a time")
     values = np.array(parsed)
     n_parts = (values.shape[1] - len(BODY_FEATURES)) // len(SEGMENT_FEATURES)
-    return values[codes], build_genes(Robot(segments=(1, n_parts)))
+    return values[codes], build_genes(Robot(segments=(1, n_parts), legs=(2, 2 * n_parts)))
 
 
 def _relative_positions(values: Floats, table: Genes) -> Floats:
