@@ -62,7 +62,7 @@ def test_the_sentence_of_several_conditions_lists_the_clear_differences():
     assert "2 of 3 differences are clear with 10 seeds" in text
     assert "left is better than right" in text
     assert "left is better than third" in text
-    assert "The others can be chance" in text
+    assert "The other one can be chance" in text
     _, text = describe(base + 5, base, base - 5 + rng.normal(0, 0.1, 10))
     assert text.startswith("All 3 differences are clear")
 

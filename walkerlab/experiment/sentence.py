@@ -101,7 +101,8 @@ def _describe_pairs(rows: list[Any], medians: dict[str, float], n_seeds: int, un
             f"differences at all, even one clear difference would occur in at most {ALPHA:.0%} of such experiments."
         )
     if unclear:
-        which = "The others can" if clear else f"None of {len(rows)} differences is clear: all can"
+        others = "The other one can" if len(unclear) == 1 else f"The other {len(unclear)} can"
+        which = others if clear else f"None of {len(rows)} differences is clear: all can"
         sentences.append(f"{which} be chance, which does not mean that these conditions are equal.")
         sentences.append(_limit(unclear, n_seeds, unit))
     return " ".join(sentences)
