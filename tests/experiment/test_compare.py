@@ -316,3 +316,19 @@ def test_texts_of_a_file_are_escaped(tmp_path):
     assert script not in page + found._repr_html_()
     assert "\n=1+1" not in (tmp_path / "report" / "records.csv").read_text(encoding="utf-8")
     assert (tmp_path / "report" / "tables" / "comparisons.csv").exists()
+
+
+def test_the_curves_of_an_experiment_are_a_table_as_well(experiment):
+    table = wl.stats.curves(experiment)
+    assert len(table) == 3 * 6 * 3
+    row = table[(table.condition == "calm") & (table.seed == 2)].iloc[-1]
+    run = experiment.run("calm", 2)
+    assert row.best_so_far == run.champion.fitness
+    assert row.robots == 6
+    assert wl.stats.curves(run).diversity.iloc[-1] == pytest.approx(row.diversity)
+
+
+def test_a_forecast_is_shown_before_an_experiment(capsys, monkeypatch):
+    monkeypatch.setattr(compare, "estimate_seconds", lambda settings: 30.0)
+    wl.compare({"a": SETTINGS, "b": wl.random_search}, seeds=[1, 2], progress=True)
+    assert "4 runs, 56 walks: about 2 minutes on " in capsys.readouterr().out
