@@ -25,6 +25,7 @@ LAYERS = (
     ("runfile",),
     ("view",),
     ("evolution",),
+    ("experiment",),
     ("widgets", "commands"),
     ("__main__",),
 )
@@ -61,7 +62,7 @@ ONLY_IN = {
     "jinja2": {"text.templates"},
     "markupsafe": {"text.templates"},
     "loky": {"simulation.workers"},
-    "sqlite3": {"runfile.store", "runfile.opening", "runfile.schema"},
+    "sqlite3": {"runfile.store", "runfile.opening", "runfile.schema", "runfile.experiments"},
     "random": set(),
     "pickle": set(),
     "cloudpickle": set(),

@@ -42,6 +42,9 @@ _PUBLIC_NAMES = {
     "evolution.loading": ("load", "rescue"),
     "evolution.run": ("Run",),
     "evolution.running": ("evolve", "resume"),
+    "experiment.compare": ("compare", "sweep"),
+    "experiment.experiment": ("Experiment", "load_experiment"),
+    "experiment.optimisers": ("random_search",),
     "simulation.export": ("export_mjcf",),
     "ga.crossover": ("Children",),
     "ga.user_functions": ("OperatorError",),
@@ -64,7 +67,13 @@ _PUBLIC_NAMES = {
 }
 """Public names, by the module that defines them."""
 
-_PUBLIC_MODULES = {"fitness": "simulation.fitness", "ga": "ga", "plots": "view.plots", "widgets": "widgets"}
+_PUBLIC_MODULES = {
+    "fitness": "simulation.fitness",
+    "ga": "ga",
+    "plots": "view.plots",
+    "stats": "experiment.stats",
+    "widgets": "widgets",
+}
 """Public modules: name, and path within the package."""
 
 _DEFINING_MODULE = {name: module for module, names in _PUBLIC_NAMES.items() for name in names}
@@ -86,6 +95,12 @@ if TYPE_CHECKING:
     from walkerlab.evolution.running import resume as resume
     from walkerlab.evolution.stages import Stage as Stage
     from walkerlab.evolution.stopping import Stop as Stop
+    from walkerlab.experiment import stats as stats
+    from walkerlab.experiment.compare import compare as compare
+    from walkerlab.experiment.compare import sweep as sweep
+    from walkerlab.experiment.experiment import Experiment as Experiment
+    from walkerlab.experiment.experiment import load_experiment as load_experiment
+    from walkerlab.experiment.optimisers import random_search as random_search
     from walkerlab.ga.crossover import Children as Children
     from walkerlab.ga.user_functions import OperatorError as OperatorError
     from walkerlab.genome.features import gene_table as gene_table

@@ -6,7 +6,7 @@ order in which they finish can change a result.
 
 from numpy.random import Generator, SeedSequence, default_rng
 
-PURPOSES = ("population", "selection", "crossover", "mutation", "perturbation", "terrain", "check")
+PURPOSES = ("population", "selection", "crossover", "mutation", "perturbation", "terrain", "check", "search")
 """Purposes of random numbers. Results depend on their order: append, never reorder."""
 
 

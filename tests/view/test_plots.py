@@ -342,6 +342,7 @@ def test_fitness_curve_shows_best_and_median_of_the_walks_that_count(ax):
     records = random_table()
     wl.plots.fitness_curve(records, ax)
     lines = {line.get_label(): line.get_ydata() for line in ax.lines}
+    lines["median"] = lines.pop("median of the 88 % that count")
     for generation in range(5):
         counted = records[(records.generation == generation) & (records.verdict == "ok")].fitness
         assert lines["best"][generation] == pytest.approx(max(counted))
@@ -370,14 +371,16 @@ def test_the_alternative_text_has_first_and_last_values_of_best_and_median(recor
     wl.plots.fitness_curve(records, ax)
     counted = records[records.verdict == "ok"].groupby("generation").fitness
     expected = [counted.max().iloc[0], counted.max().iloc[-1], counted.median().iloc[0], counted.median().iloc[-1]]
-    assert numbers_in(wl.plots.alt_text(ax)) == pytest.approx([records.generation.nunique(), *expected], abs=0.006)
+    expected[2:2] = [round(100 * (records.verdict == "ok").mean())]
+    expected[:0] = [records.generation.nunique()]
+    assert numbers_in(wl.plots.alt_text(ax)) == pytest.approx(expected, abs=0.006)
     assert " m" in wl.plots.alt_text(ax)
 
 
 @pytest.mark.parametrize("name", ["weight", "body_length", "n_legs", "n_segments", "velocity", "distance", "fitness"])
 def test_trait_shows_median_and_best_robot_with_the_unit(records, ax, name):
     wl.plots.trait(records, name, ax)
-    lines = {line.get_label(): line for line in ax.lines}
+    lines = {line.get_label().partition(" of the ")[0]: line for line in ax.lines}
     walked = name in ("velocity", "distance", "fitness")
     for generation, all_of_it in records.groupby("generation"):
         counted = all_of_it[all_of_it.verdict == "ok"]
@@ -470,7 +473,7 @@ def test_a_table_from_a_csv_file_has_the_default_units(ax, tmp_path):
 @each_table_plot
 def test_a_table_of_several_runs_is_rejected_with_a_solution(draw, ax):
     runs = [evolved_table(2, 4, void=0) for _ in range(2)]
-    with pytest.raises(ValueError, match=r"contains several runs\. .*for seed, run in .*label="):
+    with pytest.raises(ValueError, match=r"contains several runs\. .*\[run_a, run_b\].*run_b\}"):
         draw(pd.concat(runs), ax)
     assert not wl.plots.alt_text(ax)
 
@@ -512,6 +515,54 @@ def test_all_verdicts_differ_in_colour_and_hatching(ax):
     assert len(set(hatches)) == len(hatches), "they differ in black and white"
 
 
+# ------------------------------------------------------------------------------------------------------- several runs
+
+
+@pytest.mark.parametrize("given", ["list", "dict", "experiment"])
+def test_of_several_runs_the_median_and_the_middle_half_are_drawn(given, ax):
+    tables = [random_table(seed=seed) for seed in range(5)]
+    best = np.array([table[table.verdict == "ok"].groupby("generation").fitness.max().cummax() for table in tables])
+    experiment = pd.concat([table.assign(condition="a", seed=seed) for seed, table in enumerate(tables)])
+    runs = {"list": tables, "dict": {"a": tables}, "experiment": experiment}[given]
+    wl.plots.fitness_curve(runs, ax)
+    line = ax.lines[-1]
+    assert line.get_ydata() == pytest.approx(np.median(best, axis=0))
+    edges = {round(float(y), 9) for path in ax.collections[0].get_paths() for y in path.vertices[:, 1]}
+    assert {round(float(y), 9) for y in np.quantile(best, [0.25, 0.75], axis=0).ravel()} <= edges
+    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    if given == "list":
+        assert labels == ["middle half of the runs", "median of 5 runs"]
+    else:
+        assert labels == ["a"]
+        assert ax.get_legend().get_title().get_text() == "median of 5 runs, and their middle half"
+    assert "5 runs" in wl.plots.alt_text(ax)
+
+
+@pytest.mark.parametrize("draw", [wl.plots.diversity, lambda runs, ax: wl.plots.trait(runs, "velocity", ax)])
+def test_other_curves_of_several_runs_have_a_line_for_each_name(draw, ax):
+    draw({"a": [evolved_table(3), evolved_table(3)], "b": evolved_table(4)}, ax)
+    lines = {line.get_label(): line for line in ax.lines if not line.get_label().startswith("_")}
+    assert [(name, len(line.get_xdata())) for name, line in lines.items()] == [("a", 3), ("b", 4)]
+    assert lines["a"].get_linestyle() != lines["b"].get_linestyle()
+    assert wl.plots.alt_text(ax)
+
+
+def test_runs_of_different_fitness_do_not_share_axes(ax):
+    with pytest.raises(ValueError, match="have different fitness, 'distance \\[m\\]' and 'efficiency \\[m/J\\]'"):
+        wl.plots.fitness_curve({"a": DISTANCE_LABEL, "b": EFFICIENCY}, ax)
+    with pytest.raises(ValueError, match="no run to draw"):
+        wl.plots.fitness_curve([], ax)
+    assert not ax.lines
+
+
+def test_runs_without_a_counted_walk_are_lower_than_all_others(ax):
+    tables = [random_table(seed=seed) for seed in range(4)]
+    void = [table.assign(verdict="airborne", fitness=-np.inf) for table in tables]
+    wl.plots.fitness_curve({"some": [*tables, *void[:1]], "most": [*tables[:1], *void]}, ax)
+    lines = {line.get_label(): line.get_ydata() for line in ax.lines}
+    assert [np.isfinite(lines[name]).sum() for name in ("some", "most")] == [5, 0]
+
+
 # ------------------------------------------------------------------------------------------------------------ genomes
 
 
@@ -521,17 +572,21 @@ def genomes(records):
 
 def test_diversity_is_the_root_mean_square_distance_over_all_pairs(records, ax):
     wl.plots.diversity(records, ax)
-    table = build_genes(wl.Robot())
-    values = genomes(records)
-    span = np.where(table.is_cyclic, table.high, np.ptp(values, axis=0))
+    values, table = plots_of_genomes._parse_genomes(records)
+    span = table.high - table.low
     for generation, diversity in zip(*ax.lines[0].get_data(), strict=True):
         squares = []
         for a, b in combinations(values[records.generation == generation], 2):
-            distance = np.divide(a - b, span, where=span > 0, out=np.zeros(len(table)))
-            squares.append(
-                np.where(table.is_cyclic, np.sin(np.pi * distance), distance)[np.ptp(values, axis=0) > 0] ** 2
-            )
+            distance = (a - b) / span
+            squares.append(np.where(table.is_cyclic, np.sin(np.pi * distance), distance) ** 2)
         assert diversity == pytest.approx(np.sqrt(np.mean(squares)))
+
+
+def test_the_diversity_of_a_generation_does_not_depend_on_the_others(records, ax):
+    wl.plots.diversity(records, ax)
+    wl.plots.diversity(records[records.generation < 2], ax)
+    long, short = (line.get_ydata() for line in ax.lines)
+    assert short == pytest.approx(long[:2], abs=1e-12)
 
 
 def test_the_diversity_of_a_large_generation_is_estimated_from_a_sample(ax, monkeypatch):

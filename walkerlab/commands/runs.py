@@ -155,13 +155,19 @@ def _write_outputs(run: Run) -> None:
 
 
 def show_command(arguments: argparse.Namespace) -> int:
-    """Print a summary of a run; return the exit code."""
+    """Print a summary of a run or an experiment; return the exit code."""
     from walkerlab.evolution.loading import load
-    from walkerlab.runfile import paths, provenance, store
+    from walkerlab.runfile import experiments, paths, provenance, store
     from walkerlab.view import summary
 
-    run = load(arguments.path)
     path = paths.locate_run_file(arguments.path)
+    if path.is_file() and experiments.is_experiment(path):
+        from walkerlab.experiment.experiment import load_experiment
+
+        experiment = load_experiment(path)
+        print_safely(f"{experiment!r}\n\n{experiment.summary()}")
+        return 0
+    run = load(arguments.path)
     settings = run.settings.model_dump()
     records = run.records
     print_safely(f"{display_path(path)}: {run.n_generations} of {run.settings.algorithm.generations} generations")

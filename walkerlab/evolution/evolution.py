@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor
 from functools import partial
 from pathlib import Path
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Self, TypeAlias
 
 import numpy as np
 import pandas as pd
@@ -22,7 +22,7 @@ from walkerlab.evolution.founders import FirstPopulation, fit_genomes, place_fou
 from walkerlab.evolution.generation import Generation
 from walkerlab.evolution.insertion import InsertedGenomes
 from walkerlab.evolution.interruption import save_after
-from walkerlab.evolution.lost_pressure import explain_lost_pressure
+from walkerlab.evolution.lost_pressure import explain_random_selection
 from walkerlab.evolution.rerating import Recorded, confirm_ratings, function_facts, rate_again
 from walkerlab.evolution.run import Run, RunProperties
 from walkerlab.evolution.stages import Stage, changes_walks, record_history
@@ -44,9 +44,11 @@ from walkerlab.settings.settings import Settings
 from walkerlab.simulation import fitness, workers
 from walkerlab.simulation.evaluation import evaluate
 from walkerlab.simulation.pausable import Stopped
-from walkerlab.simulation.validity import REJECTED
 from walkerlab.system.interrupts import interrupts_held
 from walkerlab.system.time_limit import effective_limit
+
+Recall: TypeAlias = Callable[[list[str]], dict[str, EvaluationRow]]
+"""Function from texts of genomes to their known evaluations, by text."""
 
 
 class Evolution(RunProperties):
@@ -74,6 +76,7 @@ class Evolution(RunProperties):
         on_walks: Callable[[int], None] = lambda _: None,
         stop: Stop | None = None,
         population: FirstPopulation | None = None,
+        recall: Recall | None = None,
         **unknown: Any,
     ) -> None:
         """Check the arguments and create the run file, without any simulation.
@@ -85,6 +88,8 @@ class Evolution(RunProperties):
             on_walks: Function that is called with the number of newly finished walks.
             stop: Conditions under which the iteration stops before the last generation.
             population: First individuals of generation 0, as for ``evolve``.
+            recall: Function from texts of genomes to their known evaluations; these genomes are not simulated. Its
+                caller stores the generations, so no other file is saved after an error.
             **unknown: Rejected; individual settings belong in ``settings``.
 
         Raises:
@@ -111,6 +116,7 @@ class Evolution(RunProperties):
         self._best_before = -np.inf
         self._founders = read_founders(population, settings)
         self._stages = (Stage(0, settings),)
+        self._recall = recall
         self._archive = Archive.create(settings.model_dump(), self._path, History(self._founders))  # after all checks
         self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
         self._population: Population[EvaluationRow] | None = None
@@ -229,7 +235,7 @@ class Evolution(RunProperties):
             except Stopped:
                 raise
             except Exception as error:
-                if self.n_generations or self.path:
+                if (self.n_generations or self.path) and not self._recall:
                     self.save_run_after(error)
                 raise
             self._warn_once(population)
@@ -250,13 +256,7 @@ class Evolution(RunProperties):
         """Warn, at most once per run, if selection cannot distinguish the robots of a generation."""
         if self._has_warned:
             return
-        if all(walked.verdict == REJECTED for walked in population.evaluations):
-            cause = population.evaluations[0].reason
-            advice = "Check that the function ends with a return statement."
-            problem = f"{cause} for every robot, so parents are chosen at random. {advice}"
-        else:
-            problem = explain_lost_pressure(population.fitness, self.settings.algorithm)
-        if problem:
+        if problem := explain_random_selection(population, self.settings.algorithm):
             self._has_warned = True
             warnings.warn(f"In generation {population.generation}, {problem}", stacklevel=2)
 
@@ -281,9 +281,9 @@ class Evolution(RunProperties):
             )
 
     def _evaluate_new(self, genomes: Floats) -> list[EvaluationRow]:
-        """Evaluate (n, n_genes) genomes; duplicates, and genomes already evaluated in the run, are not simulated."""
+        """Evaluate (n, n_genes) genomes; duplicates, and genomes already evaluated, are not simulated."""
         texts = [str(Genome(values)) for values in genomes]
-        known = self._archive.find(texts)
+        known = self._archive.find(texts) | (self._recall(texts) if self._recall else {})
         new = {text: row for row, text in enumerate(texts) if text not in known}
         if new:
             rows = list(new.values())

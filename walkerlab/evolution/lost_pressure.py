@@ -1,16 +1,32 @@
-"""Detect generations in which one very low fitness removes the pressure from gradient selection."""
+"""Detect generations in which selection cannot distinguish the robots."""
 
 import numpy as np
 
 from walkerlab.breeding import resolve_operators
 from walkerlab.ga import selection
 from walkerlab.ga.genes import Floats
-from walkerlab.ga.population import NOT_COUNTED
+from walkerlab.ga.population import NOT_COUNTED, Population
+from walkerlab.runfile.records import EvaluationRow
 from walkerlab.settings.algorithm import Algorithm
+from walkerlab.simulation.validity import REJECTED
 from walkerlab.text.numbers import format_significant
 
 MIN_LEAD = 0.05  # minimum lead of the best fitness over the median, as a fraction of the larger absolute value
 MIN_COUNTED = 8  # minimum number of individuals that count; with fewer, the median can be near the best by chance
+
+
+def explain_random_selection(population: Population[EvaluationRow], algorithm: Algorithm) -> str:
+    """Return why selection cannot distinguish the robots of a generation and how to fix that, or "" if it can.
+
+    Args:
+        population: Evaluated generation.
+        algorithm: Settings of the algorithm.
+    """
+    if all(walked.verdict == REJECTED for walked in population.evaluations):
+        cause = population.evaluations[0].reason
+        advice = "Check that the function ends with a return statement."
+        return f"{cause} for every robot, so parents are chosen at random. {advice}"
+    return explain_lost_pressure(population.fitness, algorithm)
 
 
 def explain_lost_pressure(fitness: Floats, algorithm: Algorithm) -> str:

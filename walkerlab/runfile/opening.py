@@ -3,7 +3,7 @@
 import os
 import shutil
 import sqlite3
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from contextlib import closing, contextmanager
 from itertools import count
 from pathlib import Path
@@ -116,7 +116,10 @@ def _cannot_create(path: Path, reason: str | None) -> str:
 
 @contextmanager
 def open_run(
-    file: RunFile, mode: Literal["create", "read", "check", "rescue", "write"] = "read", name: Path | None = None
+    file: RunFile,
+    mode: Literal["create", "read", "check", "rescue", "write"] = "read",
+    name: Path | None = None,
+    read_layout: Callable[[sqlite3.Connection], int] = schema.read_layout,
 ) -> Generator[sqlite3.Connection, None, None]:
     """Open a run file for one transaction; a file of an earlier layout is read from an upgraded copy in memory.
 
@@ -125,6 +128,7 @@ def open_run(
         mode: ``create`` fills an empty file; ``read`` reads; ``check`` reads after checking the integrity of all pages;
             ``rescue`` reads as much as possible, even from a truncated file; ``write`` writes, and upgrades the layout.
         name: Path for messages; if None, the path of the file.
+        read_layout: Function that checks the tables of the file and returns the number of its layout.
 
     Raises:
         RunFileError: If the file does not exist, is not a run, or cannot be used.
@@ -140,7 +144,7 @@ def open_run(
             db.set_progress_handler(None, 0)  # no limit, since all contents are our own
         db.execute(f"PRAGMA page_size = {PAGE_SIZE}")  # has an effect on a new file only
         db.execute(f"PRAGMA writable_schema = {mode == 'rescue'}")  # without it SQLite rejects a truncated file
-        layout = LAYOUT_VERSION if mode == "create" else schema.read_layout(db)
+        layout = LAYOUT_VERSION if mode == "create" else read_layout(db)
         if mode == "write":
             db.execute("PRAGMA journal_mode = DELETE")  # another program may have set a mode with several files
         if (mode == "check" or layout < LAYOUT_VERSION) and db.execute("PRAGMA quick_check(1)").fetchone() != ("ok",):

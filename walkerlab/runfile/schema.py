@@ -17,13 +17,14 @@ from walkerlab.runfile.records import RECORD_COLUMNS
 from walkerlab.text import strict_json
 
 APPLICATION_ID = 0x77616C6B  # "walk", in the header of the file
+EXPERIMENT_ID = 0x77616C78  # "walx", in the header of a file with an experiment
 LAYOUT_VERSION = 3
 OLDEST_LAYOUT = 2  # oldest layout that can be read; layout 1 was never released
 
-_SQL_TYPES = {int: "INTEGER", float: "REAL", str: "TEXT"}
+SQL_TYPES = {int: "INTEGER", float: "REAL", str: "TEXT"}
 _CREATE_RUN = "CREATE TABLE run (fact TEXT PRIMARY KEY, value TEXT NOT NULL)"
 _CREATE_RECORDS = (
-    f"CREATE TABLE records ({', '.join(f'{name} {_SQL_TYPES[kind]}' for name, (kind, *_) in RECORD_COLUMNS.items())}, "
+    f"CREATE TABLE records ({', '.join(f'{name} {SQL_TYPES[kind]}' for name, (kind, *_) in RECORD_COLUMNS.items())}, "
     "PRIMARY KEY (generation, individual))"
 )
 _CREATE_PROVENANCE = "CREATE TABLE provenance (number INTEGER PRIMARY KEY, made_with TEXT NOT NULL UNIQUE)"
@@ -97,7 +98,13 @@ def read_layout(db: sqlite3.Connection) -> int:
             "is empty: it is being created by another program, or its contents are lost. If it stays empty, delete it "
             "and evolve again"
         )
-    if db.execute("PRAGMA application_id").fetchone() != (APPLICATION_ID,):
+    (application,) = db.execute("PRAGMA application_id").fetchone()
+    if application == EXPERIMENT_ID:
+        raise LayoutError(
+            "holds an experiment, which has several runs. Open it with wl.load_experiment(path); one of its runs is "
+            "then experiment.run(condition, seed)"
+        )
+    if application != APPLICATION_ID:
         raise LayoutError("is a SQLite file, but not a run file of walkerlab. Give the path of a run file")
     layout: int = db.execute("PRAGMA user_version").fetchone()[0]
     if layout > LAYOUT_VERSION:

@@ -3,6 +3,7 @@
 from walkerlab.view.plots.ancestry import family_tree as family_tree
 from walkerlab.view.plots.bodies import body as body
 from walkerlab.view.plots.bodies import stride as stride
+from walkerlab.view.plots.comparison import best_of_each_run as best_of_each_run
 from walkerlab.view.plots.counts import verdicts as verdicts
 from walkerlab.view.plots.curves import fitness_curve as fitness_curve
 from walkerlab.view.plots.curves import trait as trait

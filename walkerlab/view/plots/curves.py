@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 
 from walkerlab.settings.values import did_you_mean, pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
+from walkerlab.view.plots.groups import best_so_far, draw_groups, read_groups
 from walkerlab.view.plots.stages import mark_stages, with_current_fitness
 from walkerlab.view.plots.style import (
     add_description,
@@ -27,7 +28,9 @@ from walkerlab.view.plots.tables import (
     UNKNOWN_FITNESS,
     axis_label,
     describe_change,
+    describe_counted,
     fitness_label,
+    require_same_fitness,
     require_table,
     unit_of,
 )
@@ -41,14 +44,16 @@ MAX_LARGE_MARKERS = 60  # number of generations above which the best robots have
 
 
 @styled_plot
-def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "", look: int | None = None) -> Axes:
+def fitness_curve(records: Any, ax: Axes | None = None, *, label: str = "", look: int | None = None) -> Axes:
     """Draw the best (solid), the median (dashed) and the middle half of the fitness of each generation.
 
     Only walks that count are included. A dotted line marks the first generation with changed settings. If the
-    fitness function was changed, only the generations with the current function are drawn.
+    fitness function was changed, only the generations with the current function are drawn. For several runs, the best
+    fitness so far is drawn: for each condition the median over its runs, and their middle half.
 
     Args:
-        records: Table of a run, or the run.
+        records: Table of a run, or the run; a list of runs, a dict from names to runs or to lists of them, or an
+            experiment.
         ax: Axes to draw on; if None, a new figure is created. Each run on the same Axes has its own colour and marker.
         label: Name of the run, which precedes the names of its lines in the legend.
         look: Number of the colour and marker, from 0; the next ones if None.
@@ -59,9 +64,17 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     Raises:
         ValueError: If the table contains several runs, or the Axes show another quantity.
     """
+    title = "Fitness of each generation"
+    if (groups := read_groups(records)) is not None:
+        first = require_same_fitness(groups)
+        axes = ax or new_axes()
+        name = f"best {first.attrs.get('fitness', UNKNOWN_FITNESS)} so far"
+        options = {"quantity": fitness_label(first), "unit": unit_of(first, "fitness"), "label": label}
+        options["axis_label"] = axis_label(name, options["unit"])
+        draw_groups(axes, groups, best_so_far, title=title, what=name, **options)
+        return axes
     records = with_current_fitness(require_table(records, "verdict", "fitness"))
     axes = ax or new_axes()
-    title = "Fitness of each generation"
     quantity = fitness_label(records)
     require_quantity(axes, quantity)
     counted: Any = records[records.verdict == "ok"]
@@ -72,7 +85,8 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
     prefix = f"{label}: " if label else ""
     line: dict[str, Any] = {"lw": 2, "color": colour, "marker": marker, "ms": 4, "markevery": marker_stride(len(best))}
     axes.plot(best.index, best, **line, label=escape_label(f"{prefix}best"))
-    median = _draw_quartiles(axes, counted, "fitness", (colour, marker), prefix)
+    share = describe_counted(records)
+    median = _draw_quartiles(axes, counted, "fitness", (colour, marker), prefix, share)
     if best.empty:
         annotate_no_data(axes, "no walk counted")
         text = f"{prefix}in {pluralize(n_generations, 'generation')}, no walk counted."
@@ -80,7 +94,7 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
         unit = unit_of(records, "fitness")
         text = (
             f"{prefix}{name} over {pluralize(n_generations, 'generation')}: the best {describe_change(best, unit)}, "
-            f"the median {describe_change(median, unit)}."
+            f"the median{share} {describe_change(median, unit)}."
         )
     text += mark_stages(axes, records)
     add_description(axes, title, text[0].upper() + text[1:], quantity)
@@ -92,14 +106,16 @@ def fitness_curve(records: pd.DataFrame, ax: Axes | None = None, *, label: str =
 
 
 @styled_plot
-def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: str = "") -> Axes:
+def trait(records: Any, name: str, ax: Axes | None = None, *, label: str = "") -> Axes:
     """Draw a trait over the generations: its median (dashed), its middle half, and its value in the best robot.
 
     All robots are included, except for fitness, distance and velocity, which only walks that count can determine.
-    The best robot is the one with the highest fitness, not the one with the highest trait.
+    The best robot is the one with the highest fitness, not the one with the highest trait. For several runs, the
+    median of each generation is drawn: for each condition the median over its runs, and their middle half.
 
     Args:
-        records: Table of a run, or the run.
+        records: Table of a run, or the run; a list of runs, a dict from names to runs or to lists of them, or an
+            experiment.
         name: Numeric column: ``body_length``, ``weight``, ``n_legs``, ``n_segments``, ``velocity`` …
         ax: Axes to draw on; if None, a new figure is created. Each run on the same Axes has its own colour and marker.
         label: Name of the run, which precedes the names of its lines in the legend.
@@ -111,17 +127,30 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
         ValueError: If the table has no such numeric column; the message lists the columns. If the table contains
             several runs, or the Axes show another quantity.
     """
-    records = require_table(records)
+    groups = read_groups(records)
+    records = require_table(records) if groups is None else next(iter(groups.values()))[0]
     numeric = [column for column in records.select_dtypes("number").columns if column not in IDENTIFIER_COLUMNS]
     if name not in numeric:
         guess = did_you_mean(name, numeric)
         raise ValueError(f"the table has no numeric column {name!r}; it has {', '.join(numeric)}.{guess}")
     require_table(records, "individual", "verdict", "fitness")
+    if groups is not None:
+        require_same_fitness(groups)
     axes = ax or new_axes()
     trait_name = {"n_legs": "number of legs", "n_segments": "number of segments"}.get(name, name.replace("_", " "))
     title = f"{trait_name[0].upper()}{trait_name[1:]} of each generation"
     unit = unit_of(records, name)
     quantity = fitness_label(records) if name == "fitness" else axis_label(trait_name, unit)
+    if groups is not None:
+
+        def median_of(table: pd.DataFrame) -> pd.Series:
+            used = table[(table.verdict == "ok") & np.isfinite(table[name])] if name in WALK_RESULTS else table
+            medians: Any = used.groupby("generation")[name].median()
+            return medians.reindex(sorted(table.generation.unique()))
+
+        options = {"quantity": quantity, "unit": unit, "label": label}
+        draw_groups(axes, groups, median_of, title=title, what=f"median {trait_name}", **options)
+        return axes
     require_quantity(axes, quantity)
     counted: Any = records[records.verdict == "ok"]
     included: Any = counted if name in WALK_RESULTS else records
@@ -139,14 +168,15 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
         "ls": "",
     }
     axes.plot(best.index, best, **points, label=escape_label(f"{prefix}best robot"), zorder=3)
-    median = _draw_quartiles(axes, included, name, (colour, marker), prefix)
+    share = describe_counted(records) if name in WALK_RESULTS else ""
+    median = _draw_quartiles(axes, included, name, (colour, marker), prefix, share)
     if median.empty:
         annotate_no_data(axes, "no walk counted")
         text = f"{prefix}{trait_name}: no walk counted."
     else:
         of_best = f", the value of the best robot {describe_change(best, unit)}" if len(best) else ""
         over = f"over {pluralize(n_generations, 'generation')}"
-        text = f"{prefix}{trait_name} {over}: the median {describe_change(median, unit)}{of_best}."
+        text = f"{prefix}{trait_name} {over}: the median{share} {describe_change(median, unit)}{of_best}."
     add_description(axes, title, text[0].upper() + text[1:], quantity)
     axes.set_ylabel(escape_label(quantity))
     format_value_axis(axes)
@@ -157,7 +187,9 @@ def trait(records: pd.DataFrame, name: str, ax: Axes | None = None, *, label: st
     return axes
 
 
-def _draw_quartiles(axes: Axes, records: pd.DataFrame, name: str, style: tuple[str, str], prefix: str) -> pd.Series:
+def _draw_quartiles(
+    axes: Axes, records: pd.DataFrame, name: str, style: tuple[str, str], prefix: str, share: str = ""
+) -> pd.Series:
     """Draw the median and the middle half of a column over the generations.
 
     Args:
@@ -166,6 +198,7 @@ def _draw_quartiles(axes: Axes, records: pd.DataFrame, name: str, style: tuple[s
         name: Column to draw.
         style: Colour and marker.
         prefix: Name of the run as it precedes the name of the line; "" for a single run.
+        share: Share of the walks that are included, as text; "" if all are.
 
     Returns:
         The median of each generation.
@@ -179,5 +212,7 @@ def _draw_quartiles(axes: Axes, records: pd.DataFrame, name: str, style: tuple[s
     area_label = "" if prefix else "middle half"
     axes.fill_between(quartiles.index, low, high, color=colour, alpha=0.18, lw=0, label=area_label)
     line: dict[str, Any] = {"lw": 1.4, "ls": (0, (4, 2)), "color": colour, "label": escape_label(f"{prefix}median")}
+    if share and not prefix:
+        line["label"] = f"median{share}"
     axes.plot(median.index, median, **line, marker=marker, ms=2.5, markevery=marker_stride(len(median)))
     return median

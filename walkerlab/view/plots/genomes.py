@@ -14,6 +14,7 @@ from walkerlab.genome.genome import Genome
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import new_axes, styled_plot
+from walkerlab.view.plots.groups import draw_groups, read_groups
 from walkerlab.view.plots.style import (
     add_description,
     add_legend,
@@ -36,30 +37,43 @@ POINTS_PER_INCH = 72
 
 
 @styled_plot
-def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "") -> Axes:
+def diversity(records: Any, ax: Axes | None = None, *, label: str = "") -> Axes:
     """Draw the genetic diversity of each generation: how much two robots typically differ in one gene.
 
-    The difference in a gene is a fraction of the range of that gene in the run, from the minimum to
-    the maximum of the whole table. For a cyclic gene, it is the chord between two points on a circle, as a fraction of
-    the diameter, so that 0.01 and 6.28 rad are close. The diversity is the root mean square over all pairs of robots
-    and all genes that vary in the run: 0 if all robots are clones, about 0.4 (0.7 for cyclic genes) if genes are
-    uniformly distributed. Genes without effect are included, because children inherit them and may express them. If a
-    generation has more than 200 robots, 200 are compared, evenly spaced in the table.
+    The difference in a gene is a fraction of the range of that gene in the gene table of the default limits, so that
+    all runs can be compared. For a cyclic gene, it is the chord between two points on a circle, as a fraction of the
+    diameter, so that 0.01 and 6.28 rad are close. The diversity is the root mean square over all pairs of robots and
+    all genes: 0 if all robots are clones, about 0.4 (0.7 for cyclic genes) if genes are uniformly distributed. Genes
+    without effect are included, because children inherit them and may express them. If a generation has more than 200
+    robots, 200 are compared, evenly spaced in the table.
 
     Args:
-        records: Table of a run, or the run.
-        ax: Axes to draw on; if None, a new figure is created. Each run on the same Axes has its own colour and marker,
-            and uses its own ranges.
+        records: Table of a run, or the run; a list of runs, a dict from names to runs or to lists of them, or an
+            experiment. For several runs, the median over the runs and their middle half are drawn.
+        ax: Axes to draw on; if None, a new figure is created. Each run on the same Axes has its own colour and marker.
         label: Name of the run in the legend.
 
     Returns:
         The Axes drawn on.
     """
+    title = "Genetic diversity of each generation"
+    if (groups := read_groups(records)) is not None:
+        axes = ax or new_axes()
+        draw_groups(
+            axes,
+            groups,
+            diversity_by_generation,
+            title=title,
+            what="genetic diversity, as a fraction of the ranges of the genes,",
+            quantity=DIVERSITY_LABEL,
+            label=label,
+        )
+        _format_diversity_axis(axes)
+        return axes
     records = require_table(records, "genome")
     axes = ax or new_axes()
-    title = "Genetic diversity of each generation"
     require_quantity(axes, DIVERSITY_LABEL)
-    values = pd.Series(_compute_diversity(records), dtype=np.float64)
+    values = diversity_by_generation(records)
     colour, marker = next_run_style(axes, title)
     markers: dict[str, Any] = {"marker": marker, "ms": 4, "markevery": marker_stride(len(values))}
     axes.plot(values.index, values, lw=2, color=colour, **markers, label=escape_label(label))
@@ -68,16 +82,20 @@ def diversity(records: pd.DataFrame, ax: Axes | None = None, *, label: str = "")
         text = "No robot has walked yet."
     else:
         name = f"{label}: genetic" if label else "Genetic"
-        definition = "how much two robots typically differ in one gene, as a fraction of that gene's range in the run,"
+        definition = "how much two robots typically differ in one gene, as a fraction of that gene's range,"
         change = describe_change(values.round(3), "")
         text = f"{name} diversity over {pluralize(len(values), 'generation')}: {definition} {change}."
     add_description(axes, title, text, DIVERSITY_LABEL)
-    axes.set_ylabel("genetic diversity: difference in one gene\n[fraction of the gene's range in the run]")
-    axes.set_ylim(0, max(axes.get_ylim()[1], 0.1))
+    _format_diversity_axis(axes)
     format_generation_axis(axes, len(values))
     if label:
         add_legend(axes, count_plots(axes, title))
     return axes
+
+
+def _format_diversity_axis(axes: Axes) -> None:
+    axes.set_ylabel("genetic diversity: difference in one gene\n[fraction of the gene's range]")
+    axes.set_ylim(0, max(axes.get_ylim()[1], 0.1))
 
 
 @styled_plot
@@ -223,7 +241,7 @@ def _relative_positions(values: Floats, table: Genes) -> Floats:
     return np.where(span > 0, (values - low) / np.where(span > 0, span, 1), 0.5)
 
 
-def _mean_square_distances(sample: Floats, values: Floats, table: Genes) -> Floats:
+def _mean_square_distances(sample: Floats, ends: Floats, table: Genes) -> Floats:
     """Return the mean square distance in each gene over all pairs of a sample, as a fraction of the gene's range.
 
     It is computed without enumerating the pairs: for numbers it is twice the variance; for points on a circle of
@@ -231,7 +249,7 @@ def _mean_square_distances(sample: Floats, values: Floats, table: Genes) -> Floa
 
     Args:
         sample: Genomes to compare, shape (n, n_genes).
-        values: Genomes that determine the ranges, shape (m, n_genes).
+        ends: Genomes whose minimum and maximum are the range of each gene, shape (m, n_genes).
         table: Names and kinds of the genes.
 
     Returns:
@@ -240,24 +258,22 @@ def _mean_square_distances(sample: Floats, values: Floats, table: Genes) -> Floa
     n = len(sample)
     if n < 2:
         return np.zeros(len(table))
-    ends = np.stack([values.min(axis=0), values.max(axis=0)])
-    positions = _relative_positions(np.concatenate([sample, ends]), table)[:n]
-    mean = np.exp(2j * math.pi * positions).mean(axis=0)
+    low, high = np.where(table.is_cyclic, [table.low, table.high], [ends.min(axis=0), ends.max(axis=0)])
+    span = np.where(high > low, high - low, 1)
+    mean = np.exp(2j * math.pi * (sample - low) / span).mean(axis=0)
     chords = np.maximum(0.0, 1 - np.abs(mean) ** 2) / 2 * n / (n - 1)
-    return np.where(table.is_cyclic, chords, 2 * positions.var(axis=0, ddof=1))
+    return np.where(table.is_cyclic, chords, 2 * ((sample - low) / span).var(axis=0, ddof=1))
 
 
-def _compute_diversity(records: pd.DataFrame) -> dict[int, float]:
-    """Return the diversity of each generation, by its number."""
-    if records.empty:
-        return {}
-    records = records.loc[_select_sample(records), :]
-    values, table = _parse_genomes(records)
-    ends = np.stack([values.min(axis=0), values.max(axis=0)])
-    varies = ends[1] > ends[0]
-    generations = records.generation.to_numpy()
+def diversity_by_generation(records: pd.DataFrame) -> pd.Series:
+    """Return the diversity of each generation, by its number; see ``diversity``."""
     diversities: dict[int, float] = {}
-    for generation in np.unique(generations).tolist():
-        distances = _mean_square_distances(values[generations == generation], ends, table)[varies]
-        diversities[generation] = math.sqrt(distances.mean()) if varies.any() else 0.0
-    return diversities
+    if not records.empty:
+        records = records.loc[_select_sample(records), :]
+        values, table = _parse_genomes(records)
+        generations = records.generation.to_numpy()
+        for generation in np.unique(generations).tolist():
+            sample = values[generations == generation]
+            distances = _mean_square_distances(sample, np.stack([table.low, table.high]), table)
+            diversities[generation] = math.sqrt(distances.mean())
+    return pd.Series(diversities, dtype=np.float64).rename_axis("generation")

@@ -1,5 +1,6 @@
 """Tables as plots use them: checked before drawing, with the names, units and numbers that a plot shows."""
 
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -33,10 +34,35 @@ def require_table(records: Any, *columns: str) -> pd.DataFrame:
         row = table.loc[repeated, :].iloc[0]
         raise ValueError(
             f"this table has robot {row.individual} of generation {row.generation} more than once, so it contains "
-            "several runs. Draw one run at a time; curves can share Axes, as in: for seed, run in enumerate(runs): "
-            'wl.plots.fitness_curve(run.records, ax, label=f"seed {seed}")'
+            "several runs. Give the runs as a list instead: wl.plots.fitness_curve([run_a, run_b]), which draws their "
+            'median, or as a dict: wl.plots.fitness_curve({"a": run_a, "b": run_b}), which draws each of them'
         )
     return table
+
+
+def require_same_fitness(groups: Mapping[str, Sequence[pd.DataFrame]]) -> pd.DataFrame:
+    """Return the first of several tables, after checking that all have the same fitness.
+
+    Raises:
+        ValueError: If two tables have a different fitness.
+    """
+    tables = [require_table(table, "verdict", "fitness") for of_group in groups.values() for table in of_group]
+    labels = list(dict.fromkeys(map(fitness_label, tables)))
+    if len(labels) > 1:
+        raise ValueError(
+            f"these runs have different fitness, {labels[0]!r} and {labels[1]!r}, which cannot share a vertical axis. "
+            "Draw them on separate Axes, as in: figure, (left, right) = plt.subplots(1, 2)"
+        )
+    return tables[0]
+
+
+def describe_counted(records: pd.DataFrame) -> str:
+    """Describe the share of the robots whose walks count: `` of the 86 % that count``; "" if all do."""
+    share = float((records.verdict == "ok").mean()) if len(records) else 1.0
+    if share == 1:
+        return ""
+    percent = min(99, max(1, round(100 * share))) if share else 0
+    return f" of the {percent} % that count"
 
 
 def unit_of(records: pd.DataFrame, column: str) -> str:

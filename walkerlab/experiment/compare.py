@@ -1,0 +1,298 @@
+"""Run an experiment: each condition with each seed, stored generation by generation, so that it can be interrupted."""
+
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Executor
+from contextlib import closing, nullcontext
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from tqdm.auto import tqdm
+
+from walkerlab.evolution.evolution import Evolution, Recall
+from walkerlab.evolution.forecast import describe_duration, estimate_seconds, n_walks
+from walkerlab.experiment.conditions import Condition, grid, read_conditions, read_seeds
+from walkerlab.experiment.experiment import Experiment
+from walkerlab.experiment.optimisers import Optimiser, run_optimiser
+from walkerlab.runfile import experiments, paths, provenance, store
+from walkerlab.runfile.experiments import StoredExperiment, StoredRun
+from walkerlab.runfile.opening import RunFile, RunFileError
+from walkerlab.runfile.provenance import UNKNOWN_SOURCE
+from walkerlab.runfile.records import EvaluationRow, birth_rows
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import pluralize
+from walkerlab.simulation import workers
+from walkerlab.simulation.evaluation import evaluate
+from walkerlab.system.files import display_path
+from walkerlab.system.interrupts import interrupts_held
+
+
+def compare(
+    conditions: Mapping[str, Settings | Optimiser | tuple[Optimiser, Settings]],
+    seeds: Iterable[int] = range(10),
+    path: str | Path | None = None,
+    executor: Executor | None = None,
+    progress: bool = True,
+) -> Experiment:
+    """Run each condition with each seed, and return the experiment, which compares them.
+
+    Runs with the same seed are pairs: they have the same first generation, if the limits of the robots are the same,
+    and the same random numbers for every operator that does not differ. Seed by seed, all conditions are run, so that
+    an interrupted experiment has complete pairs. Ctrl-C stops and returns the runs that have ended.
+
+    The same call with the same ``path`` continues an interrupted experiment; its table becomes the same as that of an
+    experiment without an interruption. It can also add seeds.
+
+    Args:
+        conditions: Settings by the name of the condition; they may differ in everything but the fitness. An optimiser
+            such as ``wl.random_search``, or a function of yours (see ``walkerlab.experiment.optimisers``), is another
+            condition, with the settings of the others or, as ``(optimiser, settings)``, with its own. It has as many
+            evaluations as the genetic algorithm.
+        seeds: Seeds of the runs; they replace the seeds of the settings.
+        path: File of the experiment; if None, the experiment is lost once it is unused.
+        executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
+        progress: Whether to show a forecast of the duration and a progress bar.
+
+    Returns:
+        The experiment: ``.records``, ``.summary()``, ``.plot()``, ``.best()``, ``.report(folder)``.
+
+    Warns:
+        UserWarning: If seeds are added to an experiment that was complete.
+
+    Raises:
+        TypeError: If an argument is of the wrong type.
+        SettingsError: If conditions cannot be compared, or a seed is not valid.
+        OperatorError: If a user function does not do what its slot requires.
+        RunFileError: If the file holds something else or another experiment, or cannot be used.
+    """
+    planned = read_conditions(conditions)
+    wanted = read_seeds(seeds)
+    workers.check_executor(executor)
+    workers.check_open(executor)
+    file: RunFile = store.open_temporary() if path is None else paths.new_path(path)
+    with nullcontext() if isinstance(file, Path) else closing(file):
+        return _run_experiment(file, planned, wanted, executor, progress)
+
+
+def sweep(
+    settings: Settings,
+    *,
+    seeds: Iterable[int] = range(10),
+    path: str | Path | None = None,
+    executor: Executor | None = None,
+    progress: bool = True,
+    **values: Any,
+) -> Experiment:
+    """Compare all combinations of the values of some settings: ``wl.sweep(s, mutation_rate=[0.02, 0.3])``.
+
+    Args:
+        settings: Settings that all conditions share.
+        seeds: Seeds of the runs of each condition.
+        path: File of the experiment; the same call continues it.
+        executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
+        progress: Whether to show a forecast of the duration and a progress bar.
+        **values: Lists of values of single settings; each combination is a condition, such as
+            ``mutation_rate=0.02, n_elites=0``.
+
+    Returns:
+        The experiment, as ``compare`` returns it.
+
+    Raises:
+        TypeError: If the values of a setting are not a list.
+        SettingsError: If a name or a value is not valid, or two conditions are equal.
+        RunFileError: If the file holds something else or another experiment, or cannot be used.
+    """
+    return compare(grid(settings, values), seeds, path, executor, progress)
+
+
+def _run_experiment(
+    file: RunFile, planned: list[Condition], seeds: list[int], executor: Executor | None, progress: bool
+) -> Experiment:
+    """Run what an experiment lacks, and return it as its file holds it."""
+    plain = [condition.to_plain() for condition in planned]
+    if isinstance(file, Path) and file.exists():
+        experiment_id, stored = experiments.read(file)
+        all_seeds = _check_continuation(file, stored, planned, seeds)
+        if all_seeds != stored.seeds:
+            experiments.write_seeds(file, experiment_id, all_seeds)
+    else:
+        experiment_id = experiments.create(file, plain, seeds)
+        stored = StoredExperiment(plain, seeds, {})
+        all_seeds = seeds
+    work = [
+        (number, seed)
+        for seed in all_seeds
+        for number in range(len(planned))
+        if not (run := stored.runs.get((number, seed))) or not run.is_finished
+    ]
+    if progress and work:
+        print(_describe_plan([planned[number].settings for number, _ in work]), flush=True)
+    n_remaining = sum(n_walks(planned[number].settings) for number, _ in work)
+    try:
+        with tqdm(total=n_remaining, unit=" walks", disable=not progress or not work) as bar:
+            for place in work:
+                number, seed = place
+                condition = planned[number]
+                bar.set_postfix_str(f"seed {seed}, {condition.name}")
+                storage = _Storage(file, experiment_id, place, condition, stored.runs.get(place))
+                _run(condition, seed, executor, bar.update, storage)
+    except KeyboardInterrupt:
+        pass  # the generations that are done are stored
+    except Exception as error:
+        _add_note(error, file)
+        raise
+    _, stored = experiments.read(file)
+    return Experiment(planned, all_seeds, stored.runs, file if isinstance(file, Path) else None)
+
+
+def _describe_plan(settings: list[Settings]) -> str:
+    """Describe the runs that remain, and forecast their duration.
+
+    Args:
+        settings: Settings of each remaining run.
+    """
+    seconds = {id(one): estimate_seconds(one) for one in {id(one): one for one in settings}.values()}
+    n_remaining = sum(map(n_walks, settings))
+    duration = describe_duration(sum(seconds[id(one)] for one in settings))
+    cores = pluralize(workers.n_cores(), "core")
+    runs = pluralize(len(settings), "run")
+    return f"{runs}, {pluralize(n_remaining, 'walk')}: {duration} on {cores}. Ctrl-C stops early."
+
+
+def _check_continuation(path: Path, stored: StoredExperiment, planned: list[Condition], seeds: list[int]) -> list[int]:
+    """Check that a stored experiment can be continued with these conditions, and return all of its seeds.
+
+    Raises:
+        RunFileError: If it has other conditions, or was made with another source of a user function.
+    """
+    theirs = {plain["name"]: plain for plain in stored.conditions}
+    ours = {condition.name: condition.to_plain() for condition in planned}
+    elsewhere = "Give this experiment another file, or open the stored one with wl.load_experiment."
+    if list(theirs) != list(ours):
+        raise RunFileError(
+            f"{display_path(path)} holds an experiment with the conditions {', '.join(map(repr, theirs))}; got "
+            f"{', '.join(map(repr, ours))}. {elsewhere}"
+        )
+    if changed := [name for name in ours if ours[name] != theirs[name]]:
+        raise RunFileError(
+            f"{display_path(path)} holds an experiment whose condition {changed[0]!r} has settings other than "
+            f"those given: {_describe_changes(theirs[changed[0]], ours[changed[0]])}. {elsewhere}"
+        )
+    for (number, _), run in stored.runs.items():
+        facts = planned[number].function_facts()
+        for name, fact in facts.items():
+            then = run.made_with.get(name, fact)
+            if then != fact and UNKNOWN_SOURCE not in then + fact:
+                raise RunFileError(
+                    f"{display_path(path)} was made with another source of the {name} of condition "
+                    f"{planned[number].name!r}. An experiment must not mix the results of two functions. {elsewhere}"
+                )
+    added = [seed for seed in seeds if seed not in stored.seeds]
+    places = [(number, seed) for number in range(len(planned)) for seed in stored.seeds]
+    is_complete = all(place in stored.runs and stored.runs[place].is_finished for place in places)
+    made_with = next((run.made_with for run in stored.runs.values()), {})
+    changed_versions = provenance.describe_differences(made_with, provenance.current_facts())
+    if changed_versions and (added or not is_complete):
+        warnings.warn(
+            f"{display_path(path)} was made with {changed_versions}. The runs that have ended stay the same; further "
+            "ones can differ in the last digits from what they would have been there.",
+            stacklevel=4,
+        )
+    if added and is_complete:
+        warnings.warn(
+            f"{pluralize(len(added), 'seed')} added to a complete experiment. If the reason is that its result was not "
+            "clear, p-values become too small: seeds that are added until a difference appears always find one. Choose "
+            "the number of seeds before the experiment.",
+            stacklevel=4,
+        )
+    return [*stored.seeds, *added]
+
+
+def _describe_changes(theirs: dict[str, Any], ours: dict[str, Any]) -> str:
+    """List the settings in which two conditions differ, at most three of them."""
+    pairs = {"optimiser": (theirs["optimiser"], ours["optimiser"])} | {
+        f"{domain}.{field}": (theirs["settings"].get(domain, {}).get(field), value)
+        for domain, fields in ours["settings"].items()
+        for field, value in fields.items()
+    }
+    found = [f"{name} is {then!r:.60}, not {now!r:.60}" for name, (then, now) in pairs.items() if then != now]
+    return "; ".join(found[:3])
+
+
+class _Storage:
+    """Storage of one run: it returns stored evaluations, and stores the generations that are new."""
+
+    def __init__(
+        self, file: RunFile, experiment_id: str, place: tuple[int, int], condition: Condition, stored: StoredRun | None
+    ) -> None:
+        self._file = file
+        self._experiment_id = experiment_id
+        self._place = place
+        self._condition = condition
+        self._facts = condition.function_facts()
+        self._stored = stored.table if stored else None
+        self._known: dict[str, EvaluationRow] = {}
+        if stored is not None:
+            columns = list(EvaluationRow._fields)
+            rows = birth_rows(stored.table)[columns].itertuples(index=False, name=None)
+            self._known = {row[-1]: EvaluationRow._make(row) for row in rows}
+        self._n_generations = 0
+
+    def recall(self, texts: list[str]) -> dict[str, EvaluationRow]:
+        """Return the evaluations that are stored, by the texts of their genomes."""
+        return {text: self._known[text] for text in texts if text in self._known}
+
+    def add(self, table: pd.DataFrame) -> None:
+        """Store a generation, or check that it is the stored one.
+
+        Raises:
+            RunFileError: If it differs from the stored one.
+        """
+        number = self._n_generations
+        if self._stored is not None and number <= self._stored.generation.max():
+            stored = self._stored.loc[self._stored.generation == number, :].reset_index(drop=True)
+            if not stored.equals(table.reset_index(drop=True)):
+                raise RunFileError(
+                    f"generation {number} of condition {self._condition.name!r}, seed {self._place[1]}, comes out "
+                    f"differently from {display_path(self._file)}: one of your functions has changed, or draws random "
+                    "numbers from elsewhere than rng. Repeat the experiment with another file."
+                )
+        else:
+            with interrupts_held():
+                experiments.append(self._file, self._experiment_id, self._place, table, self._facts)
+        self._n_generations += 1
+
+    def finish(self) -> None:
+        """Record that the run has ended."""
+        experiments.finish(self._file, self._experiment_id, self._place, self._n_generations)
+
+
+def _run(
+    condition: Condition, seed: int, executor: Executor | None, on_walks: Callable[[int], Any], storage: _Storage
+) -> None:
+    """Run a condition with a seed; evaluations that are stored are not repeated."""
+    settings = condition.for_seed(seed)
+    recall: Recall = storage.recall
+    if condition.function is None:
+        for generation in Evolution(settings, None, executor, on_walks=on_walks, recall=recall):
+            storage.add(generation.records)
+    else:
+        walk = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
+        run_optimiser(condition.function, settings, walk, recall, storage.add)
+    storage.finish()
+
+
+def _add_note(error: Exception, file: RunFile) -> None:
+    """Add a note to an error that says where the experiment is stored; a temporary file is saved first."""
+    try:
+        path = file if isinstance(file, Path) else store.save_temporary(file)
+    except RunFileError as problem:
+        error.add_note(str(problem))
+        return
+    error.saved_path = path  # type: ignore[attr-defined]
+    error.add_note(
+        f"The experiment so far is saved in {display_path(path)}. When the error is fixed, continue it with the same "
+        f"call and path={display_path(path)!r}."
+    )

@@ -1,0 +1,71 @@
+"""The report of an experiment, and its display in a notebook."""
+
+from pathlib import Path
+from typing import Any
+
+from walkerlab.runfile import provenance
+from walkerlab.runfile.records import RECORD_COLUMNS
+from walkerlab.system.file_sets import replacing_files
+from walkerlab.system.files import folder_path, write_text
+from walkerlab.text.escape import escape_cell
+from walkerlab.text.templates import render
+from walkerlab.view import plots
+from walkerlab.view.plots.comparison import draw_experiment, figure_html
+
+TERMS = (
+    ("median", "half of the runs are better, half are worse"),
+    ("95 % interval", "from draws of the seeds with replacement (bootstrap); with few seeds it is rather too narrow"),
+    ("threshold", "a fitness that is to be reached, by default the lowest median"),
+    (
+        "robots until then",
+        "median over the runs; > means that at least half of them did not reach it with all their robots",
+    ),
+    ("seeds won", "number of seeds in which the first or the second condition is better"),
+    ("A12", "probability that a run of the first condition is better than one of the second; 0.5 without a difference"),
+    ("p", "share of experiments with a result as clear as this, if there were no difference (signed-rank test)"),
+    ("p, corrected", "the same, corrected for the number of comparisons (Holm); clear if it is below 0.05"),
+    ("detectable", "true difference that would be found in four of five experiments with as many seeds"),
+)
+
+
+def experiment_html(experiment: Any) -> str:
+    """Return an experiment as a notebook shows it."""
+    picture = "" if experiment.records.empty else figure_html(draw_experiment(experiment.records, on_screen=False))
+    return render(
+        "experiment/experiment.html", summary=experiment.summary().to_html(), picture=picture, status=experiment.status
+    )
+
+
+def save_report(experiment: Any, folder: str | Path) -> Path:
+    """Write the report of an experiment; see ``Experiment.report``."""
+    folder = folder_path(folder)
+    summary = experiment.summary()
+    if not summary.n_seeds:
+        raise ValueError(f"there is nothing to report yet: {summary.text}")
+    records = experiment.records
+    texts = ["condition", *(name for name, (kind, *_) in RECORD_COLUMNS.items() if kind is str)]
+    with replacing_files(folder) as new:
+        with new.write_part("records.csv"):
+            escaped = records.assign(**{name: records[name].map(escape_cell) for name in texts})
+            escaped.to_csv(new.folder / "records.csv", index=False)
+        with new.write_part("tables/conditions.csv", "tables/comparisons.csv"):
+            conditions = summary.conditions.assign(condition=summary.conditions.condition.map(escape_cell))
+            conditions.to_csv(new.folder / "tables/conditions.csv", index=False)
+            summary.comparisons.to_csv(new.folder / "tables/comparisons.csv", index=False)
+        pictures = [f"pictures/experiment.{ending}" for ending in ("svg", "pdf", "png")]
+        with new.write_part("report.html", *pictures):
+            figure = draw_experiment(records, on_screen=False)
+            plots.save(figure.axes[0], *(new.folder / name for name in pictures))
+            page = render(
+                "experiment/report.html",
+                title=f"Experiment with {len(experiment.conditions)} conditions and {summary.n_seeds} seeds",
+                summary=summary.to_html(),
+                status=experiment.status,
+                pictures=[figure_html(figure)],
+                terms=TERMS,
+                conditions=[(name, settings.as_python()) for name, settings in experiment.conditions.items()],
+                seeds=", ".join(map(str, experiment.complete_seeds)),
+                versions=provenance.current_facts().items(),
+            )
+            write_text(new.folder / "report.html", page)
+    return folder / "report.html"
