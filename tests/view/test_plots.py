@@ -547,6 +547,19 @@ def test_other_curves_of_several_runs_have_a_line_for_each_name(draw, ax):
     assert wl.plots.alt_text(ax)
 
 
+@pytest.mark.parametrize("fitness_changed", [False, True])
+def test_the_best_so_far_begins_again_with_the_ratings_of_a_new_stage(fitness_changed, ax):
+    tables = [random_table(seed=seed) for seed in range(3)]
+    for table in tables:
+        table.attrs |= {"stages": {3: "new"}, "rated_since": 3, "fitness_since": 3 if fitness_changed else 0}
+    best = np.array([table[table.verdict == "ok"].groupby("generation").fitness.max() for table in tables])
+    expected = np.hstack([np.maximum.accumulate(part, axis=1) for part in (best[:, :3], best[:, 3:])])
+    wl.plots.fitness_curve(tables, ax)
+    drawn = dict(zip(*ax.lines[-1].get_data(), strict=True))
+    first = 3 if fitness_changed else 0
+    assert drawn == pytest.approx(dict(zip(range(first, 5), np.median(expected, axis=0)[first:], strict=True)))
+
+
 def test_runs_of_different_fitness_do_not_share_axes(ax):
     with pytest.raises(ValueError, match="have different fitness, 'distance \\[m\\]' and 'efficiency \\[m/J\\]'"):
         wl.plots.fitness_curve({"a": DISTANCE_LABEL, "b": EFFICIENCY}, ax)

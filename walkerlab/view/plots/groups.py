@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.font_manager import FontProperties
 
 from walkerlab.settings.values import pluralize
+from walkerlab.view.plots.stages import with_current_fitness
 from walkerlab.view.plots.style import (
     add_description,
     add_legend,
@@ -149,7 +150,13 @@ def _quartiles(values: pd.DataFrame) -> pd.DataFrame:
 
 
 def best_so_far(table: pd.DataFrame) -> pd.Series:
-    """Return the best fitness until each generation, by its number; ``-inf`` until a walk counts."""
+    """Return the best fitness until each generation, by its number; ``-inf`` until a walk counts.
+
+    It begins again with the generation from which robots walk or are rated differently. Generations of an earlier
+    fitness function have ``-inf``.
+    """
     generations = pd.Index(sorted(table.generation.unique()), name="generation")
-    counted = table[table.verdict == "ok"]
-    return counted.groupby("generation").fitness.max().reindex(generations, fill_value=-np.inf).cummax()
+    current = with_current_fitness(table)
+    best = current[current.verdict == "ok"].groupby("generation").fitness.max()
+    is_rated_now = generations >= table.attrs.get("rated_since", 0)
+    return best.reindex(generations, fill_value=-np.inf).groupby(is_rated_now).cummax()
