@@ -194,7 +194,7 @@ def test_a_changed_experiment_is_not_continued(tmp_path):
     path = tmp_path / "e.walk"
     wl.compare({"a": SETTINGS}, seeds=[1], path=path, progress=False)
     for conditions, message in (
-        ({"b": SETTINGS}, "holds an experiment with the conditions 'a'; got 'b'"),
+        ({"b": SETTINGS}, "contains an experiment with the conditions 'a'; got 'b'"),
         ({"a": SETTINGS.with_(n_elites=1)}, "algorithm.n_elites is 2, not 1"),
         ({"a": (hill_climber, SETTINGS)}, "optimiser is '', not 'hill_climber'"),
     ):
@@ -269,15 +269,15 @@ def test_runs_without_counted_walks_are_the_worst(monkeypatch):
 def test_load_and_show_say_what_an_experiment_is(tmp_path, capsys):
     path = tmp_path / "e.walk"
     whole = wl.compare({"a": SETTINGS, "b": wl.random_search}, seeds=[1, 2], path=path, progress=False)
-    with pytest.raises(wl.RunFileError, match="holds an experiment"):
+    with pytest.raises(wl.RunFileError, match="contains an experiment"):
         wl.load(path)
-    with pytest.raises(wl.RunFileError, match="holds an experiment"):
+    with pytest.raises(wl.RunFileError, match="contains an experiment"):
         wl.resume(path)
     assert main(["show", str(path)]) == 0
     shown = capsys.readouterr().out
     assert whole.summary().text.split(":")[0] in shown
     wl.evolve(SETTINGS, tmp_path / "run.walk", progress=False)
-    with pytest.raises(wl.RunFileError, match="does not hold an experiment"):
+    with pytest.raises(wl.RunFileError, match="does not contain an experiment"):
         wl.load_experiment(tmp_path / "run.walk")
 
 

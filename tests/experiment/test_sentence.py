@@ -50,7 +50,7 @@ def test_with_five_seeds_the_sentence_says_that_nothing_could_have_been_found():
     _, text = describe(np.arange(5) + 100.0, np.arange(5) + 0.0)
     assert text == (
         "The medians are 102 m (left) and 2.00 m (right), but this can be chance: with 5 seeds, no difference of any "
-        "size could have been found; at least 6 seeds are needed."
+        "size could have been found; at least 6 seeds are required."
     )
     assert "With 6 seeds and 3 comparisons, no difference" in describe(*np.random.default_rng(1).normal(size=(3, 6)))[1]
 

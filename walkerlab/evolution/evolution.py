@@ -248,7 +248,7 @@ class Evolution(RunProperties):
         save_after(error, self._archive, self.settings, self.n_generations)
 
     def _remember_origins(self, table: pd.DataFrame) -> None:
-        """Remember what made each individual of the last generation of a table, for those that will be elites."""
+        """Remember how each individual of the last generation of a table was made, for those that become elites."""
         last = table.loc[table.generation == table.generation.max(), :]
         self._origins = dict(zip(last.individual.tolist(), last.operators.tolist(), strict=True))
 

@@ -21,7 +21,7 @@ from walkerlab.settings.values import code_text
 from walkerlab.text.escape import printable
 
 FirstPopulation: TypeAlias = Run | pd.DataFrame | Iterable[Genome | str | ArrayLike | HasGenome | Founder]
-"""Genomes, texts, arrays or individuals; or a run or its table, of which the last generation is taken, best first."""
+"""Genomes, texts, arrays or individuals; or a run or its table, whose last generation is used, best first."""
 
 
 def read_founders(given: FirstPopulation | None, settings: Settings) -> tuple[Founder, ...]:
@@ -97,7 +97,7 @@ def _read(given: Any, size: int) -> list[Founder]:
 
 
 def _read_table(table: pd.DataFrame, size: int, of_run: str) -> list[Founder]:
-    """Return the robots of the last generation of a table, best first, and no more than a generation holds.
+    """Return the robots of the last generation of a table, best first, and no more than fit into a generation.
 
     Raises:
         ValueError: If the table is not that of a run.

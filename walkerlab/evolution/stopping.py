@@ -1,4 +1,4 @@
-"""Conditions under which a run stops before its last generation; the run file records the one that held."""
+"""Conditions under which a run stops before its last generation; the run file records the one that was met."""
 
 import math
 import re
@@ -21,7 +21,7 @@ class StopError(WalkerlabError, ValueError):
 
 @dataclass(frozen=True, kw_only=True)
 class Stop:
-    """Conditions under which a run stops; the first that holds after a generation stops it.
+    """Conditions under which a run stops; the first that is met after a generation stops it.
 
     Whole generations are evolved, so a run that is resumed has the same table as an uninterrupted one. Time and
     patience count from the call of ``evolve`` or ``resume``.
@@ -76,7 +76,7 @@ class Improvement:
 
 
 def find_stop_reason(stop: Stop | None, improvement: Improvement, seconds: float) -> str:
-    """Return the condition that holds, as text; "" if the run continues.
+    """Return the condition that is met, as text; "" if the run continues.
 
     Args:
         stop: Conditions, or None.

@@ -47,11 +47,11 @@ def compare(
 
     Args:
         conditions: Settings by the name of the condition; they may differ in everything but the fitness. An optimiser
-            such as ``wl.random_search``, or a function of yours (see ``walkerlab.experiment.optimisers``), is another
+            such as ``wl.random_search``, or your own function (see ``walkerlab.experiment.optimisers``), is another
             condition, with the settings of the others or, as ``(optimiser, settings)``, with its own. It has as many
             evaluations as the genetic algorithm.
         seeds: Seeds of the runs; they replace the seeds of the settings.
-        path: File of the experiment; if None, the experiment is lost once it is unused.
+        path: File of the experiment; if None, the experiment is discarded when it is no longer referenced.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: Whether to show a forecast of the duration and a progress bar.
 
@@ -65,7 +65,7 @@ def compare(
         TypeError: If an argument is of the wrong type.
         SettingsError: If conditions cannot be compared, or a seed is not valid.
         OperatorError: If a user function does not do what its slot requires.
-        RunFileError: If the file holds something else or another experiment, or cannot be used.
+        RunFileError: If the file contains something else or another experiment, or cannot be used.
     """
     planned = read_conditions(conditions)
     wanted = read_seeds(seeds)
@@ -102,7 +102,7 @@ def sweep(
     Raises:
         TypeError: If the values of a setting are not a list.
         SettingsError: If a name or a value is not valid, or two conditions are equal.
-        RunFileError: If the file holds something else or another experiment, or cannot be used.
+        RunFileError: If the file contains something else or another experiment, or cannot be used.
     """
     return compare(grid(settings, values), seeds, path, executor, progress)
 
@@ -110,7 +110,7 @@ def sweep(
 def _run_experiment(
     file: RunFile, planned: list[Condition], seeds: list[int], executor: Executor | None, progress: bool
 ) -> Experiment:
-    """Run what an experiment lacks, and return it as its file holds it."""
+    """Run the missing runs of an experiment, and return the experiment as its file contains it."""
     plain = [condition.to_plain() for condition in planned]
     if isinstance(file, Path) and file.exists():
         experiment_id, stored = experiments.read(file)
@@ -165,19 +165,19 @@ def _check_continuation(path: Path, stored: StoredExperiment, planned: list[Cond
     """Check that a stored experiment can be continued with these conditions, and return all of its seeds.
 
     Raises:
-        RunFileError: If it has other conditions, or was made with another source of a user function.
+        RunFileError: If it has other conditions, or was made with different code for a user function.
     """
     theirs = {plain["name"]: plain for plain in stored.conditions}
     ours = {condition.name: condition.to_plain() for condition in planned}
     elsewhere = "Give this experiment another file, or open the stored one with wl.load_experiment."
     if list(theirs) != list(ours):
         raise RunFileError(
-            f"{display_path(path)} holds an experiment with the conditions {', '.join(map(repr, theirs))}; got "
+            f"{display_path(path)} contains an experiment with the conditions {', '.join(map(repr, theirs))}; got "
             f"{', '.join(map(repr, ours))}. {elsewhere}"
         )
     if changed := [name for name in ours if ours[name] != theirs[name]]:
         raise RunFileError(
-            f"{display_path(path)} holds an experiment whose condition {changed[0]!r} has settings other than "
+            f"{display_path(path)} contains an experiment whose condition {changed[0]!r} has settings other than "
             f"those given: {_describe_changes(theirs[changed[0]], ours[changed[0]])}. {elsewhere}"
         )
     for (number, _), run in stored.runs.items():
@@ -186,7 +186,7 @@ def _check_continuation(path: Path, stored: StoredExperiment, planned: list[Cond
             then = run.made_with.get(name, fact)
             if then != fact and UNKNOWN_SOURCE not in then + fact:
                 raise RunFileError(
-                    f"{display_path(path)} was made with another source of the {name} of condition "
+                    f"{display_path(path)} was made with different code for the {name} of condition "
                     f"{planned[number].name!r}. An experiment must not mix the results of two functions. {elsewhere}"
                 )
     added = [seed for seed in seeds if seed not in stored.seeds]
@@ -255,8 +255,8 @@ class _Storage:
             stored = self._stored.loc[self._stored.generation == number, :].reset_index(drop=True)
             if not stored.equals(table.reset_index(drop=True)):
                 raise RunFileError(
-                    f"generation {number} of condition {self._condition.name!r}, seed {self._place[1]}, comes out "
-                    f"differently from {display_path(self._file)}: one of your functions has changed, or draws random "
+                    f"generation {number} of condition {self._condition.name!r}, seed {self._place[1]}, differs "
+                    f"from {display_path(self._file)}: one of your functions has changed, or draws random "
                     "numbers from elsewhere than rng. Repeat the experiment with another file."
                 )
         else:

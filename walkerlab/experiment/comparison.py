@@ -104,7 +104,7 @@ def tabulate_conditions(
 
 
 def _censored_median(values: Sequence[float]) -> float:
-    """Return the median, of which the upper middle value counts if a run did not reach the threshold."""
+    """Return the median; it is the upper middle value if that run did not reach the threshold."""
     ordered = sorted(values)
     upper = ordered[len(ordered) // 2]
     return upper if not np.isfinite(upper) else float(np.median(ordered))

@@ -1,4 +1,4 @@
-"""Conditions of an experiment: names, settings and optimisers, as users give them and as files hold them."""
+"""Conditions of an experiment: names, settings and optimisers, as users give them and as files store them."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -7,6 +7,7 @@ from itertools import product
 from typing import Any, cast
 
 from walkerlab.evolution.evolution import Evolution
+from walkerlab.evolution.founders import read_founders
 from walkerlab.evolution.rerating import function_facts
 from walkerlab.evolution.stored_functions import check_storable, restore_settings
 from walkerlab.experiment.optimisers import Optimiser
@@ -44,13 +45,13 @@ class Condition:
         return self.settings.with_(seed=seed)
 
     def to_plain(self) -> dict[str, Any]:
-        """Return the condition as the file of an experiment holds it."""
+        """Return the condition as the file of an experiment stores it."""
         plain = {"name": self.name, "optimiser": self.optimiser, "settings": self.for_seed(0).model_dump()}
         return json.loads(json.dumps(plain))
 
     @classmethod
     def from_plain(cls, plain: dict[str, Any]) -> "Condition":
-        """Return the condition that a file holds.
+        """Return the condition that a file contains.
 
         Raises:
             TypeError: If a value is of the wrong type.
@@ -107,6 +108,7 @@ def read_conditions(given: object) -> list[Condition]:
         else:
             check_storable(condition.settings)
             check_user_function(condition.settings.algorithm.fitness)
+            read_founders(None, condition.settings)  # frozen genes require a first population
     first = conditions[0].settings.algorithm.fitness
     for condition in conditions:
         if (other := condition.settings.algorithm.fitness) != first:

@@ -64,7 +64,7 @@ class Experiment:
 
     @property
     def complete_seeds(self) -> list[int]:
-        """Seeds of which the runs of all conditions have ended; only these are compared."""
+        """Seeds whose runs have ended in all conditions; only these are compared."""
         numbers = range(len(self._conditions))
         return [seed for seed in self._seeds if all(self._is_finished(number, seed) for number in numbers)]
 
@@ -146,7 +146,7 @@ class Experiment:
         return self.run(self._conditions[number].name, seed)
 
     def summary(self, threshold: float | None = None, against: str | None = None) -> Summary:
-        """Compare the conditions by the best fitness of each run; only seeds of which all runs have ended count.
+        """Compare the conditions by the best fitness of each run; only seeds whose runs have all ended count.
 
         Args:
             threshold: Fitness to reach, for the number of robots until then; if None, the lowest median of the

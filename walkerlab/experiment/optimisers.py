@@ -1,8 +1,8 @@
 """Optimisers that can be compared with the genetic algorithm: random search, and functions of the user.
 
 An optimiser is a function ``optimise(evaluate, settings, n_evaluations, *, rng)``. It calls ``evaluate`` with genomes,
-as often and with as many as it requires, and gets their fitness. What it returns is ignored. ``evaluate`` ends the run
-when ``n_evaluations`` genomes are evaluated, so that an endless loop is allowed:
+as often and with as many as it requires, and receives their fitness. Its return value is ignored. ``evaluate`` ends the
+run when ``n_evaluations`` genomes are evaluated, so that an endless loop is allowed:
 
     def hill_climber(evaluate, settings, n_evaluations, *, rng):
         genes = wl.gene_table(settings.robot)

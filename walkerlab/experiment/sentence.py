@@ -18,7 +18,7 @@ def describe(comparisons: pd.DataFrame, conditions: pd.DataFrame, n_seeds: int, 
     Args:
         comparisons: Table of the pairs, as ``tabulate_comparisons`` returns it.
         conditions: Table of the conditions, as ``tabulate_conditions`` returns it.
-        n_seeds: Number of seeds of which all runs have ended.
+        n_seeds: Number of seeds whose runs have all ended.
         name: Name of the fitness.
         unit: Unit of the fitness.
     """
@@ -53,7 +53,7 @@ def _describe_too_few(rows: list[Any], medians: dict[str, float], n_seeds: int, 
         )
     text = (
         f"{seen}with {pluralize(n_seeds, 'seed')}{many}, no difference of any size could have been found; at least "
-        f"{n_required} seeds are needed."
+        f"{n_required} seeds are required."
     )
     return text[0].upper() + text[1:]
 

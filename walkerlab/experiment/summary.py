@@ -21,7 +21,7 @@ class Summary:
         text: What the experiment has shown, in one or a few sentences.
         conditions: A row for each condition; see ``tabulate_conditions``.
         comparisons: A row for each pair; see ``tabulate_comparisons``.
-        n_seeds: Number of seeds of which all runs have ended; only these are included.
+        n_seeds: Number of seeds whose runs have all ended; only these are included.
         fitness: Name and unit of the fitness, as on an axis.
     """
 

@@ -45,7 +45,7 @@ def repair_frozen(genomes: Floats, robot: Robot, features: frozenset[Feature], r
     """Return genomes within the limits, as ``repair`` does, whose frozen genes are those of a reference.
 
     If the limits and the frozen genes exclude each other for a robot, such as a frozen length and a new number of
-    segments, this robot gets the whole body of the reference, and keeps its gait.
+    segments, the robot receives the whole body of the reference, and keeps its gait.
 
     Args:
         genomes: Genomes, shape (n, n_genes); not modified.

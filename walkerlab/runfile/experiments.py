@@ -39,7 +39,7 @@ _SELECT_ROWS = f"SELECT {', '.join(RECORD_COLUMNS)} FROM records WHERE condition
 
 
 class StoredRun(NamedTuple):
-    """One run of an experiment, as its file holds it.
+    """One run of an experiment, as its file contains it.
 
     Attributes:
         table: Tidy table of the generations that are done.
@@ -110,13 +110,13 @@ def append(
 
     Args:
         file: File of the experiment.
-        experiment_id: Id of the experiment that it must hold.
+        experiment_id: Id of the experiment that the file must contain.
         place: Number of the condition, and seed.
         table: Tidy table of the generation.
         functions: Facts about the user functions that it was made with.
 
     Raises:
-        RunFileError: If the file cannot be written, holds another experiment, or was changed by another process.
+        RunFileError: If the file cannot be written, contains another experiment, or was changed by another process.
     """
     with _opened(file, "write") as db:
         _require_id(db, file, experiment_id)
@@ -143,7 +143,7 @@ def finish(file: RunFile, experiment_id: str, place: tuple[int, int], n_generati
 
     Args:
         file: File of the experiment.
-        experiment_id: Id of the experiment that it must hold.
+        experiment_id: Id of the experiment that the file must contain.
         place: Number of the condition, and seed.
         n_generations: Number of its generations.
     """
@@ -169,7 +169,7 @@ def read(file: RunFile) -> tuple[str, StoredExperiment]:
         except (ValueError, RecursionError) as error:
             raise DamagedError(file, str(error)) from error
         if _read_fact(db, "plan digest") != _plan_digest(db):
-            raise DamagedError(file, "its plan is not as it was written")
+            raise DamagedError(file, "its plan was changed or damaged after it was written")
         return _read_fact(db, "id"), StoredExperiment(conditions, seeds, _read_runs(db, file))
 
 
@@ -185,7 +185,9 @@ def _read_runs(db: sqlite3.Connection, file: RunFile) -> dict[tuple[int, int], S
         place = (condition, seed)
         found = _read_rows(db, place, generation)
         if seal != _seal_of(db, *place, generation, made_with, found):
-            raise DamagedError(file, f"generation {generation} of a run with seed {seed} is not as it was written")
+            raise DamagedError(
+                file, f"generation {generation} of a run with seed {seed} was changed or damaged after it was written"
+            )
         rows.setdefault(place, []).extend(found)
         made_with_last[place] = made_with
         n_sealed += len(found)
@@ -194,7 +196,7 @@ def _read_runs(db: sqlite3.Connection, file: RunFile) -> dict[tuple[int, int], S
     finished: dict[tuple[int, int], int] = {}
     for condition, seed, n_generations, seal in db.execute("SELECT * FROM finished").fetchall():
         if seal != _seal_of(db, condition, seed, n_generations):
-            raise DamagedError(file, "its list of finished runs is not as it was written")
+            raise DamagedError(file, "its list of finished runs was changed or damaged after it was written")
         finished[condition, seed] = n_generations
     runs: dict[tuple[int, int], StoredRun] = {}
     for place, of_run in rows.items():
@@ -227,7 +229,7 @@ def _read_layout(db: sqlite3.Connection) -> int:
     """Check that a file has exactly the tables of an experiment; return the current layout of run files."""
     found = db.execute("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL LIMIT 9").fetchall()
     if db.execute("PRAGMA application_id").fetchone() != (schema.EXPERIMENT_ID,):
-        raise LayoutError("does not hold an experiment. A file with a single run is opened with wl.load(path)")
+        raise LayoutError("does not contain an experiment. A file with a single run is opened with wl.load(path)")
     layout: int = db.execute("PRAGMA user_version").fetchone()[0]
     if layout > LAYOUT_VERSION:
         raise LayoutError(

@@ -101,7 +101,7 @@ def read_layout(db: sqlite3.Connection) -> int:
     (application,) = db.execute("PRAGMA application_id").fetchone()
     if application == EXPERIMENT_ID:
         raise LayoutError(
-            "holds an experiment, which has several runs. Open it with wl.load_experiment(path); one of its runs is "
+            "contains an experiment, which has several runs. Open it with wl.load_experiment(path); one of its runs is "
             "then experiment.run(condition, seed)"
         )
     if application != APPLICATION_ID:

@@ -41,7 +41,7 @@ def best_of_each_run(experiment: Any, ax: Axes | None = None) -> Axes:
 
     Args:
         experiment: An experiment, or its table; or a dict from names to lists of runs in the order of the seeds.
-        ax: Axes to draw on; those of a new figure if None.
+        ax: Axes to draw on; if None, a new figure is created.
 
     Returns:
         The Axes drawn on.
