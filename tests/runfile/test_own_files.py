@@ -62,7 +62,8 @@ def test_every_verdict_is_stored_loaded_resumed_and_rescued(path, tmp_path):
 @pytest.mark.parametrize(("name", "member"), CHOICES, ids=[f"{name}-{member.name}" for name, member in CHOICES])
 def test_every_choice_of_every_setting_is_stored_and_loaded(path, name, member):
     settings = SETTINGS.with_(**{name: member})
-    list(wl.Evolution(settings, path))
+    population = [wl.Genome.random(settings.robot, rng=np.random.default_rng(0))]  # frozen features require one
+    list(wl.Evolution(settings, path, population=population))
     loaded = wl.load(path)
     assert loaded.settings == settings
     assert loaded.n_generations == 2
