@@ -170,7 +170,7 @@ def _progress_bar(settings: Settings, progress: bool, done: int = 0) -> Any:
     return tqdm(total=total, unit=" walks", disable=not progress or not total, leave=True)
 
 
-def _run_to_end(evolution: Evolution, bar: Any, on_generation: Callable[[Generation], object] | None) -> Run:
+def _run_to_end(evolution: Evolution, bar: Any, on_generation: Callable[[Generation], object] | None = None) -> Run:
     """Run until the last generation, a condition of ``stop`` or Ctrl-C, and show the progress."""
     try:
         for generation in evolution:
