@@ -137,7 +137,7 @@ def test_all_errors_are_reported_together_and_nothing_is_written(here, capsys):
     for fault in (
         "Terrain.step_height is 0.9 m; it must be between 0.01 and 0.4 m.",
         "Robot.segments is [2]; it must be 2 numbers: min, max.",
-        "Terrain.gravity's z is 'down'; it must be a number, -30 to 30 m/s².",
+        "Terrain.gravity's z is 'down'; it must be a number between -30 and 30 m/s².",
         "Algorithm.selection is 'best'; it must be one of gradient (0)",
         "Simulation.duration is nan s;",
         "There is no flag '--step-hight'. Did you mean --step-height?",
