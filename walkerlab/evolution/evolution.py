@@ -114,7 +114,7 @@ class Evolution(RunProperties):
         fitness.check_user_function(settings.algorithm.fitness)
         workers.check_executor(executor)
         workers.check_open(executor)
-        effective_limit(1.0)  # fails here, before the file is created, if the environment variable is invalid
+        effective_limit(1.0)  # fails before the file is created if WALKERLAB_PATIENCE is invalid
         check_storable(settings)
         self._settings = settings
         self._path = None if path is None else paths.new_path(path)
@@ -163,7 +163,7 @@ class Evolution(RunProperties):
         return evolution
 
     def _confirm_ratings(self, table: pd.DataFrame, facts: Mapping[str, str], rerate: bool) -> None:
-        """Make sure that the last generation is rated by the current fitness function."""
+        """Make sure that the last generation has been rated by the current fitness function."""
         assert self._path
         assert self._population
         is_elsewhere = bool(provenance.describe_differences(facts, provenance.current_facts()))
@@ -182,7 +182,7 @@ class Evolution(RunProperties):
 
     @property
     def n_generations(self) -> int:
-        """Number of generations that are done."""
+        """Number of completed generations."""
         return 0 if self._population is None else self._population.generation + 1
 
     def insert(self, genome: Genome | str) -> int:
@@ -192,11 +192,13 @@ class Evolution(RunProperties):
             genome: Genome or its text; its genes are clipped to the limits of the settings.
 
         Returns:
-            Number of that generation. If a generation is being evaluated now, it is the one after.
+            Number of the generation into which the genome will be inserted: if a generation is currently being
+            evaluated, the one after that.
 
         Raises:
             GenomeError: If a text is not a valid genome.
-            ValueError: If there is no room for the genome, no generation is done yet, or the run is complete.
+            ValueError: If there is no room for the genome, no generation has been completed yet, or the run is
+                complete.
         """
         return self._inserted.add(Genome.of(genome).within(self.settings.robot))
 
@@ -285,4 +287,6 @@ def reject_unknown_arguments(function: str, unknown: dict[str, Any]) -> None:
             call = f"wl.{function}(wl.Settings().with_({name}={code_text(value)}))"
             raise TypeError(f"{name!r} is a setting, not an argument of {function}. Use: {call}")
         known = ("settings", "path", "executor", "progress" if function == "evolve" else "on_walks")
-        raise TypeError(f"{function} has no argument {name!r}; it has {', '.join(known)}.{did_you_mean(name, known)}")
+        raise TypeError(
+            f"{function} has no argument {name!r}; its arguments are {', '.join(known)}.{did_you_mean(name, known)}"
+        )

@@ -50,7 +50,7 @@ def select_in_turn(
         fitness: Fitness of each individual, shape (n,); values ``NOT_COUNTED`` are excluded, unless all are.
         n_parents: Number of parents that each operator returns.
         seed: Seed of the run.
-        generation: Number of the generation that is created.
+        generation: Number of the generation being created.
 
     Returns:
         Indices into ``fitness``, shape (n_parents,).
@@ -89,7 +89,7 @@ def cross_in_turn(
         n_children: Number of children that the last operator produces.
         genes: Gene table.
         seed: Seed of the run.
-        generation: Number of the generation that is created.
+        generation: Number of the generation being created.
 
     Returns:
         Children, with indices into ``parents`` even after several crossovers.
@@ -116,7 +116,7 @@ def mutate_in_turn(operators: Sequence[Mutate], genomes: Floats, genes: Genes, *
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
         seed: Seed of the run.
-        generation: Number of the generation that is created.
+        generation: Number of the generation being created.
 
     Returns:
         Mutated genomes, shape (n, n_genes).

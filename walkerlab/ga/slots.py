@@ -18,7 +18,7 @@ Select: TypeAlias = Callable[..., Indices]
 """``select(fitness, n_parents, *, rng)`` -> indices into ``fitness``, shape (n_parents,)."""
 
 Cross: TypeAlias = Callable[..., tuple[Floats, Indices]]
-"""``cross(parents, fitness, n_children, *, rng)`` -> ``Children``; with a keyword ``genes``, it gets the gene table."""
+"""``cross(parents, fitness, n_children, *, rng)`` -> ``Children``; a keyword ``genes`` receives the gene table."""
 
 Mutate: TypeAlias = Callable[..., Floats]
 """``mutate(genomes, genes, *, rng)`` -> genomes, shape (n, n_genes)."""
@@ -38,8 +38,8 @@ def run_select(
         select: Selection operator.
         fitness: Fitness of each individual, shape (n,); finite.
         n_parents: Number of parents to select; may be more than n.
-        rng: Random generator; the operator receives copies of it and of all arrays.
-        time_limit: Time limit of a call, s.
+        rng: Random number generator; the operator receives copies of it and of all arrays.
+        time_limit: Time limit of a call, in seconds.
 
     Returns:
         Indices into ``fitness``, shape (n_parents,).
@@ -81,8 +81,8 @@ def run_cross(
         fitness: Fitness of each parent, shape (n_parents,); finite.
         n_children: Number of children.
         genes: Gene table.
-        rng: Random generator; the operator receives copies of it and of all arrays.
-        time_limit: Time limit of a call, s.
+        rng: Random number generator; the operator receives copies of it and of all arrays.
+        time_limit: Time limit of a call, in seconds.
 
     Returns:
         Children, with genomes of shape (n_children, n_genes) and parents of shape (n_children, k).
@@ -117,8 +117,8 @@ def run_mutate(
         mutate: Mutation operator.
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
-        rng: Random generator; the operator receives copies of it and of all arrays.
-        time_limit: Time limit of a call, s.
+        rng: Random number generator; the operator receives copies of it and of all arrays.
+        time_limit: Time limit of a call, in seconds.
 
     Returns:
         Mutated genomes, shape (n, n_genes).
@@ -138,7 +138,7 @@ def accepts_genes(cross: Cross) -> bool:
     """Return whether a crossover operator has a keyword ``genes``, for the gene table."""
     try:
         return "genes" in inspect.signature(cross).parameters
-    except ValueError:  # functions of C libraries may have no signature
+    except ValueError:  # functions from C extensions may have no signature
         return False
 
 
@@ -149,7 +149,7 @@ def _read_only_copy(array: Floats) -> Floats:
 
 
 def _as_array(result: object) -> NDArray[Any]:
-    """Convert a result to an array; rows of different lengths become an array without dimensions."""
+    """Convert a result to an array; ragged rows become a zero-dimensional array."""
     try:
         return np.asarray(result)
     except ValueError:
