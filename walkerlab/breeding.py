@@ -1,6 +1,6 @@
 """The steps of one generation, and the operators named in an algorithm's settings, with their parameters bound.
 
-The public functions at the end keep the names used in the 2017 design.
+The public functions at the end keep their original names, from 2017.
 """
 
 from collections.abc import Callable, Iterable
@@ -29,7 +29,7 @@ from walkerlab.settings.choices import Choice, Crossover, Mutation, Selection
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.values import function_name, short_repr
 
-GENERATION_MEANING = "the number of the generation that is created"
+GENERATION_MEANING = "the number of the generation being created"
 
 Operator = Callable[..., Any]
 
@@ -41,14 +41,14 @@ OPERATOR_MODULES: dict[type[Choice], ModuleType] = {
     Crossover: crossover,
     Mutation: mutation,
 }
-"""Module of each kind of operator; each function is named like the member of the enumeration that selects it."""
+"""Module of each kind of operator; each function has the same name as the enumeration member that selects it."""
 
 
 def resolve_operators(algorithm: Algorithm) -> Operators:
     """Return the functions in each slot of an algorithm.
 
-    If a mutation operator accepts ``rate``, ``scale`` or ``favored`` as a keyword that is not yet bound, it is bound to
-    the value in the settings. The settings therefore also control user functions with these keywords.
+    If a mutation operator accepts ``rate``, ``scale`` or ``favored`` as a keyword that is not yet bound, that keyword
+    is bound to the value in the settings. The settings therefore also control user functions with these keywords.
     """
     require_algorithm(algorithm)
     mutation_settings = {
@@ -110,7 +110,7 @@ def generate_robot_gene(robot: Robot, *, rng: Generator) -> Genome:
 
     Args:
         robot: Limits of the robots.
-        rng: Random generator.
+        rng: Random number generator.
     """
     return Genome.random(robot, rng=rng)
 
@@ -192,7 +192,7 @@ def crossover_population(
         n_children: Number of children.
         robot: Limits of the robots.
         algorithm: Settings of the algorithm.
-        generation: Number of the generation that is created, which determines the random numbers.
+        generation: Number of the generation being created; it determines the random numbers.
 
     Returns:
         Children, with the indices of their parents.
@@ -234,7 +234,7 @@ def mutate_population(genomes: Individuals, robot: Robot, algorithm: Algorithm, 
         genomes: Genomes.
         robot: Limits of the robots.
         algorithm: Settings of the algorithm.
-        generation: Number of the generation that is created, which determines the random numbers.
+        generation: Number of the generation being created; it determines the random numbers.
 
     Returns:
         Mutated genomes, shape (n, n_genes).

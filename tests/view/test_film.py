@@ -459,10 +459,10 @@ def test_a_time_lapse_is_rendered(backend, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "phrases"),
     [
-        ({"size": (481, 360)}, ["size is (481, 360)", "even", "64 to 4096 pixels", "width and height"]),
+        ({"size": (481, 360)}, ["size is (481, 360)", "even", "between 64 and 4096 pixels", "width and height"]),
         ({"size": (480, 10_000)}, ["size is (480, 10000)"]),
         ({"size": 480}, ["size is 480", "two even whole numbers"]),
-        ({"fps": 0}, ["fps is 0", "1 to 60", "frames"]),
+        ({"fps": 0}, ["fps is 0", "between 1 and 60", "frames"]),
         ({"fps": 12.5}, ["fps is 12.5", "whole"]),
         ({"fps": True}, ["fps is True", "whole"]),
         ({"size": (128.0, 96.0)}, ["size is (128.0, 96.0)", "two even whole numbers"]),

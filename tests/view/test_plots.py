@@ -673,7 +673,7 @@ def test_columns_are_labelled_with_gene_and_segment(records, ax):
 def test_genes_of_the_last_generation_are_drawn_by_default(records, ax):
     wl.plots.genes(records, ax)
     assert "generation 5" in wl.plots.alt_text(ax)
-    with pytest.raises(ValueError, match="generation 77 is not in this table; it has 0 to 5"):
+    with pytest.raises(ValueError, match="generation 77 is not in this table; the table contains generations 0 to 5"):
         wl.plots.genes(records, ax, generation=77)
 
 

@@ -106,7 +106,7 @@ class Evolution(RunProperties):
         fitness.check_user_function(settings.algorithm.fitness)
         workers.check_executor(executor)
         workers.check_open(executor)
-        effective_limit(1.0)  # fails here, before the file is created, if the environment variable is invalid
+        effective_limit(1.0)  # fails before the file is created if WALKERLAB_PATIENCE is invalid
         check_storable(settings)
         self._settings = settings
         self._path = None if path is None else paths.new_path(path)
@@ -193,7 +193,7 @@ class Evolution(RunProperties):
 
     @property
     def n_generations(self) -> int:
-        """Number of generations that are done."""
+        """Number of completed generations."""
         return 0 if self._population is None else self._population.generation + 1
 
     def insert(self, genome: Genome | str) -> int:
@@ -203,11 +203,13 @@ class Evolution(RunProperties):
             genome: Genome or its text; its genes are clipped to the limits of the settings.
 
         Returns:
-            Number of that generation. If a generation is being evaluated now, it is the one after.
+            Number of the generation into which the genome will be inserted: if a generation is currently being
+            evaluated, the one after that.
 
         Raises:
             GenomeError: If a text is not a valid genome.
-            ValueError: If there is no room for the genome, no generation is done yet, or the run is complete.
+            ValueError: If there is no room for the genome, no generation has been completed yet, or the run is
+                complete.
         """
         values = Genome.of(genome).within(self.settings.robot).values
         return self._inserted.add(Genome(fit_genomes(values[np.newaxis], self.settings, self._founders)[0]))

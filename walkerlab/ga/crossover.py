@@ -29,24 +29,25 @@ class Children(NamedTuple):
 def paired(
     parents: Floats, fitness: Floats, n_children: int, *, rng: Generator, genes: Genes | None = None
 ) -> Children:
-    """Give one child half of each parent's genes, and the other halves to a second child.
+    """Give half of each parent's genes to one child, and the other halves to a second child.
 
-    Couples are parents 0 and 1, 2 and 3, and so on, cycling as needed. Where bodies have parts, halves are counted in
-    grown parts, so that short bodies do not just exchange unexpressed genes: the first child has the mother's front
-    half (the larger half if the number of parts is odd) and the father's rear half, the second the father's front and
-    the mother's rear. Each part of either parent goes to exactly one child: unexpressed parts fill up the first child,
-    then the second. Genes of the whole body come with the front. Both counts lie within the range of the parents'
-    counts, because ceil(a/2) + floor(b/2) lies between the counts a and b.
+    Couples are parents 0 and 1, 2 and 3, and so on, cycling as needed. If the gene table defines parts, such as
+    segments, only the expressed parts are divided into halves, so that short bodies do not just exchange unexpressed
+    genes: the first child has the mother's front half (the larger half if the number of parts is odd) and the father's
+    rear half, the second the father's front and the mother's rear. Each part of either parent goes to exactly one
+    child: unexpressed parts fill up the first child, then the second. Whole-body genes come from the parent that
+    contributes the front. Each child's number of parts lies between those of its parents, a and b, because
+    ceil(a/2) + floor(b/2) does.
 
     Args:
         parents: Genomes, shape (n_parents, n_genes), in the order of the couples.
         fitness: Fitness of each parent, shape (n_parents,); unused.
         n_children: Number of children; if odd, the last couple has one child.
-        rng: Random generator; unused.
-        genes: Gene table; without it, or without parts, a half is half of the gene positions.
+        rng: Random number generator; unused.
+        genes: Gene table; if it is None or defines no parts, the list of genes itself is cut in half.
 
     Returns:
-        Children with (n_children, 2) parents; the first contributed the front.
+        ``Children`` whose ``parents`` has shape (n_children, 2); the first parent of each child contributed its front.
     """
     couples = _pair_parents(len(parents), n_children)
     if genes is None or not genes.n_parts:
@@ -58,7 +59,7 @@ def paired(
 
 
 def randomized(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator) -> Children:
-    """Take each gene of each child from a parent drawn from all parents (gene pool recombination).
+    """Take each gene of each child from a parent drawn at random from all parents (gene pool recombination).
 
     After Mühlenbein & Voigt 1996, Meta-Heuristics: Theory and Applications.
 
@@ -66,10 +67,10 @@ def randomized(parents: Floats, fitness: Floats, n_children: int, *, rng: Genera
         parents: Genomes, shape (n_parents, n_genes).
         fitness: Fitness of each parent, shape (n_parents,); unused.
         n_children: Number of children.
-        rng: Random generator.
+        rng: Random number generator.
 
     Returns:
-        Children with (n_children, n_genes) parents, one for each gene.
+        ``Children`` whose ``parents`` has shape (n_children, n_genes): the parent of each gene.
     """
     n_parents, n_genes = parents.shape
     donors = rng.integers(n_parents, size=(n_children, n_genes))
@@ -81,19 +82,20 @@ def weighted(
 ) -> Children:
     """Move the less fit of two parents towards the fitter one by a distance that grows with their fitness difference.
 
-    The fraction is the fitness difference over the fitness range of all parents; if both parents are equally fit, the
-    child is a copy of the first. Couples are parents 0 and 1, 1 and 2, and so on, cycling. (Heuristic crossover, Wright
-    1991, FOGA 1, but between the parents instead of beyond the fitter one, and with the fraction given by fitness.)
+    The child lies a fraction of the way from the less fit to the fitter parent: their fitness difference divided by the
+    fitness range of all parents. If both parents are equally fit, the child is a copy of the first. Couples are parents
+    0 and 1, 1 and 2, and so on, cycling. (Heuristic crossover, Wright 1991, FOGA 1, but between the parents instead of
+    beyond the fitter one, and with the fraction given by fitness.)
 
     Args:
         parents: Genomes, shape (n_parents, n_genes).
         fitness: Fitness of each parent, shape (n_parents,); higher is better.
         n_children: Number of children.
-        rng: Random generator; unused.
+        rng: Random number generator; unused.
         genes: Gene table; if given, counts are rounded, and cyclic genes move the shorter way around.
 
     Returns:
-        Children with (n_children, 2) parents, the less fit first.
+        ``Children`` whose ``parents`` has shape (n_children, 2), the less fit first.
     """
     first = np.arange(n_children)
     neighbours = np.stack([first, first + 1], axis=1) % len(parents)
@@ -120,10 +122,10 @@ def one_point(parents: Floats, fitness: Floats, n_children: int, *, rng: Generat
         parents: Genomes, shape (n_parents, n_genes); couples are 0 and 1, 2 and 3, and so on, cycling as needed.
         fitness: Fitness of each parent, shape (n_parents,); unused.
         n_children: Number of children; if odd, the last couple has one child.
-        rng: Random generator.
+        rng: Random number generator.
 
     Returns:
-        Children with (n_children, 2) parents; the first contributed the front.
+        ``Children`` whose ``parents`` has shape (n_children, 2); the first parent of each child contributed its front.
     """
     couples = _pair_parents(len(parents), n_children)
     n_genes = parents.shape[1]
@@ -133,16 +135,18 @@ def one_point(parents: Floats, fitness: Floats, n_children: int, *, rng: Generat
 
 
 def uniform(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator) -> Children:
-    """Decide at random for each gene which of two children inherits it from which parent (Syswerda 1989, ICGA 3).
+    """Decide at random, for each gene, from which parent the first child inherits it (Syswerda 1989, ICGA 3).
+
+    The second child inherits the gene from the other parent.
 
     Args:
         parents: Genomes, shape (n_parents, n_genes); couples are 0 and 1, 2 and 3, and so on, cycling as needed.
         fitness: Fitness of each parent, shape (n_parents,); unused.
         n_children: Number of children; if odd, the last couple has one child.
-        rng: Random generator.
+        rng: Random number generator.
 
     Returns:
-        Children with (n_children, 2) parents.
+        ``Children`` whose ``parents`` has shape (n_children, 2).
     """
     couples = _pair_parents(len(parents), n_children)
     from_mother = rng.random((len(couples), parents.shape[1])) < 1 / 2
@@ -156,17 +160,17 @@ def none(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator) -
         parents: Genomes, shape (n_parents, n_genes).
         fitness: Fitness of each parent, shape (n_parents,); unused.
         n_children: Number of children.
-        rng: Random generator; unused.
+        rng: Random number generator; unused.
 
     Returns:
-        Children with (n_children, 1) parents.
+        ``Children`` whose ``parents`` has shape (n_children, 1).
     """
     copied = np.arange(n_children) % len(parents)
     return Children(parents[copied], copied[:, None])
 
 
 def _pair_parents(n_parents: int, n_children: int) -> Indices:
-    """Return mother and father of every two children, shape (n_couples, 2): 0 and 1, 2 and 3, and so on, cycling."""
+    """Return the mother and the father of each pair of children, shape (n_couples, 2): 0 and 1, 2 and 3, cycling."""
     n_couples = -(-n_children // 2)
     return np.arange(2 * n_couples).reshape(n_couples, 2) % n_parents
 
@@ -178,7 +182,11 @@ def _children_of_couples(genomes: Floats, couples: Indices, n_children: int) -> 
 
 
 def _exchange_genes(couples: Floats, from_mother: NDArray[np.bool_]) -> Floats:
-    """Return two children of each couple: one with the mother's genes where ``from_mother``, one with the others."""
+    """Return the (n_couples, 2, n_genes) children of couples.
+
+    The first child has the mother's genes where ``from_mother`` is true and the father's elsewhere, the second the
+    reverse.
+    """
     mothers = couples[:, 0]
     fathers = couples[:, 1]
     return np.stack([np.where(from_mother, mothers, fathers), np.where(from_mother, fathers, mothers)], axis=1)

@@ -19,7 +19,7 @@ class Genes(ReadOnlyArrays):
     """Gene table: the columns of a genome, first the genes of the whole body, then the same genes for each part.
 
     A genome contains every part that a body *may* have. The gene at ``count`` gives how many of them, from the front,
-    are grown. The others are unexpressed, but inherited and mutated too.
+    are expressed (grown). The others are unexpressed, but inherited and mutated too.
 
         whole body        part 1          part 2          part 3
         count frequency | length mass … | length mass … | length mass …
@@ -34,7 +34,7 @@ class Genes(ReadOnlyArrays):
         high: Maximum of each gene, shape (n_genes,); not below ``low``.
         n_parts: Number of parts that follow the genes of the whole body; may be 0.
         n_whole: Number of genes of the whole body.
-        count: Index of the gene that counts the grown parts; None if all parts are grown.
+        count: Index of the gene that counts the expressed parts; None if all parts are expressed.
     """
 
     names: tuple[str, ...]
@@ -83,7 +83,7 @@ class Genes(ReadOnlyArrays):
         )
 
     def n_grown(self, genomes: Floats) -> Indices:
-        """Return the number of grown parts of each of (n, n_genes) genomes, shape (n,), from 0 to ``n_parts``."""
+        """Return the number of expressed parts of each of (n, n_genes) genomes, shape (n,), from 0 to ``n_parts``."""
         if self.count is None:
             return np.full(len(genomes), self.n_parts)
         return np.clip(np.rint(genomes[:, self.count]), 0, self.n_parts).astype(np.intp)

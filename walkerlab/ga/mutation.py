@@ -1,8 +1,8 @@
 """Mutation operators: ``mutate(genomes, genes, *, rng)`` changes a few genes within their ranges.
 
-A real gene that would leave its range is reflected at its end; a cyclic gene wraps around. A count changes by one or
-more whole steps; at an end of its range it moves inward. A gene selected for mutation therefore always changes, unless
-its range is a single value.
+A value of a real-valued gene that would leave its range is reflected at the boundary; a cyclic gene wraps around. A
+count changes by one or more whole steps; at an end of its range it moves inward. A gene selected for mutation therefore
+always changes, unless its range is a single value.
 """
 
 import numpy as np
@@ -12,7 +12,10 @@ from walkerlab.ga.genes import Floats, Genes
 from walkerlab.ga.ranges import reflect, wrap
 
 MIN_STEP_REFERENCE = 0.1
-"""Smallest magnitude that scales a relative step, as a fraction of the gene's range, so that a zero gene can change."""
+"""Lower bound on the magnitude by which a relative step is scaled, as a fraction of the gene's range.
+
+It lets a gene whose value is zero change.
+"""
 
 FAVORED_RATE_FACTOR = 10.0
 """Ratio of the favored feature's mutation rate to the rate of the other genes."""
@@ -21,7 +24,7 @@ MICRO_STEP_FACTOR = 0.2
 """Ratio of a step of ``micro`` to one of ``randomized``."""
 
 PART_RATE_FACTOR = 5.0
-"""Ratio of the probability that ``macro`` duplicates or drops a part of a genome to the mutation rate of a gene."""
+"""Probability that ``macro`` duplicates or drops a part of a genome, as a multiple of the mutation rate of a gene."""
 
 
 def randomized(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0.2, rng: Generator) -> Floats:
@@ -32,7 +35,7 @@ def randomized(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: floa
         genes: Gene table.
         rate: Probability that a gene changes, 0 to 1.
         scale: Standard deviation of a step, relative to the value (or to a tenth of the range, if larger).
-        rng: Random generator.
+        rng: Random number generator.
 
     Returns:
         Mutated genomes, shape (n, n_genes).
@@ -57,10 +60,10 @@ def favored(
     Args:
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
-        favored: Name of a gene, or of a feature of every part.
+        favored: Name of a single gene, or of a feature that every part has.
         rate: Probability that any other gene changes, 0 to 1.
         scale: Standard deviation of a step, relative to the value (or to a tenth of the range, if larger).
-        rng: Random generator.
+        rng: Random number generator.
 
     Returns:
         Mutated genomes, shape (n, n_genes).
@@ -81,7 +84,7 @@ def micro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0
         genes: Gene table.
         rate: Probability that a gene that is not a count changes, 0 to 1.
         scale: Standard deviation of a step of ``randomized``; steps here are a fifth as large.
-        rng: Random generator.
+        rng: Random number generator.
 
     Returns:
         Mutated genomes, shape (n, n_genes).
@@ -96,9 +99,9 @@ def micro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0
 
 
 def macro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0.2, rng: Generator) -> Floats:
-    """Draw genes from their whole range, and duplicate or drop whole parts.
+    """Give some genes new values drawn from their whole range, and duplicate or drop whole parts.
 
-    With a probability of ``PART_RATE_FACTOR`` times the rate, one grown part of a genome, drawn uniformly, is
+    With a probability of ``PART_RATE_FACTOR`` times the rate, one expressed part of a genome, drawn uniformly, is
     duplicated next to itself (the last unexpressed part is lost) or dropped (it becomes the first unexpressed part);
     the count changes accordingly, within its range. A copy can then evolve independently
     (gene duplication: Ohno 1970).
@@ -109,7 +112,7 @@ def macro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0
         rate: Probability that a gene gets a new random value, 0 to 1; a count that gets its old value again changes by
             one.
         scale: Unused, because the drawn value does not depend on the old one.
-        rng: Random generator.
+        rng: Random number generator.
 
     Returns:
         Mutated genomes, shape (n, n_genes).
@@ -133,7 +136,7 @@ def gaussian(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float 
         genes: Gene table.
         rate: Probability that a gene changes, 0 to 1.
         scale: Standard deviation of a step, relative to the range.
-        rng: Random generator.
+        rng: Random number generator.
 
     Returns:
         Mutated genomes, shape (n, n_genes).
@@ -151,7 +154,7 @@ def _relative_step(genomes: Floats, genes: Genes, scale: float, rng: Generator) 
 
 
 def _apply_steps(genomes: Floats, genes: Genes, step: Floats, *, rate: float | Floats, rng: Generator) -> Floats:
-    """Add each gene's step with the probability ``rate``, and bring the result into its range."""
+    """Add each gene's step with probability ``rate``, and bring the result into its range."""
     if not np.all((np.asarray(rate) >= 0) & (np.asarray(rate) <= 1)):
         raise ValueError(
             f"rate is {np.max(rate)}; it must be between 0 and 1. It is the probability that a gene changes."
@@ -175,7 +178,7 @@ def _add_whole_steps(genomes: Floats, genes: Genes, step: Floats) -> Floats:
 
 
 def _duplicate_or_drop_part(genome: Floats, genes: Genes, rng: Generator) -> Floats:
-    """Duplicate one grown part of a (n_genes,) genome next to itself, or drop one; see ``macro``."""
+    """Duplicate one expressed part of a (n_genes,) genome next to itself, or drop one; see ``macro``."""
     if genes.count is None:
         return genome
     n_grown = int(genes.n_grown(genome[None])[0])

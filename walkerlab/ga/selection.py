@@ -9,7 +9,9 @@ GRADIENT_OFFSET = 0.05
 """Offset of the weights of ``gradient``, as a fraction of the fitness range; it lets the least fit be selected too."""
 
 MIN_PRESSURE = 1.03
-"""Ratio of the highest probability to the median below which selection hardly prefers any individual.
+"""Threshold for the ratio of the highest to the median probability.
+
+Below it, selection hardly favours any individual.
 
 In 200 generations of ordinary runs (10 runs on flat ground and stairs, 40 robots), the lowest ratio was 1.20.
 """
@@ -26,7 +28,7 @@ def gradient(fitness: Floats, n_parents: int, *, rng: Generator) -> Indices:
     Args:
         fitness: Fitness of each individual, shape (n,); higher is better, and may be negative.
         n_parents: Number of parents to select.
-        rng: Random generator.
+        rng: Random number generator.
 
     Returns:
         Indices into ``fitness``, shape (n_parents,).
@@ -75,7 +77,7 @@ def top_half(fitness: Floats, n_parents: int, *, rng: Generator) -> Indices:
         fitness: Fitness of each individual, shape (n,); higher is better. Among equals, the first counts as better.
         n_parents: Number of parents to select; if it is not a multiple of the size of that half, the best are selected
             one extra time.
-        rng: Random generator; shuffles the parents.
+        rng: Random number generator; shuffles the parents.
 
     Returns:
         Indices into ``fitness``, shape (n_parents,).
@@ -95,7 +97,7 @@ def tournament(fitness: Floats, n_parents: int, *, size: int = 3, rng: Generator
         fitness: Fitness of each individual, shape (n,); higher is better. Among equals, the one drawn first wins.
         n_parents: Number of parents to select, each by its own tournament.
         size: Number of individuals in each tournament; a larger one increases the selection pressure, and 1 removes it.
-        rng: Random generator.
+        rng: Random number generator.
 
     Returns:
         Indices into ``fitness``, shape (n_parents,).
@@ -120,7 +122,7 @@ def rank(fitness: Floats, n_parents: int, *, pressure: float = 1.8, rng: Generat
         fitness: Fitness of each individual, shape (n,); higher is better.
         n_parents: Number of parents to select.
         pressure: Probability of the best individual as a multiple of the average, 1 to 2.
-        rng: Random generator.
+        rng: Random number generator.
 
     Returns:
         Indices into ``fitness``, shape (n_parents,).
@@ -135,7 +137,8 @@ def rank_probabilities(fitness: Floats, *, pressure: float = 1.8) -> Floats:
     """Return each individual's probability in ``rank``: linear ranking (Baker 1985, ICGA 1).
 
     Args:
-        fitness: Fitness of each individual, shape (n,); higher is better. Equals share the mean of their ranks.
+        fitness: Fitness of each individual, shape (n,); higher is better. Tied individuals share the mean of their
+            ranks.
         pressure: Probability of the best individual as a multiple of the average, 1 to 2.
 
     Returns:
@@ -163,7 +166,7 @@ def uniform(fitness: Floats, n_parents: int, *, rng: Generator) -> Indices:
     Args:
         fitness: Fitness of each individual, shape (n,); only its length is used.
         n_parents: Number of parents to select.
-        rng: Random generator.
+        rng: Random number generator.
 
     Returns:
         Indices into ``fitness``, shape (n_parents,).

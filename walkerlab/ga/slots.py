@@ -28,7 +28,7 @@ With a keyword ``genomes``, it also receives the genomes of the individuals in `
 """
 
 Cross: TypeAlias = Callable[..., tuple[Floats, Indices]]
-"""``cross(parents, fitness, n_children, *, rng)`` -> ``Children``; with a keyword ``genes``, it gets the gene table."""
+"""``cross(parents, fitness, n_children, *, rng)`` -> ``Children``; a keyword ``genes`` receives the gene table."""
 
 Mutate: TypeAlias = Callable[..., Floats]
 """``mutate(genomes, genes, *, rng)`` -> genomes, shape (n, n_genes)."""
@@ -189,7 +189,7 @@ def _read_only_copy(array: Floats) -> Floats:
 
 
 def _as_array(result: object) -> NDArray[Any]:
-    """Convert a result to an array; rows of different lengths become an array without dimensions."""
+    """Convert a result to an array; ragged rows become a zero-dimensional array."""
     try:
         return np.asarray(result)
     except ValueError:

@@ -71,7 +71,7 @@ class Genome(ReadOnlyArrays):
 
         Args:
             robot: Limits of the robot.
-            rng: Random generator.
+            rng: Random number generator.
 
         Raises:
             ValueError: If ``robot`` is not a ``Robot``.

@@ -30,7 +30,7 @@ def draw_genes(robot: Robot, rng: Generator) -> Floats:
 
     Args:
         robot: Limits of the robot.
-        rng: Random generator.
+        rng: Random number generator.
 
     Returns:
         Gene values, shape (n_genes,).

@@ -69,7 +69,7 @@ def draw_sizes(genomes: Floats, robot: Robot, rng: Generator) -> Floats:
     Args:
         genomes: Repaired genomes, shape (n, n_genes); not modified.
         robot: Limits of the robots.
-        rng: Random generator.
+        rng: Random number generator.
     """
     genes = build_genes(robot)
     values = genomes.copy()

@@ -1,4 +1,7 @@
-"""Tidy table of a run: one row for each individual and generation. It is stored, shown and plotted."""
+"""Tidy table of a run: one row for each individual and generation.
+
+This is the table that is stored in the run file, displayed and plotted.
+"""
 
 import re
 from collections.abc import Mapping
@@ -23,7 +26,7 @@ from walkerlab.text.templates import render
 RECORD_COLUMNS: dict[str, tuple[type, str, str]] = {
     "generation": (int, "", "0 is the initial random generation"),
     "individual": (int, "", "number of the robot, the same wherever it appears"),
-    "born": (int, "generation", "generation in which it first walked; an elite is older than its generation"),
+    "born": (int, "generation", "generation in which it first walked; for an elite, earlier than that of the row"),
     "parents": (str, "", "numbers of its parents, separated by spaces"),
     "operators": (str, "", "how it was made: selection > crossover > mutation, random, given, or by hand"),
     "fitness": (float, "", "higher is better; -inf if the walk does not count"),
@@ -45,7 +48,7 @@ GIVEN = "given"  # for a genome given for generation 0, perhaps followed by the 
 
 
 class EvaluationRow(NamedTuple):
-    """Evaluation of a genome, as the columns of the table from ``fitness`` on."""
+    """Evaluation of a genome: the table's columns from ``fitness`` onward."""
 
     fitness: float
     verdict: str
@@ -134,13 +137,13 @@ def check_table(table: pd.DataFrame) -> pd.DataFrame:
     if unknown := sorted(set(table.verdict) - VERDICTS.keys()):
         raise ValueError(
             f"the column verdict has {short_repr(unknown[0])}; the known verdicts are {', '.join(VERDICTS)}. "
-            "If a newer walkerlab wrote the file, update this one: pip install --upgrade walkerlab"
+            "If a newer version of walkerlab wrote the file, update your installation: pip install --upgrade walkerlab"
         )
     return table
 
 
 _MAX_INDIVIDUAL = 10**9  # ten times the number of robots that the settings allow
-_CONTROL_CHARACTERS = "[\x00-\x08\x0b-\x1f\x7f-\x9f]"  # would control a terminal in which the table is printed
+_CONTROL_CHARACTERS = "[\x00-\x08\x0b-\x1f\x7f-\x9f]"  # could control the terminal in which the table is printed
 
 
 def name_fitness(table: pd.DataFrame, name: str, unit: str) -> None:
@@ -197,9 +200,9 @@ def birth_rows(records: pd.DataFrame) -> pd.DataFrame:
 
 
 def fitter_line(born: pd.DataFrame, individual: int) -> list[int]:
-    """Return the numbers of an individual, its fitter parent, that parent's fitter parent, and so on.
+    """Return the number of an individual, that of its fitter parent, that of this parent's fitter parent, and so on.
 
-    The line ends at a parent that is not in the table, or whose number is not lower than its child's.
+    The line stops before a parent that is not in the table, or whose number is not lower than its child's.
 
     Args:
         born: Table from ``birth_rows``.
@@ -275,7 +278,7 @@ def find_champion(records: pd.DataFrame) -> Individual:
 
 
 def select_lineage(records: pd.DataFrame, individual: int) -> pd.DataFrame:
-    """Return the first rows of an individual and all its ancestors, youngest first.
+    """Return the first row of an individual and of each of its ancestors, youngest first.
 
     Ancestors that are not in the table are left out.
 

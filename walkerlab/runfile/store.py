@@ -32,8 +32,8 @@ DIGEST_DIGITS = 16  # digits of a digest that are reported
 def open_temporary() -> sqlite3.Connection:
     """Open a temporary file for a run without a path.
 
-    It has no name, is deleted when it is closed or its process ends, and is in memory while it is small. Any thread may
-    use it, one at a time.
+    It has no name, is deleted when it is closed or its process ends, and is kept in memory while it is small. Any
+    thread may use it, but only one at a time.
     """
     return sqlite3.connect("", check_same_thread=False)
 
@@ -101,7 +101,7 @@ def append(file: RunFile, generation: pd.DataFrame, run_id: str, functions: Mapp
         (n_done,) = db.execute("SELECT count(*) FROM generations").fetchone()
         if not generation.empty and int(generation.generation.iloc[0]) != n_done:
             raise RunFileError(
-                f"{display_path(file)} was changed by another program and has {n_done} generations now: another "
+                f"{display_path(file)} was changed by another program and now has {n_done} generations: another "
                 "process has continued the run, or an older copy was put in its place. Resume it when no other "
                 "process is using it."
             )
@@ -162,7 +162,7 @@ def read_history(path: Path) -> History:
 
 
 def read_facts(path: Path) -> tuple[dict[str, str], dict[str, str]]:
-    """Read the facts of a run.
+    """Read a run's id, settings digest and provenance.
 
     Returns:
         Id of the run and digest of its settings; and the provenance of its last generation.
@@ -176,13 +176,13 @@ def read_facts(path: Path) -> tuple[dict[str, str], dict[str, str]]:
 
 
 def read_generations(file: RunFile, run_id: str, first: int, end: int) -> pd.DataFrame:
-    """Read the table of some generations.
+    """Read the table rows of a range of generations.
 
     Args:
         file: Run file.
         run_id: Id of the run.
         first: Number of the first generation.
-        end: Number of the generation after the last.
+        end: Number of the generation after the last one to read (exclusive).
     """
     with open_run(file) as db:
         _require_id(db, file, run_id)

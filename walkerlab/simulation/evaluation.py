@@ -125,7 +125,7 @@ def evaluate(
 
 
 evaluate_population = evaluate
-"""Name of ``evaluate`` in the 2017 design."""
+"""Original name of ``evaluate``, from 2017."""
 
 
 def _read_and_repair(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Genome]:

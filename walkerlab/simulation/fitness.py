@@ -80,7 +80,7 @@ def score(rollout: Rollout, fitness: Fitness | Callable[..., Any], *, seconds: f
     Args:
         rollout: Recorded walk.
         fitness: Fitness from the settings, or a user function.
-        seconds: Time limit of a user function, s.
+        seconds: Time limit of a user function, in seconds.
 
     Raises:
         OperatorError: If the function returns anything but a finite number, -inf or None, or breaks another rule for

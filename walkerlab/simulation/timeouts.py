@@ -27,7 +27,7 @@ def results_in_order(futures: Sequence[Future[_T]], executor: Executor, limit: f
     Args:
         futures: Futures of all tasks.
         executor: Executor that computes them.
-        limit: Greatest time without any result, s.
+        limit: Longest time without any result, in seconds.
 
     Raises:
         WorkersLostError: If another executor exceeds the time limit, or a worker runs out of memory.

@@ -111,7 +111,7 @@ def replace_hung_workers(executor: Executor, silence: float) -> bool:
 
     Args:
         executor: Executor that computes the tasks.
-        silence: Time without any result, s.
+        silence: Time without any result, in seconds.
 
     Returns:
         Whether the executor replaces lost workers; if not, its tasks will never be done.

@@ -100,13 +100,13 @@ def _format_diversity_axis(axes: Axes) -> None:
 
 @styled_plot
 def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | None = None) -> Axes:
-    """Draw all genes of a generation as a map: a row for each robot, the fittest on top; a column for each gene.
+    """Draw all genes of a generation as a map: a row for each robot, the fittest at the top; a column for each gene.
 
     The colour is the position of a value within the range of the gene in the run, from the minimum (dark) to the
     maximum (bright) of the whole table. The range of a cyclic gene is the full turn, whose two ends are equal. From
     each of the other generations, at most 200 robots, evenly spaced in the table, contribute to the range. Genes that
-    have no effect are hatched: the genes of segments that are not grown, and of legs that do not exist or repeat
-    others. In a column of one colour, all robots have the same value.
+    have no effect are hatched: the genes of unexpressed segments, and of legs that do not exist or repeat
+    others. If a column has a single colour, all robots have the same value.
 
     Args:
         records: Table of a run, or the run.
@@ -128,7 +128,10 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     last = int(records.generation.max())
     drawn = last if generation is None else generation
     if not (records.generation == drawn).any():
-        raise ValueError(f"generation {generation} is not in this table; it has {records.generation.min()} to {last}")
+        raise ValueError(
+            f"generation {generation} is not in this table; the table contains generations "
+            f"{records.generation.min()} to {last}"
+        )
     records = records.loc[_select_sample(records) | (records.generation == drawn), :]
     rows = np.flatnonzero(records.generation == drawn)
     rows = rows[np.lexsort((records.individual.to_numpy()[rows], -records.fitness.to_numpy()[rows]))]
@@ -143,7 +146,7 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     axes.invert_yaxis()
     axes.yaxis.set_major_locator(integer_locator())
     axes.set_ylim(len(rows) + 0.5, 0.5)
-    axes.set_ylabel("robots by rank (fittest on top)")
+    axes.set_ylabel("robots by rank (fittest at the top)")
     n_counted = int((records.verdict.to_numpy()[rows] == "ok").sum())
     if n_counted < len(rows):
         _mark_invalid_rows(axes, n_counted + 0.5)
@@ -159,8 +162,8 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     add_description(
         axes,
         GENES_TITLE,
-        f"The {len(table)} genes of the {pluralize(len(rows), 'robot')} of generation {drawn}, the fittest on top: "
-        f"{positions.mask.mean():.0%} of the genes have no effect. The robots differ least in "
+        f"The {len(table)} genes of the {pluralize(len(rows), 'robot')} of generation {drawn}, with the fittest at "
+        f"the top. {positions.mask.mean():.0%} of the genes have no effect. The robots differ least in "
         f"{_spell_gene(most_similar)} and most in {_spell_gene(most_different)}.",
     )
     return axes
@@ -212,7 +215,7 @@ def _select_sample(records: pd.DataFrame) -> pd.Series:
 
 
 def _parse_genomes(records: pd.DataFrame) -> tuple[Floats, Genes]:
-    """Parse the genomes of a table; each text is parsed once, because elites repeat.
+    """Parse the genomes of a table; each text is parsed only once, because elites appear in several generations.
 
     Returns:
         The genes of each row, shape (n, n_genes), and the names and kinds of the genes; the ranges are the defaults

@@ -6,8 +6,8 @@ The page is K3D's snapshot of the plot with the player (player.js), which receiv
     channels, resolution, duration    positions over time, encoded by ``tracks.pack_channels``
     camera                            camera at the start
 
-In a notebook a preview image is shown first. A click replaces it with the page, and closing the page brings the image
-back, because browsers limit the number of WebGL contexts.
+Because browsers limit the number of WebGL contexts, a notebook shows a preview image first; a click replaces it with
+the page, and closing the page restores the image.
 """
 
 import base64
@@ -49,7 +49,7 @@ TRUNK_COLOUR = "#e69f00"
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """Recorded walks in 3D. As the last value of a notebook cell, it is displayed.
+    """Recorded walks in 3D; displayed when it is the last expression in a notebook cell.
 
     Attributes:
         walks: Recorded walks, at least one.
@@ -128,7 +128,7 @@ class Replay:
         }
 
     def _walk_facts(self, walk: Walk) -> dict[str, Any]:
-        """Return the facts about a walk in the player's list of walks."""
+        """Return the facts about a walk that the player shows in its list."""
         rollout = walk.rollout
         body = rollout.phenotype
         is_finite = rollout.verdict != UNSTABLE
@@ -160,10 +160,10 @@ class Replay:
 def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | str | int | None = None) -> Replay:
     """Simulate one robot or several and show their walks in 3D.
 
-    Python requires no OpenGL; the browser requires WebGL 2. Several robots are shown as a race, each in its own
-    colour: side by side if the ground is the same everywhere across the direction of travel, and otherwise at the same
-    place, passing through each other, because each was simulated alone. Loose obstacles then follow the simulation of
-    the robot that got farthest.
+    OpenGL is not required, but the browser must support WebGL 2. Several robots are shown as a race, each in its own
+    colour. They run side by side if the ground does not vary sideways. Otherwise they start at the same place and pass
+    through each other, because each was simulated alone. In a race, loose obstacles move as in the simulation of the
+    robot that got furthest.
 
     Args:
         walkers: Genome, its text, an individual, or a run (its champion); or several of these, as a list, or as a dict
@@ -187,7 +187,7 @@ def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | s
 
 
 class Frame(HasSnapshot, anywidget.AnyWidget):
-    """Widget that shows the preview image of a replay; a click opens the page, and closing it brings the image back.
+    """Widget that shows the preview image of a replay; a click opens the page, and closing it restores the image.
 
     The widget of a replay contains the page from the start, so that the replay can be played even while the kernel is
     busy or stopped. A notebook keeps every widget in memory; therefore a frame has no references to the walks.
