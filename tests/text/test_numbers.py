@@ -17,7 +17,7 @@ import walkerlab as wl
 from tests.simulation.test_validity import WALKER
 from tests.view.test_plots import evolved_table
 from walkerlab.evolution import running
-from walkerlab.evolution.evolution import Generation
+from walkerlab.evolution.generation import Generation
 from walkerlab.runfile.records import Individual, name_fitness
 from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.simulation.robustness import Confirmation

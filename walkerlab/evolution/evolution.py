@@ -88,8 +88,7 @@ class Evolution(RunProperties):
             on_walks: Function that is called with the number of newly finished walks.
             stop: Conditions under which the iteration stops before the last generation.
             population: First individuals of generation 0, as for ``evolve``.
-            recall: Function from texts of genomes to their known evaluations; these genomes are not simulated. Its
-                caller stores the generations, so no other file is saved after an error.
+            recall: Function that returns known evaluations by genome text; its caller stores the generations.
             **unknown: Rejected; individual settings belong in ``settings``.
 
         Raises:

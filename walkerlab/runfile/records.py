@@ -78,7 +78,7 @@ _measurements = attrgetter(*EvaluationRow._fields[:-1])
 def tabulate_generation(
     population: Population[EvaluationRow], operators: str, known_origins: Mapping[int, str] = {}
 ) -> pd.DataFrame:
-    """Write a generation as a table.
+    """Return a generation as a table.
 
     Args:
         population: Evaluated generation.
@@ -88,16 +88,14 @@ def tabulate_generation(
     Returns:
         Table with a row for each individual, the columns of ``RECORD_COLUMNS``, and their units in ``.attrs``.
     """
-    origins = zip(population.individuals.tolist(), population.parents, population.born.tolist(), strict=True)
+    births = zip(population.parents, population.born.tolist(), strict=True)
+    of_new = [operators if parents else INSERTED_BY_HAND if born else RANDOM for parents, born in births]
     columns = {
         "generation": population.generation,
         "individual": population.individuals,
         "born": population.born,
         "parents": [" ".join(map(str, parents)) for parents in population.parents],
-        "operators": [
-            known_origins.get(i) or (operators if parents else INSERTED_BY_HAND if born else RANDOM)
-            for i, parents, born in origins
-        ],
+        "operators": list(map(known_origins.get, population.individuals.tolist(), of_new)),
         **dict(zip(EvaluationRow._fields, zip(*population.evaluations, strict=True), strict=True)),
     }
     return tidy_table(pd.DataFrame(columns))
@@ -105,9 +103,8 @@ def tabulate_generation(
 
 def tidy_table(table: pd.DataFrame) -> pd.DataFrame:
     """Return a table with the columns, types and units of ``RECORD_COLUMNS``."""
-    table = table.reindex(columns=list(RECORD_COLUMNS)).astype(
-        {name: kind for name, (kind, *_) in RECORD_COLUMNS.items()}
-    )
+    kinds = {name: kind for name, (kind, *_) in RECORD_COLUMNS.items()}
+    table = table.reindex(columns=list(kinds)).astype(kinds)
     table.attrs = {"units": {name: unit for name, (_, unit, _) in RECORD_COLUMNS.items() if unit}}
     return table
 
