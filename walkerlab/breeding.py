@@ -1,6 +1,6 @@
 """The steps of one generation, and the operators named in an algorithm's settings, with their parameters bound.
 
-The public functions at the end keep their original names, from 2017.
+The public functions at the end keep the names that they had in the original version of 2017.
 """
 
 from collections.abc import Callable, Iterable
@@ -164,7 +164,7 @@ def select_from_population(
     select = resolve_operators(algorithm).select
     values = _as_fitness(fitness)
     if not len(values):
-        raise ValueError("fitness is empty; it must have a number for each individual to select from")
+        raise ValueError("fitness is empty; it must contain a number for each individual that can be selected")
     require_count(n_parents, "n_parents", "the number of parents to select")
     require_count(generation, "generation", GENERATION_MEANING, low=0)
     table = None if genomes is None else np.array([genome.values for genome in read_genomes(genomes)])

@@ -206,7 +206,7 @@ class Evolution(RunProperties):
             evaluated, the one after that.
 
         Raises:
-            GenomeError: If a text is not a valid genome.
+            GenomeError: If a string is not a valid genome.
             ValueError: If there is no room for the genome, no generation has been completed yet, or the run is
                 complete.
         """

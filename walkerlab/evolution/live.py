@@ -158,7 +158,7 @@ class LiveRun(ReadOnlyProperties):
             Number of that generation.
 
         Raises:
-            GenomeError: If a text is not a valid genome.
+            GenomeError: If a string is not a valid genome.
             ValueError: If the run is over, or ``Evolution.insert`` raises it.
         """
         if self.is_over:

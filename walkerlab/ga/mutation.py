@@ -14,7 +14,7 @@ from walkerlab.ga.ranges import reflect, wrap
 MIN_STEP_REFERENCE = 0.1
 """Lower bound on the magnitude by which a relative step is scaled, as a fraction of the gene's range.
 
-It lets a gene whose value is zero change.
+It allows a gene whose value is zero to change.
 """
 
 FAVORED_RATE_FACTOR = 10.0

@@ -66,7 +66,7 @@ def gradient_probabilities(fitness: Floats) -> Floats:
 
 
 def selection_pressure(probabilities: Floats) -> float:
-    """Return the selection pressure: the highest of (n,) probabilities over their median; 1 if all are equal."""
+    """Return the selection pressure: the highest probability divided by the median probability; 1 if all are equal."""
     return float(np.max(probabilities) / np.median(probabilities))
 
 

@@ -231,7 +231,7 @@ def _check_indices(indices: NDArray[Any], label: str, n: int, meaning: str) -> I
     if not np.issubdtype(indices.dtype, np.integer):
         raise OperatorError(
             f"{requirement}; it returned {describe_result(indices)}",
-            "np.flatnonzero(mask) converts a mask to indices; np.argsort returns indices, np.sort values.",
+            "np.flatnonzero(mask) converts a mask to indices; np.argsort returns indices, and np.sort returns values.",
         )
     for outside in indices[(indices < 0) | (indices >= n)].flat:
         raise OperatorError(

@@ -42,7 +42,7 @@ RECORD_COLUMNS: dict[str, tuple[type, str, str]] = {
 }
 """Each column: its type, unit and meaning."""
 HAS_COPY_ON_WRITE = int(pd.__version__.partition(".")[0]) >= 3
-RANDOM = "random"  # value of the column operators for a random genome of generation 0
+RANDOM = "random"  # value in the column ``operators`` for a random genome of generation 0
 INSERTED_BY_HAND = "by hand"  # for a genome inserted into a later generation
 GIVEN = "given"  # for a genome given for generation 0, perhaps followed by the robot that it comes from
 
@@ -133,7 +133,7 @@ def check_table(table: pd.DataFrame) -> pd.DataFrame:
             )
     if unknown := sorted(set(table.verdict) - VERDICTS.keys()):
         raise ValueError(
-            f"the column verdict has {short_repr(unknown[0])}; the known verdicts are {', '.join(VERDICTS)}. "
+            f"the column verdict contains the unknown verdict {short_repr(unknown[0])}; known are {', '.join(VERDICTS)}. "
             "If a newer version of walkerlab wrote the file, update your installation: pip install --upgrade walkerlab"
         )
     return table

@@ -93,7 +93,7 @@ def evaluate(
         One evaluation per genome, in the same order; it does not depend on the executor or its number of workers.
 
     Raises:
-        GenomeError: If a text is not a valid genome.
+        GenomeError: If a string is not a valid genome.
         ValueError: If ``genomes`` is a single genome or an array of another shape, or if the fitness function returns
             anything but a finite number, -inf or None.
         TypeError: If ``executor`` is not an executor, or ``settings`` is not a ``Settings``.

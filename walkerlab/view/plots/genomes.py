@@ -40,9 +40,9 @@ POINTS_PER_INCH = 72
 def diversity(records: Any, ax: Axes | None = None, *, label: str = "") -> Axes:
     """Draw the genetic diversity of each generation: how much two robots typically differ in one gene.
 
-    The difference in a gene is a fraction of the range of that gene in the gene table of the default limits, so that
-    all runs can be compared. For a cyclic gene, it is the chord between two points on a circle, as a fraction of the
-    diameter, so that 0.01 and 6.28 rad are close. The diversity is the root mean square over all pairs of robots and
+    The difference in a gene is expressed as a fraction of the range of that gene in the gene table of the default
+    limits, so that all runs can be compared. For a cyclic gene, it is the chord between two points on a circle, as a
+    fraction of the diameter, so that 0.01 and 6.28 rad are close. The diversity is the root mean square over all pairs of robots and
     all genes: 0 if all robots are clones, about 0.4 (0.7 for cyclic genes) if genes are uniformly distributed. Genes
     without effect are included, because children inherit them and may express them. If a generation has more than 200
     robots, 200 are compared, evenly spaced in the table.
@@ -105,8 +105,8 @@ def genes(records: pd.DataFrame, ax: Axes | None = None, *, generation: int | No
     The colour is the position of a value within the range of the gene in the run, from the minimum (dark) to the
     maximum (bright) of the whole table. The range of a cyclic gene is the full turn, whose two ends are equal. From
     each of the other generations, at most 200 robots, evenly spaced in the table, contribute to the range. Genes that
-    have no effect are hatched: the genes of unexpressed segments, and of legs that do not exist or repeat
-    others. If a column has a single colour, all robots have the same value.
+    have no effect are hatched: the genes of unexpressed segments, and of legs that do not exist or that repeat others.
+    If a column has a single colour, all robots have the same value.
 
     Args:
         records: Table of a run, or the run.
@@ -227,7 +227,7 @@ def _parse_genomes(records: pd.DataFrame) -> tuple[Floats, Genes]:
     codes, texts = pd.factorize(records.genome)
     parsed = [Genome.parse(text).values for text in texts]
     if len({len(values) for values in parsed}) > 1:
-        raise ValueError("the genomes of this table differ in length; draw the table of one run at a time")
+        raise ValueError("the genomes in this table differ in length; plot one run at a time")
     values = np.array(parsed)
     n_parts = (values.shape[1] - len(BODY_FEATURES)) // len(SEGMENT_FEATURES)
     return values[codes], build_genes(Robot(segments=(1, n_parts), legs=(2, 2 * n_parts)))

@@ -49,7 +49,7 @@ TRUNK_COLOUR = "#e69f00"
 
 @dataclass(frozen=True, eq=False)
 class Replay:
-    """Recorded walks in 3D; displayed when it is the last expression in a notebook cell.
+    """Replay of recorded walks in 3D; displayed when it is the last expression in a notebook cell.
 
     Attributes:
         walks: Recorded walks, at least one.
@@ -91,7 +91,8 @@ class Replay:
         """The complete page, as HTML."""
         animation = build_animation(list(self.walks), self._title)
         player = (REPLAY_FOLDER / "player.js").read_text(encoding="utf-8")
-        recording = json.dumps(self._recording(animation)).replace("<", "\\u003c")  # no text can end the script
+        # "<" is escaped so that no text in the recording can close the script element
+        recording = json.dumps(self._recording(animation)).replace("<", "\\u003c")
         code = f"({player.strip()})(K3DInstance, {recording});"
         page: str = animation.plot.get_snapshot(additional_js_code=code)
         animation.close()
@@ -172,7 +173,7 @@ def replay(walkers: Any, settings: Settings | None = None, *, camera: Camera | s
         camera: Camera at the start: side, front, top, chase or orbit; if None, the camera in the settings.
 
     Raises:
-        GenomeError: If a text is not a valid genome.
+        GenomeError: If a string is not a valid genome.
         SettingsError: If the camera does not exist.
         TypeError: If ``walkers`` contains something else.
         ValueError: If there are no robots.

@@ -31,7 +31,7 @@ def simulate_walks(walkers: Any, settings: Settings) -> tuple[Walk, ...]:
     """Simulate the robots of a replay and place them in lanes; the arguments are those of ``replay``.
 
     Raises:
-        GenomeError: If a text is not a valid genome.
+        GenomeError: If a string is not a valid genome.
         TypeError: If ``walkers`` is of another type than ``replay`` accepts.
         ValueError: If there are no robots.
     """
