@@ -133,7 +133,7 @@ def check_table(table: pd.DataFrame) -> pd.DataFrame:
             )
     if unknown := sorted(set(table.verdict) - VERDICTS.keys()):
         raise ValueError(
-            f"the column verdict contains the unknown verdict {short_repr(unknown[0])}; known are {', '.join(VERDICTS)}. "
+            f"the column verdict contains the unknown {short_repr(unknown[0])}; known are {', '.join(VERDICTS)}. "
             "If a newer version of walkerlab wrote the file, update your installation: pip install --upgrade walkerlab"
         )
     return table

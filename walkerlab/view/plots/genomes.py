@@ -42,10 +42,10 @@ def diversity(records: Any, ax: Axes | None = None, *, label: str = "") -> Axes:
 
     The difference in a gene is expressed as a fraction of the range of that gene in the gene table of the default
     limits, so that all runs can be compared. For a cyclic gene, it is the chord between two points on a circle, as a
-    fraction of the diameter, so that 0.01 and 6.28 rad are close. The diversity is the root mean square over all pairs of robots and
-    all genes: 0 if all robots are clones, about 0.4 (0.7 for cyclic genes) if genes are uniformly distributed. Genes
-    without effect are included, because children inherit them and may express them. If a generation has more than 200
-    robots, 200 are compared, evenly spaced in the table.
+    fraction of the diameter, so that 0.01 and 6.28 rad are close. The diversity is the root mean square over all pairs
+    of robots and all genes: 0 if all robots are clones, about 0.4 (0.7 for cyclic genes) if genes are uniformly
+    distributed. Genes without effect are included, because children inherit them and may express them. If a generation
+    has more than 200 robots, 200 are compared, evenly spaced in the table.
 
     Args:
         records: Table of a run, or the run; a list of runs, a dict from names to runs or to lists of them, or an
