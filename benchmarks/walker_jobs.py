@@ -115,7 +115,7 @@ def run_job(job: Job) -> str:
 
 
 def source_digest() -> str:
-    """Return a digest of the source of walkerlab, so that results of different versions can be told apart."""
+    """Return a digest of the source of walkerlab, so that results of different versions can be distinguished."""
     assert wl.__file__
     digest = hashlib.sha256()
     for path in sorted(Path(wl.__file__).parent.rglob("*.py")):

@@ -230,12 +230,7 @@ def _read_layout(db: sqlite3.Connection) -> int:
     found = db.execute("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL LIMIT 9").fetchall()
     if db.execute("PRAGMA application_id").fetchone() != (schema.EXPERIMENT_ID,):
         raise LayoutError("does not contain an experiment. A file with a single run is opened with wl.load(path)")
-    layout: int = db.execute("PRAGMA user_version").fetchone()[0]
-    if layout > LAYOUT_VERSION:
-        raise LayoutError(
-            f"has layout {layout}, which a newer walkerlab wrote; this one reads layouts up to {LAYOUT_VERSION}. "
-            "Update with: pip install --upgrade walkerlab"
-        )
+    schema.read_layout_version(db, LAYOUT_VERSION)
     if sorted(str(sql) for (sql,) in found) != sorted(_TABLES):
         raise LayoutError("is damaged or was changed by another program: its tables are not those of an experiment")
     return schema.LAYOUT_VERSION

@@ -106,18 +106,32 @@ def read_layout(db: sqlite3.Connection) -> int:
         )
     if application != APPLICATION_ID:
         raise LayoutError("is a SQLite file, but not a run file of walkerlab. Give the path of a run file")
-    layout: int = db.execute("PRAGMA user_version").fetchone()[0]
-    if layout > LAYOUT_VERSION:
-        raise LayoutError(
-            f"has layout {layout}, which a newer walkerlab wrote; this one reads layouts up to {LAYOUT_VERSION}. "
-            "Update with: pip install --upgrade walkerlab"
-        )
+    layout = read_layout_version(db, LAYOUT_VERSION)
     if layout < OLDEST_LAYOUT:
         raise LayoutError(
             f"has layout {layout}, from before walkerlab's first release, and can no longer be read. Evolve it again"
         )
     if sorted(str(sql) for (sql,) in found) != sorted(_TABLES_BY_LAYOUT[layout]):
         raise LayoutError("is damaged or was changed by another program: its tables are not those of a run file")
+    return layout
+
+
+def read_layout_version(db: sqlite3.Connection, newest: int) -> int:
+    """Return the number of a file's layout.
+
+    Args:
+        db: Open transaction.
+        newest: Highest number that this version of walkerlab reads.
+
+    Raises:
+        LayoutError: If the number is higher.
+    """
+    layout: int = db.execute("PRAGMA user_version").fetchone()[0]
+    if layout > newest:
+        raise LayoutError(
+            f"has layout {layout}, which a newer walkerlab wrote; this one reads layouts up to {newest}. "
+            "Update with: pip install --upgrade walkerlab"
+        )
     return layout
 
 
