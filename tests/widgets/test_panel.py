@@ -55,6 +55,13 @@ def boxes(page):
     return {name: page.locator(f".wl-lab .wl-{name}").first.bounding_box() for name in COMPONENTS}
 
 
+def population_is_listed(page):
+    """Wait until the population shows the generation that the transport names; it is drawn a moment later."""
+    words = page.locator(".wl-transport .words").first.text_content()
+    number = re.search(r"Paused after generation (\d+)", words).group(1)
+    page.locator(".wl-population h4", has_text=f"Generation {number}:").wait_for(timeout=60_000)
+
+
 def only_run(jupyter):
     """Return the run file that the panel has created."""
     [path] = (jupyter.folder / "lab").glob("*/run.walk")
@@ -94,6 +101,7 @@ def test_a_student_evolves_a_walker(page, jupyter):
     assert [box["y"] for box in boxes(page).values()][:6] == [box["y"] for box in before.values()][:6]
 
     # one robot: selected by keyboard, watched, inserted into the next generation
+    population_is_listed(page)
     robots = page.locator(".wl-population [role=option]")
     robots.first.focus()
     page.keyboard.press("ArrowRight")
