@@ -17,12 +17,12 @@ PACKAGE = Path(walkerlab.__file__).parent
 
 LAYERS = (
     ("errors",),
-    ("text", "system", "randomness", "readonly"),
+    ("text", "system", "randomness"),
     ("ga", "settings"),
     ("genome",),
     ("breeding", "world"),
     ("simulation",),
-    ("runfile",),
+    ("runfile", "analysis"),
     ("view",),
     ("evolution",),
     ("experiment",),
@@ -34,7 +34,7 @@ LAYERS = (
 LAYER = {name: number for number, names in enumerate(LAYERS) for name in names}
 
 ONLY_FROM = {
-    "ga": {"errors", "randomness", "readonly", "system"},
+    "ga": {"errors", "randomness", "system"},
     "world.entities": {"settings", "ga", "world"},
     "commands": {*LAYER} - {"widgets"},
 }

@@ -12,10 +12,10 @@ from walkerlab.evolution.evolution import Evolution
 from walkerlab.evolution.forecast import n_walks
 from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome
-from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.pausable import PausableExecutor, Stopped
 from walkerlab.simulation.workers import WorkerLostWarning, check_executor, default_executor, n_workers
+from walkerlab.system.readonly import ReadOnlyProperties
 
 
 class State(StrEnum):

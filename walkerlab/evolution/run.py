@@ -9,7 +9,6 @@ import numpy as np
 import pandas as pd
 
 from walkerlab.evolution.stages import Stage
-from walkerlab.readonly import ReadOnlyProperties
 from walkerlab.runfile import records
 from walkerlab.runfile.history import Founder
 from walkerlab.runfile.records import Individual, copy_table
@@ -19,6 +18,7 @@ from walkerlab.settings.values import short_repr
 from walkerlab.simulation import fitness
 from walkerlab.simulation.robustness import N_NUDGES, Confirmation, confirm
 from walkerlab.system.files import display_path
+from walkerlab.system.readonly import ReadOnlyProperties
 from walkerlab.text.numbers import with_unit
 
 if TYPE_CHECKING:

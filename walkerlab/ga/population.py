@@ -8,7 +8,7 @@ from typing import Generic, Protocol, TypeVar
 import numpy as np
 
 from walkerlab.ga.genes import Floats, Indices
-from walkerlab.readonly import ReadOnlyArrays
+from walkerlab.system.readonly import ReadOnlyArrays
 
 NOT_COUNTED = -np.inf
 """Fitness of an individual that does not count: it is excluded from selection and has no children."""

@@ -14,11 +14,11 @@ from walkerlab.genome.features import BODY_FEATURES, MAX_SEGMENTS, SEGMENT_FEATU
 from walkerlab.genome.initial import draw_genes
 from walkerlab.genome.repair import draw_sizes, repair
 from walkerlab.genome.text import count_segments, format_text, parse_text
-from walkerlab.readonly import ReadOnlyArrays
 from walkerlab.settings.arguments import require_generator
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import short_repr
+from walkerlab.system.readonly import ReadOnlyArrays
 from walkerlab.text.templates import render
 
 

@@ -9,7 +9,6 @@ import numpy as np
 
 from walkerlab.ga.genes import Floats, Indices
 from walkerlab.genome.genome import Genome
-from walkerlab.readonly import ReadOnlyArrays
 from walkerlab.settings.choices import Guard
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
@@ -17,6 +16,7 @@ from walkerlab.simulation.pushes import is_pushed_forward, remove_pushes
 from walkerlab.simulation.starts import draw_nudge, settle, start_overlap
 from walkerlab.simulation.stepping import positions_in, simulate_steps, velocities_in, warnings_counted_not_printed
 from walkerlab.simulation.validity import MAX_REST_SPEED, UNSTABLE, VERDICTS, Trace, forgiven_guards, judge
+from walkerlab.system.readonly import ReadOnlyArrays
 from walkerlab.text.numbers import format_significant, with_unit
 from walkerlab.text.templates import render
 from walkerlab.world.assembly import Sensor

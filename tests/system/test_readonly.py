@@ -13,8 +13,8 @@ import pytest
 import walkerlab as wl
 from walkerlab.evolution.live import LiveRun
 from walkerlab.genome.features import build_genes
-from walkerlab.readonly import ReadOnlyArrays, ReadOnlyError
 from walkerlab.runfile.records import last_population
+from walkerlab.system.readonly import ReadOnlyArrays, ReadOnlyError
 
 SETTINGS = wl.Settings().with_(duration=1, population_size=4, generations=2, n_elites=1)
 COPIES = (copy.copy, copy.deepcopy, lambda original: pickle.loads(pickle.dumps(original)))
