@@ -1,9 +1,10 @@
 """Three searches for a fast walker: evolution, random search and CMA-ES, each of which can be resumed.
 
-An evaluation is one walk; a robot that walks from two starts takes two of them. Random search evaluates the random
-robots of other seeds. CMA-ES evaluates ``N_RANDOM`` random robots, keeps the body of the best one, and optimises its
-gait. Both store the fitness of each batch in a text file, one line for each batch. They propose the same robots again
-when they are given the same fitness, so a search is resumed by replaying that file without any walk.
+An evaluation is one walk; a robot that walks from two starts takes two of them, and the walks with which evolution
+tests its best robots from other starts count too. Random search evaluates the random robots of other seeds. CMA-ES
+evaluates ``N_RANDOM`` random robots, keeps the body of the best one, and optimises its gait. Both store the fitness of
+each batch in a text file, one line for each batch. They propose the same robots again when they are given the same
+fitness, so a search is resumed by replaying that file without any walk.
 """
 
 import json
@@ -13,11 +14,14 @@ from concurrent.futures import Executor
 from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
+from typing import Any
 
 import cma
 import numpy as np
+import pandas as pd
 
 import walkerlab as wl
+from walkerlab.evolution.fragility import FRAGILE, further_starts
 from walkerlab.ga.genes import Floats, Indices
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.repair import repair
@@ -76,12 +80,33 @@ def search_by_evolution(
         if run.n_generations < n_generations:
             run = wl.resume(path, n_generations, executor, progress=False)
     champions: dict[int, Champion] = {}
+    table = run.records
+    n_walks = count_walks(table, settings)
     for budget in budgets:
-        table = run.records
-        table = table[table.generation < count_generations(settings, budget)]
-        n_evaluations = table.individual.nunique() * settings.simulation.n_starts
-        champions[budget] = Champion(records.find_champion(table).genome, n_evaluations)
+        last = max(0, int(np.searchsorted(n_walks, budget, side="right")) - 1)
+        within: Any = table[table.generation <= last]
+        champions[budget] = Champion(records.find_champion(within).genome, int(n_walks[last]))
     return champions
+
+
+def count_walks(table: pd.DataFrame, settings: wl.Settings) -> Indices:
+    """Return the number of walks up to each generation of a run, shape (n_generations,).
+
+    The best robots of each generation walk again from other starts: those that were excluded as fragile, and those
+    that passed, which are its new elites.
+    """
+    n_best = max(1, settings.algorithm.n_elites)
+    n_test_starts = len(further_starts(settings))
+    is_new = ~table.duplicated("genome")  # equal genomes walk once
+    counts: list[int] = []
+    for number in range(int(table.generation.max()) + 1):
+        robots: Any = table[table.generation == number]
+        new = robots[is_new[robots.index]]
+        best = set(robots.drop_duplicates("genome").nlargest(n_best, "fitness").genome)
+        has_passed = new.genome.isin(best) & (new.verdict == "ok")
+        n_tested = int((has_passed | (new.verdict == FRAGILE)).sum())
+        counts.append(len(new) * settings.simulation.n_starts + n_tested * n_test_starts)
+    return np.cumsum(counts)
 
 
 def search_at_random(

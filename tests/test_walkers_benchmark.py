@@ -10,9 +10,10 @@ from benchmarks import searches, walker_jobs, walkers
 from benchmarks.champions import measure_champion
 from benchmarks.walker_tables import compare_folders, describe_folder, read_folder
 from walkerlab.genome.features import build_genes
+from walkerlab.simulation.rollout import walk_from_every_start
 
-SMALL = wl.Settings().with_(population_size=4, duration=1, segments=(1, 2))
-"""Settings of a search that takes a moment."""
+SMALL = wl.Settings().with_(population_size=4, duration=1, segments=(1, 2), forgive="fragile")
+"""Settings of a search that takes a moment; without tests from other starts, which would need most of its walks."""
 
 
 class Interrupted(Exception):
@@ -162,3 +163,19 @@ def test_a_folder_holds_the_results_of_one_set_of_changes(tmp_path):
     walkers.prepare_folder(tmp_path, {"algorithm.selection": "rank"})
     with pytest.raises(ValueError, match="choose another --folder"):
         walkers.prepare_folder(tmp_path, {})
+
+
+def test_the_walks_of_the_tests_from_other_starts_are_counted(one_thread, monkeypatch):
+    settings = wl.Settings().with_(population_size=6, generations=3, duration=1, n_elites=1)
+    n_walks: list[int] = []
+
+    def count(*given, **named):
+        rollouts = walk_from_every_start(*given, **named)
+        n_walks.append(len(rollouts))
+        return rollouts
+
+    monkeypatch.setattr("walkerlab.simulation.evaluation.walk_from_every_start", count)
+    run = wl.evolve(settings, executor=one_thread, progress=False)
+    n_stopped = sum("did not count" in reason for reason in run.records.reason)  # at the first of the other starts
+    total = searches.count_walks(run.records, settings)[-1]
+    assert total - n_stopped <= sum(n_walks) <= total

@@ -101,7 +101,7 @@ def create_function(slot, fault=None, is_due=lambda walk: True):
     return mine
 
 
-def walks(genomes, settings, asked=""):
+def walks(genomes, settings, starts, asked=""):
     """Replacement for the walks of a task: different for each genome, and repeatable."""
     even = fitness._create_made_up_walk()
     return [

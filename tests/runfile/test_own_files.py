@@ -34,9 +34,11 @@ def replaced_walks(monkeypatch):
     """Replace walks by evaluations with all verdicts in turn."""
     verdicts = cycle(VERDICTS)
 
-    def evaluate(genomes, settings, executor=None, *, on_done):
+    def evaluate(genomes, settings, executor=None, *, on_done=lambda n: None, starts=None):
         on_done(len(genomes))
         walks = [walk(values) for values in genomes]
+        if starts is not None:  # each robot does as well from other starts
+            return [type(one)(**vars(one) | {"verdict": "ok", "fitness": 1.0, "reason": ""}) for one in walks]
         for one, verdict in zip(walks, verdicts, strict=False):
             fitness = 1.0 if verdict == "ok" else -np.inf
             vars(one).update(verdict=verdict, fitness=fitness, reason="" if verdict == "ok" else "0.5; 0.2 is allowed")

@@ -245,7 +245,8 @@ def test_a_walk_in_a_reused_scene_equals_a_walk_in_a_new_scene(world):
     plans = {express(robot).plan for robot in robots}
     assert len(plans) < len(robots), "some robots must share a body plan"
     with ThreadPoolExecutor(1) as thread:
-        in_turn = thread.submit(evaluation._simulate_task, [*robots, *robots[::-1]], settings).result()
+        starts = range(settings.simulation.n_starts)
+        in_turn = thread.submit(evaluation._simulate_task, [*robots, *robots[::-1]], settings, starts).result()
     for robot, *walks in zip(robots, in_turn[: len(robots)], in_turn[: len(robots) - 1 : -1], strict=True):
         expected = walk_from_every_start(compile_scene(robot, settings), poses=False)
         assert [as_bytes(each) for each in walks] == 2 * [as_bytes(expected)]

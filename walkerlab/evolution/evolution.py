@@ -23,6 +23,7 @@ from walkerlab.evolution.generation import Generation
 from walkerlab.evolution.insertion import InsertedGenomes
 from walkerlab.evolution.interruption import save_after
 from walkerlab.evolution.lost_pressure import explain_random_selection
+from walkerlab.evolution.rating import rate_children
 from walkerlab.evolution.rerating import Recorded, confirm_ratings, function_facts, rate_again
 from walkerlab.evolution.run import Run, RunProperties
 from walkerlab.evolution.stages import Stage, changes_walks, record_history
@@ -31,7 +32,6 @@ from walkerlab.evolution.stored_functions import check_storable
 from walkerlab.ga.genes import Floats
 from walkerlab.ga.loop import first_population, next_population
 from walkerlab.ga.population import Population
-from walkerlab.ga.user_functions import OperatorError
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile import paths, provenance, records
@@ -175,7 +175,7 @@ class Evolution(RunProperties):
         walk_again = partial(self._evaluate, on_done=lambda _: None)
         stage = self._stages[-1]
         if stage.first == self.n_generations and changes_walks(stage.changes):
-            self._population = rate_again(self._population, walk_again)
+            self._population = rate_again(self._population, self.settings, walk_again)
             self._rated_since = self.n_generations
             return
         self._population, is_new = confirm_ratings(self._population, self.settings, recorded, walk_again, rerate=rerate)
@@ -285,16 +285,8 @@ class Evolution(RunProperties):
         """Evaluate (n, n_genes) genomes; duplicates, and genomes already evaluated, are not simulated."""
         texts = [str(Genome(values)) for values in genomes]
         known = self._archive.find(texts) | (self._recall(texts) if self._recall else {})
-        new = {text: row for row, text in enumerate(texts) if text not in known}
-        if new:
-            rows = list(new.values())
-            try:
-                evaluations = self._evaluate(genomes[rows])
-            except OperatorError as error:
-                individual = rows[error.robot_index] + (self._population.n_born if self._population else 0)
-                error.context = f"for individual {individual} of generation {self.n_generations}"
-                raise
-            known |= {text: EvaluationRow.of(one, text) for text, one in zip(new, evaluations, strict=True)}
-        if len(new) < len(texts):
-            self._on_walks(len(texts) - len(new))
-        return [known[text] for text in texts]
+        rated = rate_children(genomes, texts, known, self._population, self.settings, self._evaluate)
+        n_new = len({*texts} - known.keys())
+        if n_new < len(texts):
+            self._on_walks(len(texts) - n_new)
+        return [rated[text] for text in texts]

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from walkerlab.breeding import slot_entries
+from walkerlab.evolution.rating import retest_best
 from walkerlab.evolution.stored_functions import user_functions
-from walkerlab.ga.genes import Floats
 from walkerlab.ga.population import Population
 from walkerlab.ga.user_functions import OperatorError
 from walkerlab.runfile.opening import RunFileError
@@ -72,7 +72,7 @@ def confirm_ratings(
     population: Population[EvaluationRow],
     settings: Settings,
     recorded: Recorded,
-    evaluate: Callable[[Floats], Sequence[Evaluation]],
+    evaluate: Callable[..., Sequence[Evaluation]],
     *,
     rerate: bool,
 ) -> tuple[Population[EvaluationRow], bool]:
@@ -82,7 +82,7 @@ def confirm_ratings(
         population: Last generation, with the ratings in the file.
         settings: Settings of the run, with the given functions.
         recorded: What the file records about its ratings.
-        evaluate: Function that returns the evaluations of (n, n_genes) genomes.
+        evaluate: Function like ``evaluate``, with the settings and the executor bound.
         rerate: Whether to take new ratings if they differ.
 
     Returns:
@@ -96,7 +96,7 @@ def confirm_ratings(
     is_same_source = recorded.facts.get(FITNESS_FACT) == now and UNKNOWN_SOURCE not in (now or "")
     if not rerate and (now is None or (recorded.is_elsewhere and is_same_source)):
         return population, False
-    rated = rate_again(population, evaluate)
+    rated = rate_again(population, settings, evaluate)
     counted = np.isfinite(population.fitness)
     is_comparable = bool(counted.any()) or is_same_source or not recorded.has_fitness
     if is_comparable and np.array_equal(rated.fitness, population.fitness):
@@ -107,9 +107,9 @@ def confirm_ratings(
 
 
 def rate_again(
-    population: Population[EvaluationRow], evaluate: Callable[[Floats], Sequence[Evaluation]]
+    population: Population[EvaluationRow], settings: Settings, evaluate: Callable[..., Sequence[Evaluation]]
 ) -> Population[EvaluationRow]:
-    """Return a population with new ratings; equal genomes are simulated once."""
+    """Return a population with new ratings; equal genomes are simulated once, and the best are tested again."""
     texts = [walked.genome for walked in population.evaluations]
     rows = {text: row for row, text in enumerate(texts)}
     try:
@@ -119,6 +119,7 @@ def rate_again(
         error.context = f"for individual {individual} of generation {population.generation}, rated again to resume"
         raise
     rated = {text: EvaluationRow.of(one, text) for text, one in zip(rows, evaluations, strict=True)}
+    rated = retest_best(rated, (), settings, evaluate, population.generation)
     return replace(population, evaluations=[rated[text] for text in texts])
 
 

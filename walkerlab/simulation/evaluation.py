@@ -18,6 +18,7 @@ from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import short_repr
 from walkerlab.simulation.fitness import find_poorest, rate_walk
 from walkerlab.simulation.rollout import Rollout, walk_from_every_start
 from walkerlab.simulation.timeouts import results_in_order
@@ -74,6 +75,7 @@ def evaluate(
     executor: Executor | None = None,
     *,
     on_done: Callable[[int], None] = lambda _: None,
+    starts: Sequence[int] | None = None,
 ) -> list[Evaluation]:
     """Simulate the walk of each individual and rate it.
 
@@ -88,14 +90,16 @@ def evaluate(
         settings: Complete settings of the run.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         on_done: Function called with the number of newly finished robots after each task, in the order of the tasks.
+        starts: Numbers of the starts from which each robot walks: 0 is the exact start, each other number a slightly
+            different one. By default, 0 up to the number in ``settings.simulation.n_starts``.
 
     Returns:
         One evaluation per genome, in the same order; it does not depend on the executor or its number of workers.
 
     Raises:
         GenomeError: If a string is not a valid genome.
-        ValueError: If ``genomes`` is a single genome or an array of another shape, or if the fitness function returns
-            anything but a finite number, -inf or None.
+        ValueError: If ``genomes`` is a single genome or an array of another shape, if ``starts`` are not whole numbers
+            of 0 or more, or if the fitness function returns anything but a finite number, -inf or None.
         TypeError: If ``executor`` is not an executor, or ``settings`` is not a ``Settings``.
         RuntimeError: If the executor is closed.
         WorkersLostError: If the workers do not answer or run out of memory.
@@ -104,11 +108,12 @@ def evaluate(
     world = settings.model_copy(update={"algorithm": Algorithm()})
     check_executor(executor)
     pool = executor or default_executor()
-    steps = round(settings.simulation.duration / settings.simulation.timestep) * settings.simulation.n_starts
+    starts = _read_starts(starts, settings)
+    steps = round(settings.simulation.duration / settings.simulation.timestep) * len(starts)
     tasks = _divide_into_tasks(robots, n_workers(pool), max_size=max(1, min(MAX_TASK_SIZE, MAX_TASK_STEPS // steps)))
     limit = START_TIME_LIMIT + MAX_SECONDS_PER_STEP * steps * len(max(tasks, key=len, default=()))
     call_id = uuid4().hex
-    futures = [pool.submit(_simulate_task, [robots[i] for i in task], world, call_id) for task in tasks]
+    futures = [pool.submit(_simulate_task, [robots[i] for i in task], world, starts, call_id) for task in tasks]
     evaluations: dict[int, Evaluation] = {}
     try:
         with closing(results_in_order(futures, pool, limit)) as results:
@@ -126,6 +131,19 @@ def evaluate(
 
 evaluate_population = evaluate
 """Original name of ``evaluate``, from 2017."""
+
+
+def _read_starts(starts: Sequence[int] | None, settings: Settings) -> list[int]:
+    """Return the numbers of the starts; those in the settings if None."""
+    if starts is None:
+        return list(range(settings.simulation.n_starts))
+    numbers = np.asarray(starts)
+    if not numbers.size or numbers.ndim != 1 or numbers.dtype.kind not in "iu" or numbers.min() < 0:
+        raise ValueError(
+            f"starts is {short_repr(starts)}; it must list at least one number of a start: 0 for the exact start, and "
+            "1, 2, … for slightly different ones, such as range(1, 6)"
+        )
+    return numbers.tolist()
 
 
 def _read_and_repair(genomes: Sequence[Genome | str] | Floats, robot: Robot) -> list[Genome]:
@@ -158,16 +176,24 @@ def _estimate_cost(robot: Genome) -> int:
     return len(phenotype.segments) + phenotype.n_legs
 
 
-def _simulate_task(genomes: Sequence[Genome], settings: Settings, call_id: str = "") -> list[list[Rollout]]:  # noqa: ARG001
+def _simulate_task(
+    genomes: Sequence[Genome],
+    settings: Settings,
+    starts: Sequence[int],
+    call_id: str = "",  # noqa: ARG001
+) -> list[list[Rollout]]:
     """Simulate each robot from every start; runs in a worker.
 
     Args:
         genomes: Genomes within the robot limits.
         settings: Settings of the world.
+        starts: Numbers of the starts.
         call_id: Unique text of one call of ``evaluate``. Dask computes equal calls only once and cancels them together;
             this makes the same tasks of two runs different.
     """
-    return [walk_from_every_start(*reusable_scene_of(genome, settings), poses=False) for genome in genomes]
+    return [
+        walk_from_every_start(*reusable_scene_of(genome, settings), poses=False, starts=starts) for genome in genomes
+    ]
 
 
 def _rate_robot(index: int, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Evaluation:

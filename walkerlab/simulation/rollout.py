@@ -1,6 +1,7 @@
 """Rollouts: simulation of one walk, with everything recorded that a fitness or a verdict requires."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -166,16 +167,24 @@ def _measure_level_speed(scene: Scene, nudge: Floats | None) -> float:
     return 0.0 if rollout.verdict == UNSTABLE else rollout.mean_speed
 
 
-def walk_from_every_start(scene: Scene, data: mujoco.MjData | None = None, *, poses: bool) -> list[Rollout]:
-    """Simulate a walk from each start in the settings, as evolution does; their lowest fitness counts.
+def walk_from_every_start(
+    scene: Scene, data: mujoco.MjData | None = None, *, poses: bool, starts: Sequence[int] | None = None
+) -> list[Rollout]:
+    """Simulate a walk from each start, as evolution does; their lowest fitness counts.
 
     Starts after the first walk that does not count are not simulated, because no fitness can be lower.
+
+    Args:
+        scene: Compiled scene.
+        data: State of the simulation to use; a new one if None.
+        poses: Whether to record poses.
+        starts: Numbers of the starts; those in the settings if None.
 
     Returns:
         The walks in the order of the starts; only the last can be one that does not count.
     """
     rollouts: list[Rollout] = []
-    for start in range(scene.settings.simulation.n_starts):
+    for start in range(scene.settings.simulation.n_starts) if starts is None else starts:
         rollouts.append(simulate_walk(scene, data, nudge=draw_nudge(scene, start), poses=poses))
         if not rollouts[-1].counts:
             break

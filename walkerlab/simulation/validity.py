@@ -41,7 +41,7 @@ VERDICTS = (
     | {guard.name.replace("_", " "): f"{guard.about[0].upper()}{guard.about[1:]}." for guard in Guard if guard}
     | {REJECTED: "The fitness function returned -inf or None, which excludes the robot."}
 )
-"""Description of each verdict; ``judge`` returns all but the last."""
+"""Description of each verdict; ``judge`` returns all but ``fragile`` and the last."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,95 @@
+"""Rate the new robots of a generation: each genome once, and the best of them also from other starts."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from walkerlab.evolution.fragility import exclude_fragile, further_starts
+from walkerlab.ga.genes import Floats
+from walkerlab.ga.population import Population
+from walkerlab.ga.user_functions import OperatorError
+from walkerlab.genome.genome import Genome
+from walkerlab.runfile.records import EvaluationRow
+from walkerlab.settings.settings import Settings
+from walkerlab.simulation.evaluation import Evaluation
+
+
+def rate_children(
+    genomes: Floats,
+    texts: Sequence[str],
+    known: Mapping[str, EvaluationRow],
+    previous: Population[EvaluationRow] | None,
+    settings: Settings,
+    evaluate: Callable[..., Sequence[Evaluation]],
+) -> dict[str, EvaluationRow]:
+    """Evaluate the genomes that are not known, and test those that would be elites.
+
+    Args:
+        genomes: Genomes of the children, shape (n, n_genes).
+        texts: Their texts.
+        known: Known evaluations, by text.
+        previous: Previous generation, whose elites have passed the test; None for generation 0.
+        settings: Settings of the run.
+        evaluate: Function like ``evaluate``, with the settings and the executor bound.
+
+    Returns:
+        The evaluation of each text.
+
+    Raises:
+        OperatorError: If the fitness function fails.
+    """
+    generation = 0 if previous is None else previous.generation + 1
+    new = {text: row for row, text in enumerate(texts) if text not in known}
+    rows = {text: known[text] for text in texts if text in known}
+    if new:
+        indices = list(new.values())
+        try:
+            evaluations = evaluate(genomes[indices])
+        except OperatorError as error:
+            individual = indices[error.robot_index] + (previous.n_born if previous else 0)
+            error.context = f"for individual {individual} of generation {generation}"
+            raise
+        rows |= {text: EvaluationRow.of(one, text) for text, one in zip(new, evaluations, strict=True)}
+    elites = _elites(previous, settings.algorithm.n_elites)
+    return retest_best(elites | rows, list(elites), settings, evaluate, generation)
+
+
+def retest_best(
+    rows: Mapping[str, EvaluationRow],
+    passed: Sequence[str],
+    settings: Settings,
+    evaluate: Callable[..., Sequence[Evaluation]],
+    generation: int,
+) -> dict[str, EvaluationRow]:
+    """Return the evaluations of a generation with the verdict ``fragile`` for robots that depend on their start.
+
+    Args:
+        rows: Evaluations, by text of the genome.
+        passed: Texts of the genomes that need no test.
+        settings: Settings of the run.
+        evaluate: Function like ``evaluate``, with the settings and the executor bound.
+        generation: Number of the generation, for errors.
+
+    Raises:
+        OperatorError: If the fitness function fails.
+    """
+
+    def walk_again(texts: Sequence[str]) -> Sequence[Evaluation]:
+        unreported: dict[str, Any] = {"on_done": lambda _: None, "starts": further_starts(settings)}
+        genomes = np.array([Genome.parse(text).values for text in texts])
+        try:
+            return evaluate(genomes, **unreported)
+        except OperatorError as error:
+            error.context = f"for a robot of generation {generation} that walked again from another start"
+            raise
+
+    return exclude_fragile(rows, passed, settings, walk_again)
+
+
+def _elites(previous: Population[EvaluationRow] | None, n_elites: int) -> dict[str, EvaluationRow]:
+    """Return the elites of a generation, by text of the genome."""
+    if previous is None:
+        return {}
+    best = np.argsort(-previous.fitness, kind="stable")[:n_elites]
+    return {previous.evaluations[i].genome: previous.evaluations[i] for i in best}
