@@ -32,6 +32,12 @@ GROUNDS: dict[str, dict[str, Any]] = {
 }
 """Settings of each ground that differ from the defaults."""
 
+DECISIVE_SOURCES = (
+    *("breeding.py", "randomness.py", "evolution/fragility.py", "evolution/rating.py"),
+    *("ga/*.py", "genome/*.py", "simulation/*.py", "world/**/*.py"),
+)
+"""Modules of walkerlab that decide how a search proceeds and how a robot walks."""
+
 OPERATOR_SLOTS = ("algorithm.selection", "algorithm.crossover", "algorithm.mutation")
 
 
@@ -103,7 +109,7 @@ def run_job(job: Job) -> str:
             }
     document = {
         **{name: getattr(job, name) for name in ("ground", "method", "seed")},
-        "source": source_digest(),
+        "source": source_digest(settings),
         "machine": f"{platform.machine()}, {os.cpu_count()} cores",
         "champions": results,
     }
@@ -114,11 +120,16 @@ def run_job(job: Job) -> str:
     return f"{job.name}: {', '.join(speeds)}"
 
 
-def source_digest() -> str:
-    """Return a digest of the source of walkerlab, so that results of different versions can be distinguished."""
+def source_digest(settings: wl.Settings) -> str:
+    """Return a digest of all that decides the results, so that results of different versions can be distinguished.
+
+    Args:
+        settings: Settings of the search; the seed of the algorithm has no effect.
+    """
     assert wl.__file__
-    digest = hashlib.sha256()
-    for path in sorted(Path(wl.__file__).parent.rglob("*.py")):
+    package = Path(wl.__file__).parent
+    digest = hashlib.sha256(repr(settings.with_(seed=0)).encode())
+    for path in sorted(path for pattern in DECISIVE_SOURCES for path in package.glob(pattern)):
         digest.update(path.read_bytes())
     return digest.hexdigest()[:8]
 
