@@ -18,7 +18,7 @@ from walkerlab.simulation.validity import forgiven_guards
 from walkerlab.text.numbers import with_unit
 
 N_TEST_STARTS = 4  # number of other starts from which a robot is tested
-MIN_KEPT_SHARE = 0.8  # minimum share of the fitness from the poorest of them, unless this is above the median robot
+MIN_KEPT_SHARE = 0.9  # minimum share of the fitness from the poorest of them, unless this is above the median robot
 FRAGILE = Guard.fragile.name
 
 
