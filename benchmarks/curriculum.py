@@ -67,10 +67,10 @@ def main() -> None:
         print(f"| {' | '.join(f'{value:.4g}' for value in rows[-1].values())} |", flush=True)
     medians = [median(row[name] for row in rows) for name in list(rows[0])[1:]]
     print(f"| median | {' | '.join(f'{value:.4g}' for value in medians)} |")
-    finals = [[row[name] for row in rows] for name in ("flat, then stairs", "stairs only")]
-    low, high = wl.stats.difference_interval(*finals)
+    staged, direct = ([row[name] for row in rows] for name in ("flat, then stairs", "stairs only"))
+    low, high = wl.stats.difference_interval(staged, direct)
     print(f"\nflat, then stairs minus stairs only: {medians[1] - medians[0]:.3g} m, {low:.3g} to {high:.3g} m")
-    print(f"p = {wl.stats.paired_test(*finals):.3f}, A12 = {wl.stats.effect_size(*finals):.2f}")
+    print(f"p = {wl.stats.paired_test(staged, direct):.3f}, A12 = {wl.stats.effect_size(staged, direct):.2f}")
     if arguments.json:
         write_text(arguments.json, json.dumps(rows))
 

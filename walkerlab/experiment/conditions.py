@@ -50,7 +50,11 @@ class Condition:
 
     def to_plain(self) -> dict[str, Any]:
         """Return the condition as the file of an experiment stores it."""
-        plain = {"name": self.name, "optimiser": self.optimiser, "settings": self.for_seed(0).model_dump()}
+        plain: dict[str, Any] = {
+            "name": self.name,
+            "optimiser": self.optimiser,
+            "settings": self.for_seed(0).model_dump(),
+        }
         if self.founders:
             plain["population"] = [asdict(founder) for founder in self.founders]
         return json.loads(json.dumps(plain))
