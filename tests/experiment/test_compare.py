@@ -262,7 +262,7 @@ def test_wrong_arguments_are_reported_before_anything_runs(conditions, seeds, me
 
 
 def test_a_sweep_names_every_combination(monkeypatch):
-    monkeypatch.setattr(compare, "compare", lambda conditions, *_: conditions)
+    monkeypatch.setattr(compare, "compare", lambda conditions, *_, population: conditions)
     conditions = wl.sweep(SETTINGS, mutation_rate=[0.02, 0.3], selection=["rank", "tournament"])
     assert list(conditions) == [
         *("mutation_rate=0.02, selection=rank", "mutation_rate=0.02, selection=tournament"),

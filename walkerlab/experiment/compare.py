@@ -88,6 +88,7 @@ def sweep(
     path: str | Path | None = None,
     executor: Executor | None = None,
     progress: bool = True,
+    population: FirstPopulation | None = None,
     **values: Any,
 ) -> Experiment:
     """Compare all combinations of the values of some settings: ``wl.sweep(s, mutation_rate=[0.02, 0.3])``.
@@ -98,6 +99,7 @@ def sweep(
         path: File of the experiment; the same call continues it.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: Whether to show a forecast of the duration and a progress bar.
+        population: First individuals of generation 0 of all conditions, as for ``compare``.
         **values: Lists of values of single settings; each combination is a condition, such as
             ``mutation_rate=0.02, n_elites=0``.
 
@@ -109,7 +111,7 @@ def sweep(
         SettingsError: If a name or a value is not valid, or two conditions are equal.
         RunFileError: If the file contains something else or another experiment, or cannot be used.
     """
-    return compare(grid(settings, values), seeds, path, executor, progress)
+    return compare(grid(settings, values), seeds, path, executor, progress, population=population)
 
 
 def _run_experiment(
