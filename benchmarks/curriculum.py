@@ -1,9 +1,10 @@
 """Compare runs that continue from flat ground to stairs with runs that start on stairs, at equal evaluations.
 
-    python -m benchmarks.curriculum [--seeds 5] [--generations 25] [--population 60] [--switch 12] [--json FILE]
+    python -m benchmarks.curriculum [--seeds 10] [--generations 25] [--population 60] [--switch 12] [--json FILE]
 
 The staged run has one generation less, because its last generation on flat ground walks again on the stairs. The table
-has the best fitness on stairs for each seed, the number of evaluations of both runs, and the medians.
+has the best fitness on stairs for each seed, the number of evaluations of both runs, and the medians. The lines below
+it give the interval of the difference of the medians and the p-value of the paired test.
 """
 
 import argparse
@@ -45,7 +46,7 @@ def compare_seed(settings: wl.Settings, switch: int) -> dict[str, float]:
 def main() -> None:
     """Parse the arguments, run both kinds from each seed and print the table as Markdown."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--generations", type=int, default=25)
     parser.add_argument("--population", type=int, default=60)
     parser.add_argument("--switch", type=int, default=12)
@@ -66,6 +67,10 @@ def main() -> None:
         print(f"| {' | '.join(f'{value:.4g}' for value in rows[-1].values())} |", flush=True)
     medians = [median(row[name] for row in rows) for name in list(rows[0])[1:]]
     print(f"| median | {' | '.join(f'{value:.4g}' for value in medians)} |")
+    staged, direct = ([row[name] for row in rows] for name in ("flat, then stairs", "stairs only"))
+    low, high = wl.stats.difference_interval(staged, direct)
+    print(f"\nflat, then stairs minus stairs only: {medians[1] - medians[0]:.3g} m, {low:.3g} to {high:.3g} m")
+    print(f"p = {wl.stats.paired_test(staged, direct):.3f}, A12 = {wl.stats.effect_size(staged, direct):.2f}")
     if arguments.json:
         write_text(arguments.json, json.dumps(rows))
 

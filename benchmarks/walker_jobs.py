@@ -5,21 +5,19 @@ import json
 import multiprocessing
 import os
 import platform
-import re
 import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor, as_completed
 from dataclasses import dataclass
-from functools import partial
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import walkerlab as wl
 from benchmarks.champions import measure_champion
 from benchmarks.searches import METHODS
-from walkerlab.commands.flags import build_settings, parse_value
+from walkerlab.commands.flags import build_settings
+from walkerlab.commands.setting_texts import parse_setting
 from walkerlab.simulation.pausable import PausableExecutor, Stopped
 from walkerlab.simulation.workers import prepare_worker
 from walkerlab.system.files import write_text
@@ -37,8 +35,6 @@ DECISIVE_SOURCES = (
     *("ga/*.py", "genome/*.py", "simulation/*.py", "world/**/*.py"),
 )
 """Modules of walkerlab that decide how a search proceeds and how a robot walks."""
-
-OPERATOR_SLOTS = ("algorithm.selection", "algorithm.crossover", "algorithm.mutation")
 
 
 @dataclass(frozen=True)
@@ -170,22 +166,5 @@ def create_settings(ground: str, changes: Mapping[str, str]) -> wl.Settings:
     """
     values = dict(GROUNDS[ground])
     for place, text in changes.items():
-        parts = [_parse_part(place, part) for part in re.split(r",(?![^(]*\))", text)]
-        values[place] = parts if len(parts) > 1 else parts[0]
+        values[place] = parse_setting(place.rpartition(".")[2], text)
     return build_settings(values)
-
-
-def _parse_part(place: str, text: str) -> Any:
-    """Parse one value, or an operator with arguments.
-
-    Raises:
-        ValueError: If there is no such operator.
-    """
-    match = re.fullmatch(r"(\w+)\((.*)\)", text)
-    if not match:
-        return parse_value(text)
-    operators = vars(import_module(f"walkerlab.ga.{place.partition('.')[2]}")) if place in OPERATOR_SLOTS else {}
-    if match[1] not in operators:
-        raise ValueError(f"--set {place}={text}: there is no operator {match[1]!r} for {place}")
-    pairs = (pair.partition("=") for pair in match[2].split(",") if pair)
-    return partial(operators[match[1]], **{name.strip(): parse_value(value) for name, _, value in pairs})

@@ -90,10 +90,10 @@ def test_the_champion_of_a_run_does_not_depend_on_its_start(seed):
         run = wl.evolve(settings, executor=thread, progress=False)
         champion = run.champion
         [again] = wl.evaluate([champion.genome], settings, thread, starts=range(1, 1 + N_TEST_STARTS))
-    generation = run.records[run.records.generation == champion.generation]
-    others = generation.fitness[np.isfinite(generation.fitness)]
+    generation = run.records[run.records.generation == champion.generation].drop_duplicates("genome")
+    median = generation.distance[generation.verdict.isin(["ok", "fragile"])].median()
     assert again.verdict == "ok"
-    assert again.fitness >= min(MIN_KEPT_SHARE * champion.fitness, others.max())
+    assert again.fitness >= min(MIN_KEPT_SHARE * champion.fitness, median)
 
 
 def test_walks_from_given_starts_are_those_of_several_starts():

@@ -1,11 +1,11 @@
 """An experiment is paired, resumable, and reported without saying more than its figures allow."""
 
 import os
+import shutil
 import signal
 import sqlite3
 import subprocess
 import sys
-import time
 from contextlib import closing
 from functools import partial
 
@@ -21,6 +21,7 @@ from walkerlab.runfile import experiments, records
 from walkerlab.simulation import evaluation
 
 SETTINGS = wl.Settings().with_(duration=1.0, population_size=6, generations=3, n_elites=2)
+N_SEEDS = 10
 CONDITIONS = {"calm": SETTINGS, "wild": SETTINGS.with_(mutation_rate=0.5), "random": wl.random_search}
 
 
@@ -35,7 +36,7 @@ def experiment():
     with pytest.MonkeyPatch.context() as patch:
         for module in (evolution, compare):
             patch.setattr(module, "evaluate", standins.evaluate)
-        return wl.compare(CONDITIONS, seeds=range(6), progress=False)
+        return wl.compare(CONDITIONS, seeds=range(N_SEEDS), progress=False)
 
 
 def rows(experiment, condition, generation=None):
@@ -131,45 +132,79 @@ def test_an_optimiser_of_the_user_has_as_many_evaluations_and_can_be_resumed(tmp
     assert wl.compare(conditions, seeds=[5], path=path, progress=False).records.equals(whole.records)
 
 
-CHILD = """
+SERVER = """
+import os
 import sys
 from tests.faults import standins
-from tests.experiment.test_compare import KILLED
+from tests.experiment.test_compare import CONDITIONS, N_SEEDS
 from walkerlab.evolution import evolution
 from walkerlab.experiment import compare
+from walkerlab.runfile import experiments
 import walkerlab as wl
+
+def append(*given):
+    stored(*given)
+    print("stored", flush=True)
+
+stored, experiments.append = experiments.append, append
 evolution.evaluate = compare.evaluate = standins.evaluate
-print("ready", flush=True)
-wl.compare(KILLED, seeds=range(10), path=sys.argv[1], progress=False)
+for _ in sys.stdin:  # a process for each line, so that the packages are imported only once
+    process = os.fork()
+    if not process:
+        print(os.getpid(), flush=True)
+        wl.compare(CONDITIONS, seeds=range(N_SEEDS), path=sys.argv[1], progress=False)
+        os._exit(0)
+    os.waitpid(process, 0)
+    print("ended", flush=True)
 """
-KILLED = CONDITIONS
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="nothing there kills like SIGKILL")
-def test_an_experiment_killed_at_three_moments_has_the_same_table(tmp_path, request):
+def test_an_experiment_killed_at_three_moments_has_the_same_table(experiment, tmp_path, request):
     path = tmp_path / "e.walk"
     environment = {**os.environ, "PYTHONPATH": str(request.config.rootpath)}
     sizes = []
-    for _ in range(3):
-        command = [sys.executable, "-c", CHILD, str(path)]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, env=environment) as process:
-            assert process.stdout.readline() == b"ready\n"
-            limit = time.monotonic() + 60
-            while time.monotonic() < limit:  # until there are some further generations
-                stored = experiments.read(path)[1].runs if path.exists() else {}
-                size = sum(len(run.table) for run in stored.values())
-                if size > (sizes or [0])[-1] + 60:
-                    break
-            process.send_signal(signal.SIGKILL)
-        sizes.append(size)
-        wl.load_experiment(path)
-    whole = wl.compare(KILLED, seeds=range(10), progress=False)
-    resumed = wl.compare(KILLED, seeds=range(10), path=path, progress=False)
+    command = [sys.executable, "-c", SERVER, str(path)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, text=True) as server:
+        for n_generations in (3, 20, 31):
+            print(file=server.stdin, flush=True)
+            process = int(server.stdout.readline())
+            for _ in range(n_generations):
+                assert server.stdout.readline() == "stored\n"
+            os.kill(process, signal.SIGKILL)
+            while server.stdout.readline() != "ended\n":
+                pass
+            sizes.append(sum(len(run.table) for run in experiments.read(path)[1].runs.values()))
+    resumed = wl.compare(CONDITIONS, seeds=range(N_SEEDS), path=path, progress=False)
     assert sizes == sorted(set(sizes))
-    assert sizes[-1] < len(whole.records)
-    assert resumed.records.equals(whole.records)
-    assert str(resumed.summary()) == str(whole.summary())
-    assert wl.load_experiment(path).records.equals(whole.records)
+    assert sizes[-1] < len(experiment.records)
+    assert resumed.records.equals(experiment.records)
+    assert str(resumed.summary()) == str(experiment.summary())
+    assert wl.load_experiment(path).records.equals(experiment.records)
+
+
+def test_every_condition_begins_with_the_given_population_and_keeps_frozen_genes(experiment, tmp_path):
+    path = tmp_path / "e.walk"
+    given = [experiment.best("calm").champion, experiment.best("wild").champion]
+    conditions = {"gait": SETTINGS.with_(frozen=["body"]), "all": SETTINGS, "random": (wl.random_search, SETTINGS)}
+    found = wl.compare(conditions, seeds=[3], path=path, progress=False, population=given)
+    first = [rows(found, name, 0).genome.tolist() for name in conditions]
+    assert first[1] == first[2]
+    assert all(genomes[0] == str(given[0].genome) for genomes in first)
+    assert first[1][1] == str(given[1].genome)
+    assert rows(found, "all", 0).operators.tolist()[0] == f"given: robot {given[0].individual}"
+    n_bodies = {name: rows(found, name).genome.str.partition("| gait")[0].nunique() for name in conditions}
+    assert n_bodies["gait"] == 1 < n_bodies["all"]
+    assert wl.load_experiment(path).run("gait", 3).founders == found.run("gait", 3).founders
+    with pytest.raises(wl.RunFileError, match="population has other genomes"):
+        wl.compare(conditions, seeds=[3], path=path, progress=False, population=given[:1])
+    alone = wl.compare(conditions, seeds=[3], progress=False, population={"gait": given, "random": given[:1]})
+    assert rows(alone, "gait").equals(rows(found, "gait"))
+    for population, message in (({"gate": given}, "Did you mean 'gait'"), (None, "population="), ([], "is empty")):
+        with pytest.raises(ValueError, match=message):
+            wl.compare(conditions, seeds=[3], progress=False, population=population)
+    with pytest.raises(ValueError, match="keyword-only parameter population"):
+        wl.compare({"climber": (hill_climber, SETTINGS)}, [3], progress=False, population=given)
 
 
 def test_interrupted_experiments_have_complete_pairs(tmp_path, monkeypatch):
@@ -227,7 +262,7 @@ def test_wrong_arguments_are_reported_before_anything_runs(conditions, seeds, me
 
 
 def test_a_sweep_names_every_combination(monkeypatch):
-    monkeypatch.setattr(compare, "compare", lambda conditions, *_: conditions)
+    monkeypatch.setattr(compare, "compare", lambda conditions, *_, population: conditions)
     conditions = wl.sweep(SETTINGS, mutation_rate=[0.02, 0.3], selection=["rank", "tournament"])
     assert list(conditions) == [
         *("mutation_rate=0.02, selection=rank", "mutation_rate=0.02, selection=tournament"),
@@ -254,16 +289,26 @@ def test_runs_without_counted_walks_are_the_worst(monkeypatch):
         return [evaluation.Evaluation(genome, -np.inf, "fell", "it fell", 0.0, 0.0, 2, 4, 5.0, 0.6) for genome in kept]
 
     monkeypatch.setattr(evolution, "evaluate", evaluate)
-    found = wl.compare({"a": SETTINGS, "b": SETTINGS.with_(mutation_rate=0.5)}, seeds=range(6), progress=False)
+    short = SETTINGS.with_(generations=2)
+    found = wl.compare({"a": short, "b": short.with_(mutation_rate=0.5)}, seeds=range(6), progress=False)
     summary = found.summary()
     assert "a is better than b" in summary.text
     assert "no counted walk" in summary.text
     assert summary.comparisons.p[0] == pytest.approx(2 / 2**6)
-    assert found._repr_html_()
-    assert "no walk counted" in wl.plots.alt_text(found.plot().axes[1])
+    assert "in 6 of them no walk counted" in found._repr_html_()
 
 
 # ------------------------------------------------------------------------------------------------------------ the file
+
+
+@pytest.fixture(scope="module")
+def intact(tmp_path_factory):
+    path = tmp_path_factory.mktemp("intact") / "e.walk"
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (evolution, compare):
+            patch.setattr(module, "evaluate", standins.evaluate)
+        wl.compare({"a": SETTINGS, "b": wl.random_search}, seeds=[1], path=path, progress=False)
+    return path
 
 
 def test_load_and_show_say_what_an_experiment_is(tmp_path, capsys):
@@ -297,9 +342,8 @@ def test_load_and_show_say_what_an_experiment_is(tmp_path, capsys):
         "CREATE VIEW v AS SELECT * FROM records",
     ],
 )
-def test_a_changed_or_hostile_file_is_rejected(change, tmp_path):
-    path = tmp_path / "e.walk"
-    wl.compare({"a": SETTINGS, "b": wl.random_search}, seeds=[1], path=path, progress=False)
+def test_a_changed_or_hostile_file_is_rejected(change, intact, tmp_path):
+    path = shutil.copy(intact, tmp_path / "e.walk")
     with closing(sqlite3.connect(path)) as db, db:
         db.execute(change)
     if change == "DELETE FROM finished":  # an interrupted experiment
@@ -311,7 +355,7 @@ def test_a_changed_or_hostile_file_is_rejected(change, tmp_path):
 
 def test_texts_of_a_file_are_escaped(tmp_path):
     script = "<script>alert(1)</script>"
-    found = wl.compare({script: SETTINGS, "=1+1": wl.random_search}, seeds=range(6), progress=False)
+    found = wl.compare({script: SETTINGS, "=1+1": wl.random_search}, seeds=[1, 2], progress=False)
     page = found.report(tmp_path / "report").read_text(encoding="utf-8")
     assert script not in page + found._repr_html_()
     assert "\n=1+1" not in (tmp_path / "report" / "records.csv").read_text(encoding="utf-8")
@@ -320,7 +364,7 @@ def test_texts_of_a_file_are_escaped(tmp_path):
 
 def test_the_curves_of_an_experiment_are_a_table_as_well(experiment):
     table = wl.stats.curves(experiment)
-    assert len(table) == 3 * 6 * 3
+    assert len(table) == 3 * N_SEEDS * 3
     row = table[(table.condition == "calm") & (table.seed == 2)].iloc[-1]
     run = experiment.run("calm", 2)
     assert row.best_so_far == run.champion.fitness

@@ -26,7 +26,8 @@ def medians_table(medians):
 
 @pytest.mark.parametrize("difference", [0.0, 1.0])
 def test_the_sentence_of_two_conditions_agrees_with_the_test(difference, monkeypatch):
-    monkeypatch.setattr(statistics, "N_RESAMPLES", 19)
+    for slow in ("difference_interval", "effect_size_interval"):  # the sentence has no interval
+        monkeypatch.setattr(statistics, slow, lambda *_: (np.nan, np.nan))
     rng = np.random.default_rng(int(difference) + 7)
     n_clear = 0
     for _ in range(400):
@@ -76,7 +77,9 @@ def test_equal_results_and_runs_without_counted_walks_have_sentences_of_their_ow
 def test_only_conditions_of_the_same_world_are_compared_if_there_are_several_of_each():
     worlds = [Settings(), Settings().with_(structure="stairs")]
     each = [Condition(f"{name} {number}", world) for number, world in enumerate(worlds) for name in ("ga", "random")]
+    assert comparison.compared_groups(each) == [[0, 1], [2, 3]]
     assert comparison.pairs_to_compare(each) == [(0, 1), (2, 3)]
+    assert comparison.compared_groups(each[:3]) == [[0, 1, 2]]
     assert comparison.pairs_to_compare(each[:3]) == [(0, 1), (0, 2), (1, 2)]
     assert comparison.pairs_to_compare(each[:3], against="random 0") == [(0, 1), (2, 1)]
 

@@ -534,7 +534,7 @@ def test_of_several_runs_the_median_and_the_middle_half_are_drawn(given, ax):
         assert labels == ["middle half of the runs", "median of 5 runs"]
     else:
         assert labels == ["a"]
-        assert ax.get_legend().get_title().get_text() == "median of 5 runs, and their middle half"
+        assert ax.get_legend().get_title().get_text() == "lines: median of 5 runs; areas: their middle half"
     assert "5 runs" in wl.plots.alt_text(ax)
 
 

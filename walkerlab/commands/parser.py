@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Mapping
 from difflib import get_close_matches
 
-from walkerlab.commands import doctor, flags, lab, runs
+from walkerlab.commands import comparing, doctor, flags, lab, runs
 
 
 def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentParser]]:
@@ -52,6 +52,29 @@ def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.Argu
     resume.add_argument("--quiet", action="store_true", help="print only errors")
     flags.add_stop_flags(resume)
     flags.add_flags(resume)
+
+    compare = add_command(
+        "compare",
+        comparing.compare_command,
+        "compare conditions over several seeds, or continue such an experiment",
+        "[NAME:CHANGES ...] [--random-search] [--seeds SEEDS] [--out FOLDER] [--quiet] [--SETTING VALUE ...]",
+    )
+    compare.add_argument(
+        "conditions",
+        nargs="*",
+        metavar="NAME:CHANGES",
+        help='name of a condition and its changed settings, as in harsh:"selection=tournament(size=7) n_elites=0"; '
+        "without any, the experiment in FOLDER is continued",
+    )
+    compare.add_argument(
+        "--random-search", action="store_true", help="add random search with the same number of evaluations"
+    )
+    compare.add_argument("--seeds", type=comparing.parse_seeds, metavar="SEEDS", help="such as 0-4 or 1,5,7 [0-9]")
+    compare.add_argument(
+        "--out", type=flags.parse_path, default="comparison", metavar="FOLDER", help="folder of the files [comparison]"
+    )
+    compare.add_argument("--quiet", action="store_true", help="print only errors")
+    flags.add_flags(compare)
 
     show = add_command("show", runs.show_command, "print a summary of a run", "PATH")
     show.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")

@@ -55,11 +55,19 @@ def resume_command(arguments: argparse.Namespace) -> int:
         from walkerlab.evolution import outputs
         from walkerlab.evolution.loading import load, reject_version_1
         from walkerlab.evolution.stored_functions import restore_user_functions
+        from walkerlab.runfile import experiments, paths
+        from walkerlab.runfile.opening import RunFileError
         from walkerlab.simulation.workers import n_cores
         from walkerlab.view import summary
 
     stop = _build_stop(arguments)
     changes = flags.given_settings(vars(arguments))
+    if experiments.is_experiment(paths.locate_run_file(arguments.path)):
+        folder = arguments.path if arguments.path.is_dir() else arguments.path.parent
+        raise RunFileError(
+            f"{display_path(arguments.path)} contains an experiment, not a run. Continue it with: walkerlab compare "
+            f"--out {quote_path(folder)}"
+        )
     run = load(arguments.path)
     reject_version_1(run)
     run = restore_user_functions(run, {}, replaced=changes)

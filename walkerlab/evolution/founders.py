@@ -48,7 +48,7 @@ def read_founders(given: FirstPopulation | None, settings: Settings) -> tuple[Fo
     if frozen_features(settings.algorithm.frozen) and not founders:
         raise SettingsError(
             f"Algorithm.frozen is {code_text(settings.algorithm.frozen)}, but there is no genome whose values the "
-            "frozen genes keep. Give one: wl.evolve(settings, population=[genome])"
+            "frozen genes keep. Give one: population=[genome]"
         )
     return tuple(
         Founder(str(Genome.parse(founder.genome).within(settings.robot)), founder.origin) for founder in founders

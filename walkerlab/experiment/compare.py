@@ -1,6 +1,5 @@
 """Run an experiment: each condition with each seed, stored generation by generation, so that it can be interrupted."""
 
-import warnings
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
 from contextlib import closing, nullcontext
@@ -13,13 +12,14 @@ from tqdm.auto import tqdm
 
 from walkerlab.evolution.evolution import Evolution, Recall
 from walkerlab.evolution.forecast import describe_duration, estimate_seconds, n_walks
+from walkerlab.evolution.founders import FirstPopulation
 from walkerlab.experiment.conditions import Condition, grid, read_conditions, read_seeds
+from walkerlab.experiment.continuation import check_continuation
 from walkerlab.experiment.experiment import Experiment
 from walkerlab.experiment.optimisers import Optimiser, run_optimiser
-from walkerlab.runfile import experiments, paths, provenance, store
+from walkerlab.runfile import experiments, paths, store
 from walkerlab.runfile.experiments import StoredExperiment, StoredRun
 from walkerlab.runfile.opening import RunFile, RunFileError
-from walkerlab.runfile.provenance import UNKNOWN_SOURCE
 from walkerlab.runfile.records import EvaluationRow, birth_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
@@ -35,6 +35,8 @@ def compare(
     path: str | Path | None = None,
     executor: Executor | None = None,
     progress: bool = True,
+    *,
+    population: FirstPopulation | Mapping[str, FirstPopulation] | None = None,
 ) -> Experiment:
     """Run each condition with each seed, and return the experiment, which compares them.
 
@@ -54,6 +56,8 @@ def compare(
         path: File of the experiment; if None, the experiment is discarded when it is no longer referenced.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: Whether to show a forecast of the duration and a progress bar.
+        population: First individuals of generation 0, as for ``wl.evolve``, of all conditions; or a dict from names of
+            conditions to the first individuals of each. Conditions with ``frozen`` genes require it.
 
     Returns:
         The experiment: ``.records``, ``.summary()``, ``.plot()``, ``.best()``, ``.report(folder)``.
@@ -64,10 +68,11 @@ def compare(
     Raises:
         TypeError: If an argument is of the wrong type.
         SettingsError: If conditions cannot be compared, or a seed is not valid.
+        ValueError: If ``population`` is not valid.
         OperatorError: If a user function does not do what its slot requires.
         RunFileError: If the file contains something else or another experiment, or cannot be used.
     """
-    planned = read_conditions(conditions)
+    planned = read_conditions(conditions, population)
     wanted = read_seeds(seeds)
     workers.check_executor(executor)
     workers.check_open(executor)
@@ -83,6 +88,7 @@ def sweep(
     path: str | Path | None = None,
     executor: Executor | None = None,
     progress: bool = True,
+    population: FirstPopulation | None = None,
     **values: Any,
 ) -> Experiment:
     """Compare all combinations of the values of some settings: ``wl.sweep(s, mutation_rate=[0.02, 0.3])``.
@@ -93,6 +99,7 @@ def sweep(
         path: File of the experiment; the same call continues it.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: Whether to show a forecast of the duration and a progress bar.
+        population: First individuals of generation 0 of all conditions, as for ``compare``.
         **values: Lists of values of single settings; each combination is a condition, such as
             ``mutation_rate=0.02, n_elites=0``.
 
@@ -104,7 +111,7 @@ def sweep(
         SettingsError: If a name or a value is not valid, or two conditions are equal.
         RunFileError: If the file contains something else or another experiment, or cannot be used.
     """
-    return compare(grid(settings, values), seeds, path, executor, progress)
+    return compare(grid(settings, values), seeds, path, executor, progress, population=population)
 
 
 def _run_experiment(
@@ -114,7 +121,7 @@ def _run_experiment(
     plain = [condition.to_plain() for condition in planned]
     if isinstance(file, Path) and file.exists():
         experiment_id, stored = experiments.read(file)
-        all_seeds = _check_continuation(file, stored, planned, seeds)
+        all_seeds = check_continuation(file, stored, planned, seeds)
         if all_seeds != stored.seeds:
             experiments.write_seeds(file, experiment_id, all_seeds)
     else:
@@ -159,66 +166,6 @@ def _describe_plan(settings: list[Settings]) -> str:
     cores = pluralize(workers.n_cores(), "core")
     runs = pluralize(len(settings), "run")
     return f"{runs}, {pluralize(n_remaining, 'walk')}: {duration} on {cores}. Ctrl-C stops early."
-
-
-def _check_continuation(path: Path, stored: StoredExperiment, planned: list[Condition], seeds: list[int]) -> list[int]:
-    """Check that a stored experiment can be continued with these conditions, and return all of its seeds.
-
-    Raises:
-        RunFileError: If it has other conditions, or was made with different code for a user function.
-    """
-    theirs = {plain["name"]: plain for plain in stored.conditions}
-    ours = {condition.name: condition.to_plain() for condition in planned}
-    elsewhere = "Give this experiment another file, or open the stored one with wl.load_experiment."
-    if list(theirs) != list(ours):
-        raise RunFileError(
-            f"{display_path(path)} contains an experiment with the conditions {', '.join(map(repr, theirs))}; got "
-            f"{', '.join(map(repr, ours))}. {elsewhere}"
-        )
-    if changed := [name for name in ours if ours[name] != theirs[name]]:
-        raise RunFileError(
-            f"{display_path(path)} contains an experiment whose condition {changed[0]!r} has settings other than "
-            f"those given: {_describe_changes(theirs[changed[0]], ours[changed[0]])}. {elsewhere}"
-        )
-    for (number, _), run in stored.runs.items():
-        facts = planned[number].function_facts()
-        for name, fact in facts.items():
-            then = run.made_with.get(name, fact)
-            if then != fact and UNKNOWN_SOURCE not in then + fact:
-                raise RunFileError(
-                    f"{display_path(path)} was made with different code for the {name} of condition "
-                    f"{planned[number].name!r}. An experiment must not mix the results of two functions. {elsewhere}"
-                )
-    added = [seed for seed in seeds if seed not in stored.seeds]
-    places = [(number, seed) for number in range(len(planned)) for seed in stored.seeds]
-    is_complete = all(place in stored.runs and stored.runs[place].is_finished for place in places)
-    made_with = next((run.made_with for run in stored.runs.values()), {})
-    changed_versions = provenance.describe_differences(made_with, provenance.current_facts())
-    if changed_versions and (added or not is_complete):
-        warnings.warn(
-            f"{display_path(path)} was made with {changed_versions}. The runs that have ended stay the same; further "
-            "ones can differ in the last digits from what they would have been there.",
-            stacklevel=4,
-        )
-    if added and is_complete:
-        warnings.warn(
-            f"{pluralize(len(added), 'seed')} added to a complete experiment. If the reason is that its result was not "
-            "clear, p-values become too small: seeds that are added until a difference appears always find one. Choose "
-            "the number of seeds before the experiment.",
-            stacklevel=4,
-        )
-    return [*stored.seeds, *added]
-
-
-def _describe_changes(theirs: dict[str, Any], ours: dict[str, Any]) -> str:
-    """List the settings in which two conditions differ, at most three of them."""
-    pairs = {"optimiser": (theirs["optimiser"], ours["optimiser"])} | {
-        f"{domain}.{field}": (theirs["settings"].get(domain, {}).get(field), value)
-        for domain, fields in ours["settings"].items()
-        for field, value in fields.items()
-    }
-    found = [f"{name} is {then!r:.60}, not {now!r:.60}" for name, (then, now) in pairs.items() if then != now]
-    return "; ".join(found[:3])
 
 
 class _Storage:
@@ -276,11 +223,13 @@ def _run(
     settings = condition.for_seed(seed)
     recall: Recall = storage.recall
     if condition.function is None:
-        for generation in Evolution(settings, None, executor, on_walks=on_walks, recall=recall):
+        for generation in Evolution(
+            settings, None, executor, on_walks=on_walks, recall=recall, population=condition.founders or None
+        ):
             storage.add(generation.records)
     else:
         walk = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
-        run_optimiser(condition.function, settings, walk, recall, storage.add)
+        run_optimiser(condition.function, settings, walk, recall, storage.add, condition.founders)
     storage.finish()
 
 

@@ -34,11 +34,24 @@ def evaluations_to_reach(table: pd.DataFrame, threshold: float) -> float:
     return float(reached[0] + 1) if reached.size else NEVER
 
 
+def compared_groups(conditions: Sequence[Condition]) -> list[list[int]]:
+    """Return the groups of conditions that are compared with each other, by their numbers.
+
+    If there are several worlds with several conditions each, the conditions of each world are a group. Otherwise all
+    are one group.
+
+    Args:
+        conditions: Conditions.
+    """
+    worlds = [condition.world for condition in conditions]
+    if not all(worlds.count(world) > 1 for world in worlds):
+        return [list(range(len(conditions)))]
+    firsts = [number for number, world in enumerate(worlds) if worlds.index(world) == number]
+    return [[number for number, world in enumerate(worlds) if world == worlds[first]] for first in firsts]
+
+
 def pairs_to_compare(conditions: Sequence[Condition], against: str | None = None) -> list[tuple[int, int]]:
     """Return the pairs of conditions that are compared, by their numbers.
-
-    If there are several worlds with several conditions each, only conditions of the same world are compared. Otherwise
-    all are.
 
     Args:
         conditions: Conditions.
@@ -50,12 +63,11 @@ def pairs_to_compare(conditions: Sequence[Condition], against: str | None = None
     names = [condition.name for condition in conditions]
     if against is not None and against not in names:
         raise ValueError(f"there is no condition {against!r}; the conditions are {', '.join(map(repr, names))}")
-    worlds = [condition.world for condition in conditions]
-    by_world = all(worlds.count(world) > 1 for world in worlds)
     return [
         (i, j) if against is None or names[i] != against else (j, i)
-        for i, j in combinations(range(len(conditions)), 2)
-        if (not by_world or worlds[i] == worlds[j]) and (against is None or against in (names[i], names[j]))
+        for group in compared_groups(conditions)
+        for i, j in combinations(group, 2)
+        if against is None or against in (names[i], names[j])
     ]
 
 

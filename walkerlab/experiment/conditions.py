@@ -1,8 +1,8 @@
 """Conditions of an experiment: names, settings and optimisers, as users give them and as files store them."""
 
 import json
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass, replace
 from itertools import product
 from typing import Any, cast
 
@@ -11,13 +11,15 @@ from walkerlab.evolution.founders import read_founders
 from walkerlab.evolution.rerating import function_facts
 from walkerlab.evolution.stored_functions import check_storable, restore_settings
 from walkerlab.experiment.optimisers import Optimiser
+from walkerlab.ga.slots import unbound_keywords
+from walkerlab.runfile.history import Founder, read_founder
 from walkerlab.runfile.provenance import UNKNOWN_SOURCE, source_digest
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.choices import Camera, Choice
 from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import function_name, number_text, short_repr
+from walkerlab.settings.values import did_you_mean, function_name, number_text, short_repr
 from walkerlab.simulation.fitness import check_user_function
 
 MAX_NAME = 100  # characters
@@ -33,12 +35,14 @@ class Condition:
         settings: Settings of its runs, apart from the seed.
         optimiser: Name of the optimiser; "" for the genetic algorithm.
         function: The optimiser; None for the genetic algorithm, and in an experiment that was read from a file.
+        founders: Genomes given for generation 0.
     """
 
     name: str
     settings: Settings
     optimiser: str = ""
     function: Optimiser | None = None
+    founders: tuple[Founder, ...] = ()
 
     def for_seed(self, seed: int) -> Settings:
         """Return the settings of the run with a seed."""
@@ -46,7 +50,13 @@ class Condition:
 
     def to_plain(self) -> dict[str, Any]:
         """Return the condition as the file of an experiment stores it."""
-        plain = {"name": self.name, "optimiser": self.optimiser, "settings": self.for_seed(0).model_dump()}
+        plain: dict[str, Any] = {
+            "name": self.name,
+            "optimiser": self.optimiser,
+            "settings": self.for_seed(0).model_dump(),
+        }
+        if self.founders:
+            plain["population"] = [asdict(founder) for founder in self.founders]
         return json.loads(json.dumps(plain))
 
     @classmethod
@@ -63,7 +73,8 @@ class Condition:
             isinstance(text, str) and text.isprintable() and len(text) <= MAX_NAME for text in (name, optimiser)
         ):
             raise ValueError("the name of a condition is not a text of one line")
-        return cls(name, restore_settings(plain["settings"]), optimiser)
+        founders = tuple(map(read_founder, plain.get("population", [])))
+        return cls(name, restore_settings(plain["settings"]), optimiser, founders=founders)
 
     @property
     def world(self) -> object:
@@ -79,15 +90,17 @@ class Condition:
         return facts
 
 
-def read_conditions(given: object) -> list[Condition]:
+def read_conditions(given: object, population: object = None) -> list[Condition]:
     """Check the conditions that a user gives, before anything runs.
 
     Args:
         given: Dict from names to ``Settings``, optimisers, or pairs of both.
+        population: Genomes for generation 0 of all conditions, or a dict from names of conditions to those of each.
 
     Raises:
         TypeError: If a condition is something else.
         SettingsError: If a name is not valid, or the conditions cannot be compared.
+        ValueError: If ``population`` is not valid.
     """
     if not isinstance(given, Mapping) or not given:
         raise TypeError(
@@ -102,13 +115,13 @@ def read_conditions(given: object) -> list[Condition]:
             )
     settings = [entry for entry in entries.values() if isinstance(entry, Settings)]
     conditions = [_read_condition(name, entry, settings) for name, entry in entries.items()]
+    conditions = [replace(one, founders=founders) for one, founders in _read_populations(population, conditions)]
     for condition in conditions:
         if condition.function is None:
-            Evolution(condition.settings)  # checks the user functions
+            Evolution(condition.settings, population=condition.founders or None)  # checks the user functions
         else:
             check_storable(condition.settings)
             check_user_function(condition.settings.algorithm.fitness)
-            read_founders(None, condition.settings)  # frozen genes require a first population
     first = conditions[0].settings.algorithm.fitness
     for condition in conditions:
         if (other := condition.settings.algorithm.fitness) != first:
@@ -132,7 +145,7 @@ def _read_condition(name: str, entry: Any, settings: list[Settings]) -> Conditio
                     f"condition {name!r} is the optimiser {function_name(entry)}, and no condition has settings. Give "
                     f"them with it: {{{name!r}: ({function_name(entry)}, wl.Settings())}}"
                 )
-            if any(_task(one) != _task(settings[0]) for one in settings):
+            if any(task_of(one) != task_of(settings[0]) for one in settings):
                 raise SettingsError(
                     f"condition {name!r} is the optimiser {function_name(entry)}, and the other conditions differ in "
                     "the ground, the robots, the walk, the fitness or the number of evaluations: it is unclear which "
@@ -144,7 +157,34 @@ def _read_condition(name: str, entry: Any, settings: list[Settings]) -> Conditio
             raise AssertionError
 
 
-def _task(settings: Settings) -> object:
+def _read_populations(given: Any, conditions: list[Condition]) -> Iterator[tuple[Condition, tuple[Founder, ...]]]:
+    """Yield each condition with the genomes given for its generation 0.
+
+    Raises:
+        ValueError: If there is no condition of a name, or the genomes are not valid.
+    """
+    names = [condition.name for condition in conditions]
+    by_name = cast(Mapping[Any, Any], given) if isinstance(given, Mapping) else None
+    for name in by_name or ():
+        if name not in names:
+            raise ValueError(
+                f"population has the name {short_repr(name)}, and there is no such condition. The conditions are "
+                f"{', '.join(map(repr, names))}.{did_you_mean(name, names)}"
+            )
+    if isinstance(given, Iterator):
+        given = list(cast(Iterator[Any], given))  # all conditions read it
+    for condition in conditions:
+        genomes = given if by_name is None else by_name.get(condition.name)
+        founders = read_founders(genomes, condition.settings)
+        if founders and condition.function and "population" not in unbound_keywords(condition.function):
+            raise ValueError(
+                f"condition {condition.name!r} has a first population, but its optimiser {condition.optimiser} does "
+                "not receive it. Give the function a keyword-only parameter population: genomes, shape (n, n_genes)."
+            )
+        yield condition, founders
+
+
+def task_of(settings: Settings) -> object:
     """Return everything that an optimiser meets: all settings but the operators."""
     algorithm = settings.algorithm
     kept = ("fitness", "population_size", "generations", "n_elites")

@@ -11,6 +11,7 @@ import pandas as pd
 from walkerlab.evolution.run import Run
 from walkerlab.experiment.comparison import (
     best_fitness,
+    compared_groups,
     default_threshold,
     pairs_to_compare,
     tabulate_comparisons,
@@ -53,9 +54,19 @@ class Experiment:
         self._path = path
 
     @property
+    def plan(self) -> tuple[Condition, ...]:
+        """Conditions, with their optimisers and first populations."""
+        return tuple(self._conditions)
+
+    @property
     def conditions(self) -> dict[str, Settings]:
         """Settings of each condition, by its name; each run has another seed."""
         return {condition.name: condition.settings for condition in self._conditions}
+
+    @property
+    def compared(self) -> list[list[str]]:
+        """Names of the conditions that are compared with each other: those of each world, or all."""
+        return [[self._conditions[number].name for number in group] for group in compared_groups(self._conditions)]
 
     @property
     def seeds(self) -> list[int]:
@@ -120,7 +131,7 @@ class Experiment:
         settings = self._conditions[number].for_seed(seed)
         table = self._runs[number, seed].table
         remember_walks(settings, table)
-        return Run(settings, table)
+        return Run(settings, table, founders=self._conditions[number].founders)
 
     def best(self, condition: str | None = None) -> Run:
         """Return the run with the fittest robot, which is its ``.champion``.
@@ -182,7 +193,7 @@ class Experiment:
         """Draw the best fitness so far of each condition, and the result of each run; return the matplotlib figure."""
         from walkerlab.view.plots.comparison import draw_experiment  # here because matplotlib is slow to import
 
-        return draw_experiment(self.records)
+        return draw_experiment(self.records, self.compared)
 
     def report(self, folder: str | Path) -> Path:
         """Write a report: a self-contained page, the pictures and all tables.

@@ -1,8 +1,9 @@
 """Optimisers that can be compared with the genetic algorithm: random search, and functions of the user.
 
 An optimiser is a function ``optimise(evaluate, settings, n_evaluations, *, rng)``. It calls ``evaluate`` with genomes,
-as often and with as many as it requires, and receives their fitness. Its return value is ignored. ``evaluate`` ends the
-run when ``n_evaluations`` genomes are evaluated, so that an endless loop is allowed:
+as often and with as many as it requires, and receives their fitness. Its return value is ignored. If it has a parameter
+``population``, it receives the genomes given for generation 0, shape (n, n_genes). ``evaluate`` ends the run when
+``n_evaluations`` genomes are evaluated, so that an endless loop is allowed:
 
     def hill_climber(evaluate, settings, n_evaluations, *, rng):
         genes = wl.gene_table(settings.robot)
@@ -27,9 +28,11 @@ from numpy.typing import ArrayLike
 from walkerlab.breeding import generate_robot_population
 from walkerlab.evolution.evolution import Recall
 from walkerlab.evolution.forecast import n_walks
+from walkerlab.evolution.founders import fit_genomes
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.randomness import random_stream
+from walkerlab.runfile.history import Founder
 from walkerlab.runfile.records import EvaluationRow, name_fitness, tidy_table
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name
@@ -47,7 +50,14 @@ class EvaluationsUsedError(Exception):
     """All evaluations of an optimiser are used; ends its run."""
 
 
-def random_search(evaluate: Evaluate, settings: Settings, n_evaluations: int, *, rng: Generator) -> None:  # noqa: ARG001
+def random_search(
+    evaluate: Evaluate,
+    settings: Settings,
+    n_evaluations: int,
+    *,
+    rng: Generator,  # noqa: ARG001
+    population: Floats | None = None,
+) -> None:
     """Evaluate random robots only, drawn like those of generation 0; the least that an optimiser has to beat.
 
     The first robots are those of generation 0 of a run with the same seed.
@@ -57,8 +67,12 @@ def random_search(evaluate: Evaluate, settings: Settings, n_evaluations: int, *,
         settings: Settings of the run.
         n_evaluations: Number of evaluations.
         rng: Random generator, unused; the robots have the random numbers of generation 0.
+        population: Genomes that replace the first random ones, shape (n, n_genes).
     """
-    evaluate(generate_robot_population(settings.robot, n_evaluations, seed=settings.algorithm.seed))
+    genomes = generate_robot_population(settings.robot, n_evaluations, seed=settings.algorithm.seed)
+    if population is not None:
+        genomes[: len(population)] = population
+    evaluate(genomes)
 
 
 def run_optimiser(
@@ -67,6 +81,7 @@ def run_optimiser(
     walk: Callable[[Floats], Sequence[Evaluation]],
     recall: Recall,
     on_generation: Callable[[pd.DataFrame], None],
+    founders: tuple[Founder, ...] = (),
 ) -> None:
     """Run an optimiser with as many evaluations as the genetic algorithm has in a run with these settings.
 
@@ -77,11 +92,14 @@ def run_optimiser(
         recall: Function that returns the known evaluations of genomes.
         on_generation: Function that is called with the table of as many robots as a generation of the genetic algorithm
             evaluates, and of those that remain at the end.
+        founders: Genomes given for generation 0; the first of them has the values of frozen genes.
     """
     rng = random_stream(settings.algorithm.seed, "search")
-    evaluator = _Evaluator(settings, function_name(optimise), walk, recall, on_generation)
+    evaluator = _Evaluator(settings, function_name(optimise), walk, recall, on_generation, founders)
+    population = np.array([Genome.parse(founder.genome).values for founder in founders])
+    offered: dict[str, Any] = {"population": population} if founders else {}
     with suppress(EvaluationsUsedError):
-        optimise(evaluator, settings, n_walks(settings), rng=rng)
+        optimise(evaluator, settings, n_walks(settings), rng=rng, **offered)
     evaluator.flush()
 
 
@@ -95,8 +113,10 @@ class _Evaluator:
         walk: Callable[[Floats], Sequence[Evaluation]],
         recall: Recall,
         on_generation: Callable[[pd.DataFrame], None],
+        founders: tuple[Founder, ...],
     ) -> None:
         self._settings = settings
+        self._founders = founders
         self._name = name
         self._walk = walk
         self._recall = recall
@@ -113,6 +133,9 @@ class _Evaluator:
             EvaluationsUsedError: If fewer evaluations are left.
         """
         robots = [genome.within(self._settings.robot) for genome in read_genomes(genomes)]
+        if self._founders and robots:
+            values = np.array([robot.values for robot in robots])
+            robots = list(map(Genome, fit_genomes(values, self._settings, self._founders)))
         rated: list[float] = []
         while len(rated) < len(robots):
             n_free = min(self._generation_size - len(self._waiting), self._n_total - self._n_done)

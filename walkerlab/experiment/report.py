@@ -3,8 +3,10 @@
 from pathlib import Path
 from typing import Any
 
+from walkerlab.experiment.conditions import Condition
 from walkerlab.runfile import provenance
 from walkerlab.runfile.records import RECORD_COLUMNS
+from walkerlab.settings.values import pluralize
 from walkerlab.system.file_sets import replacing_files
 from walkerlab.system.files import folder_path, write_text
 from walkerlab.text.escape import escape_cell
@@ -28,11 +30,23 @@ TERMS = (
 )
 
 
+CAPTION = (
+    "Left: the best fitness until each generation; each line is the median of the runs of a condition, and the area "
+    "around it holds the middle half of them. Right: the best fitness of each run; lines join runs with the same seed, "
+    "and a bar marks the median."
+)
+
+
 def experiment_html(experiment: Any) -> str:
     """Return an experiment as a notebook shows it."""
-    picture = "" if experiment.records.empty else figure_html(draw_experiment(experiment.records, on_screen=False))
+    figure = draw_experiment(experiment.records, experiment.compared, on_screen=False)
+    picture = "" if experiment.records.empty else figure_html(figure)
     return render(
-        "experiment/experiment.html", summary=experiment.summary().to_html(), picture=picture, status=experiment.status
+        "experiment/experiment.html",
+        summary=experiment.summary().to_html(),
+        picture=picture,
+        caption=CAPTION,
+        status=experiment.status,
     )
 
 
@@ -54,7 +68,7 @@ def save_report(experiment: Any, folder: str | Path) -> Path:
             summary.comparisons.to_csv(new.folder / "tables/comparisons.csv", index=False)
         pictures = [f"pictures/experiment.{ending}" for ending in ("svg", "pdf", "png")]
         with new.write_part("report.html", *pictures):
-            figure = draw_experiment(records, on_screen=False)
+            figure = draw_experiment(records, experiment.compared, on_screen=False)
             plots.save(figure.axes[0], *(new.folder / name for name in pictures))
             page = render(
                 "experiment/report.html",
@@ -62,10 +76,22 @@ def save_report(experiment: Any, folder: str | Path) -> Path:
                 summary=summary.to_html(),
                 status=experiment.status,
                 pictures=[figure_html(figure)],
+                caption=CAPTION,
                 terms=TERMS,
-                conditions=[(name, settings.as_python()) for name, settings in experiment.conditions.items()],
+                conditions=[(one.name, _notes(one), one.settings.as_python()) for one in experiment.plan],
                 seeds=", ".join(map(str, experiment.complete_seeds)),
                 versions=provenance.current_facts().items(),
             )
             write_text(new.folder / "report.html", page)
     return folder / "report.html"
+
+
+def _notes(condition: Condition) -> list[str]:
+    """Return sentences about a condition that its settings do not contain."""
+    notes: list[str] = []
+    if condition.optimiser:
+        notes.append(f"Searched by {condition.optimiser} instead of the genetic algorithm.")
+    if condition.founders:
+        n = len(condition.founders)
+        notes.append(f"Generation 0 begins with {pluralize(n, 'given genome')}: {condition.founders[0].genome:.300}")
+    return notes

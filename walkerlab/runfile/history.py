@@ -63,7 +63,7 @@ class History:
         match strict_json.loads(text):
             case {"founders": list(founders), "earlier": list(earlier), "last_first": int(last_first)}:
                 history = cls(
-                    tuple(_read_founder(item) for item in list[Any](founders)),
+                    tuple(read_founder(item) for item in list[Any](founders)),
                     tuple(_read_stage(item) for item in list[Any](earlier)),
                     last_first,
                 )
@@ -75,7 +75,12 @@ class History:
         return history
 
 
-def _read_founder(item: Any) -> Founder:
+def read_founder(item: Any) -> Founder:
+    """Read a founder from plain data.
+
+    Raises:
+        ValueError: If it has an unknown form.
+    """
     match item:
         case {"genome": str(genome), "origin": str(origin)} if origin.isprintable():
             return Founder(genome, origin)

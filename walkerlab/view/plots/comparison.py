@@ -1,12 +1,14 @@
 """Pictures of an experiment: the progress of each condition, and the result of each run."""
 
 import io
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from walkerlab.settings.values import pluralize
 from walkerlab.text.html import inline_svg
@@ -29,8 +31,10 @@ from walkerlab.view.plots.tables import fitness_label, format_value, unit_of
 
 TITLE = "Best fitness of each run"
 MAX_PAIR_LINES = 40  # seeds, above which lines between pairs would hide the points
+HEIGHT = 4.4  # of a figure with one row of plots, in inches
+ROW_HEIGHT = 3.6  # of each of several rows, in inches
 MEDIAN_WIDTH = 0.28  # of half the line at the median, in conditions
-MAX_HORIZONTAL_NAMES = 24  # characters of all names together, above which they are written at an angle
+MAX_HORIZONTAL_NAMES = 44  # characters of the longest name for each condition, above which names are at an angle
 
 
 @styled_plot
@@ -62,10 +66,11 @@ def best_of_each_run(experiment: Any, ax: Axes | None = None) -> Axes:
     finite = finite[np.isfinite(finite)]
     floor = float(finite.min() - 0.08 * (np.ptp(finite) or 1)) if finite.size else 0.0
     drawn = {name: np.where(np.isfinite(values), values, floor) for name, values in bests.items()}
-    if len({len(values) for values in bests.values()}) == 1 and len(first) and finite.size:
+    n_runs = {len(values) for values in bests.values()}
+    has_pairs = len(groups) > 1 and len(n_runs) == 1 and max(n_runs) <= MAX_PAIR_LINES and finite.size > 0
+    if has_pairs:
         pairs = np.array(list(drawn.values()))
-        if len(groups) > 1 and pairs.shape[1] <= MAX_PAIR_LINES:
-            axes.plot(range(len(groups)), pairs, color=foreground_colour(axes, 0.35), lw=0.7, zorder=1)
+        axes.plot(range(len(groups)), pairs, color=foreground_colour(axes, 0.35), lw=0.7, zorder=1)
     for number, (name, values) in enumerate(bests.items()):
         colour = RUN_COLOURS[number % len(RUN_COLOURS)]
         counted = np.isfinite(values)
@@ -84,9 +89,11 @@ def best_of_each_run(experiment: Any, ax: Axes | None = None) -> Axes:
         runs = pluralize(len(values), "run")
         text = f"{name or 'Runs'}: the best fitness of {runs} has the median {result}{missing_text}."
         add_description(axes, TITLE, text, quantity)
-    if not finite.size:
+    if finite.size:
+        _explain_marks(axes, has_pairs=has_pairs)
+    else:
         annotate_no_data(axes, "no walk counted")
-    is_long = sum(map(len, groups)) > MAX_HORIZONTAL_NAMES
+    is_long = max(map(len, groups)) * len(groups) > MAX_HORIZONTAL_NAMES
     angle: dict[str, Any] = {"rotation": 25, "ha": "right", "rotation_mode": "anchor"} if is_long else {}
     axes.set_xticks(range(len(groups)), [escape_label(name) for name in groups], **angle)
     axes.set_xlim(-0.6, len(groups) - 0.4)
@@ -97,28 +104,46 @@ def best_of_each_run(experiment: Any, ax: Axes | None = None) -> Axes:
     return axes
 
 
-def draw_experiment(records: pd.DataFrame, *, on_screen: bool = True) -> Figure:
+def draw_experiment(records: pd.DataFrame, groups: Sequence[Sequence[str]] = (), *, on_screen: bool = True) -> Figure:
     """Draw an experiment: the best fitness so far of each condition, and the best fitness of each run.
 
     Args:
         records: Table of an experiment.
+        groups: Names of the conditions in each row of plots; if empty, all conditions are in one row.
         on_screen: Whether pyplot manages the figure, so that a notebook shows it.
 
     Returns:
         The figure.
     """
-    axes = new_axes(11, 4.4) if on_screen else offscreen_axes(11, 4.4)
+    shown = [[name for name in group if name in set(records.condition)] for group in groups]
+    rows = [group for group in shown if group] or [list(records.condition.unique())]
+    height = HEIGHT if len(rows) == 1 else ROW_HEIGHT * len(rows)
+    axes = new_axes(11, height) if on_screen else offscreen_axes(11, height)
     figure: Any = axes.figure
     axes.remove()
     with walkerlab_style():
-        left, right = figure.subplots(1, 2, width_ratios=[3, 2])
+        grid = figure.subplots(len(rows), 2, width_ratios=[3, 2], squeeze=False)
     if records.empty:
-        annotate_no_data(left, "no run has ended yet")
-        right.remove()
+        annotate_no_data(grid[0, 0], "no run has ended yet")
+        grid[0, 1].remove()
         return figure
-    fitness_curve(records, left)
-    best_of_each_run(records, right)
+    for (left, right), group in zip(grid, rows, strict=True):
+        table = records.loc[records.condition.isin(group), :]
+        fitness_curve(table, left)
+        best_of_each_run(table, right)
     return figure
+
+
+def _explain_marks(axes: Axes, *, has_pairs: bool) -> None:
+    """Add a legend that explains the points, the lines between them and the medians."""
+    grey = foreground_colour(axes, 0.65)
+    marks = [Line2D([], [], ls="", marker="o", ms=6, color=grey, label="a run")]
+    if has_pairs:
+        marks.append(Line2D([], [], lw=0.7, color=grey, label="the same seed"))
+    marks.append(Line2D([], [], lw=2.2, color=foreground_colour(axes), label="median"))
+    axes.legend(
+        handles=marks, frameon=False, loc="lower left", bbox_to_anchor=(0, 1), ncols=3, borderaxespad=0.2, fontsize=9
+    )
 
 
 def figure_html(figure: Figure) -> Markup:

@@ -148,7 +148,8 @@ def trait(records: Any, name: str, ax: Axes | None = None, *, label: str = "") -
             medians: Any = used.groupby("generation")[name].median()
             return medians.reindex(sorted(table.generation.unique()))
 
-        options = {"quantity": quantity, "unit": unit, "label": label}
+        of_each = f"median {quantity} of each generation"
+        options = {"quantity": quantity, "unit": unit, "label": label, "axis_label": of_each}
         draw_groups(axes, groups, median_of, title=title, what=f"median {trait_name}", **options)
         return axes
     require_quantity(axes, quantity)

@@ -135,7 +135,7 @@ def draw_groups(
     legend = axes.get_legend()
     if legend and max(n_runs) > 1 and (label or any(groups)):
         each = f" of {max(n_runs)} runs" if len(n_runs) == 1 else " of the runs"
-        legend.set_title(f"median{each}, and their middle half", FontProperties(size=9))
+        legend.set_title(f"lines: median{each}; areas: their middle half", FontProperties(size=9))
         legend.set_alignment("left")
 
 

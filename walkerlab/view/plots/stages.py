@@ -34,6 +34,6 @@ def mark_stages(axes: Axes, records: pd.DataFrame) -> str:
         axes.annotate(
             escape_label(truncate(changes)), (first - 0.5, BOTTOM), xycoords=("data", "axes fraction"),
             xytext=(TEXT_OFFSET, 0), textcoords="offset points", rotation=90, va="bottom", ha="left", size=FONT_SIZE,
-            color=colour, zorder=1.5, bbox={"fc": axes.get_facecolor(), "ec": "none", "alpha": 0.85, "pad": 1},
+            color=colour, zorder=4, bbox={"fc": axes.get_facecolor(), "ec": "none", "alpha": 0.85, "pad": 1},
         )  # fmt: skip
     return "".join(f" New settings from generation {first} on: {changes}." for first, changes in stages.items())

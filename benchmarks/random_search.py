@@ -1,0 +1,73 @@
+"""Compare the default genetic algorithm with random search at equal evaluations, on four kinds of ground.
+
+    python -m benchmarks.random_search --folder FOLDER [--seeds 10] [--generations 15] [--population 30]
+
+The whole experiment is one call of ``wl.compare``; its file is ``FOLDER/random_search.walk``, and the same command
+continues it. The report and the tables of docs/experiments.md are written next to it.
+"""
+
+import argparse
+import time
+from pathlib import Path
+
+import walkerlab as wl
+from benchmarks.walker_jobs import GROUNDS, create_settings
+from walkerlab.experiment.optimisers import Optimiser
+from walkerlab.experiment.summary import Summary
+from walkerlab.system.files import write_text
+
+
+def create_conditions(
+    generations: int, population: int, duration: float
+) -> dict[str, wl.Settings | tuple[Optimiser, wl.Settings]]:
+    """Return both searches on each ground, as ``wl.compare`` takes them.
+
+    Args:
+        generations: Number of generations of the genetic algorithm.
+        population: Number of robots of a generation.
+        duration: Duration of a walk [s].
+    """
+    conditions: dict[str, wl.Settings | tuple[Optimiser, wl.Settings]] = {}
+    for ground in GROUNDS:
+        settings = create_settings(ground, {}).with_(
+            generations=generations, population_size=population, duration=duration
+        )
+        conditions[f"{ground}: evolution"] = settings
+        conditions[f"{ground}: random search"] = (wl.random_search, settings)
+    return conditions
+
+
+def to_markdown(summary: Summary) -> str:
+    """Return the sentence and the tables of an experiment in Markdown."""
+    parts = [summary.text]
+    for caption, header, cells in summary.tables():
+        rows = [header, ["---", *["---:"] * (len(header) - 1)], *cells]
+        parts += [f"{caption}:", "\n".join(f"| {' | '.join(row)} |" for row in rows)]
+    return "\n\n".join(parts) + "\n"
+
+
+def main() -> None:
+    """Parse the arguments, run or continue the experiment, and print its result as Markdown."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--folder", type=Path, required=True)
+    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--generations", type=int, default=15)
+    parser.add_argument("--population", type=int, default=30)
+    parser.add_argument("--duration", type=float, default=8.0)
+    arguments = parser.parse_args()
+    arguments.folder.mkdir(parents=True, exist_ok=True)
+    conditions = create_conditions(arguments.generations, arguments.population, arguments.duration)
+    start = time.perf_counter()
+    result = wl.compare(conditions, range(arguments.seeds), arguments.folder / "random_search.walk")
+    minutes = (time.perf_counter() - start) / 60
+    if not result.complete_seeds:
+        print(result.status)
+        return
+    text = to_markdown(result.summary())
+    write_text((arguments.folder / "random_search.md").absolute(), text)
+    result.report(arguments.folder)
+    print(f"{text}\n{minutes:.1f} min. {result.status}")
+
+
+if __name__ == "__main__":
+    main()
