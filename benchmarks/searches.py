@@ -97,7 +97,7 @@ def count_walks(table: pd.DataFrame, settings: wl.Settings) -> Indices:
     """
     n_best = max(1, settings.algorithm.n_elites)
     n_test_starts = len(further_starts(settings))
-    is_new = ~table.duplicated("genome")  # equal genomes walk once
+    is_new = ~table.duplicated("genome")  # a copy is counted as an evaluation, but it is not tested
     counts: list[int] = []
     for number in range(int(table.generation.max()) + 1):
         robots: Any = table[table.generation == number]
@@ -105,7 +105,8 @@ def count_walks(table: pd.DataFrame, settings: wl.Settings) -> Indices:
         best = set(robots.drop_duplicates("genome").nlargest(n_best, "fitness").genome)
         has_passed = new.genome.isin(best) & (new.verdict == "ok")
         n_tested = int((has_passed | (new.verdict == FRAGILE)).sum())
-        counts.append(len(new) * settings.simulation.n_starts + n_tested * n_test_starts)
+        n_born = int((robots.born == number).sum())
+        counts.append(n_born * settings.simulation.n_starts + n_tested * n_test_starts)
     return np.cumsum(counts)
 
 
