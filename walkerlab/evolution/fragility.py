@@ -18,7 +18,8 @@ from walkerlab.simulation.validity import forgiven_guards
 from walkerlab.text.numbers import with_unit
 
 N_TEST_STARTS = 4  # number of other starts from which a robot is tested
-MIN_KEPT_SHARE = 0.9  # minimum share of the fitness from the poorest of them, unless this is above the median robot
+MIN_KEPT_SHARE = 0.9  # minimum share of the fitness from the poorest of them
+SUFFICIENT_RANK = 0.9  # or the share of the generation that the robot surpasses even from the poorest of them
 FRAGILE = Guard.fragile.name
 
 
@@ -51,7 +52,7 @@ def exclude_fragile(
     counted = [row.fitness for row in rows.values() if row.fitness != NOT_COUNTED]
     if not (counted and further_starts(settings)):
         return dict(rows)
-    median = float(np.median(counted))
+    sufficient = float(np.quantile(counted, SUFFICIENT_RANK))
     unit = name_and_unit(settings.algorithm.fitness)[1]
     n_best = max(1, settings.algorithm.n_elites)
     rated = dict(rows)
@@ -62,16 +63,16 @@ def exclude_fragile(
         if not untested:
             return rated
         for text, again in zip(untested, walk_again(untested), strict=True):
-            if reason := _find_fault(rated[text].fitness, again, median, unit):
+            if reason := _find_fault(rated[text].fitness, again, sufficient, unit):
                 rated[text] = rated[text]._replace(fitness=NOT_COUNTED, verdict=FRAGILE, reason=reason)
         tested.update(untested)
 
 
-def _find_fault(fitness: float, again: Evaluation, median: float, unit: str) -> str:
+def _find_fault(fitness: float, again: Evaluation, sufficient: float, unit: str) -> str:
     """Return why the fitness of a robot depends too much on its start, or ""."""
     if again.verdict != "ok":
         return f"from a slightly different start its walk did not count: {again.reason}"
-    required = min(median, fitness - (1 - MIN_KEPT_SHARE) * abs(fitness))
+    required = min(sufficient, fitness - (1 - MIN_KEPT_SHARE) * abs(fitness))
     if again.fitness >= required:
         return ""
     found, limit = with_unit(again.fitness, unit), with_unit(required, unit)
