@@ -35,6 +35,7 @@ _PUBLIC_NAMES = {
     "simulation.robustness": ("Confirmation", "confirm"),
     "world.entities": ("generate_robot", "generate_terrain"),
     "simulation.evaluation": ("Evaluation", "evaluate", "evaluate_population"),
+    "evolution.births": ("explain_birth",),
     "evolution.evolution": ("Evolution",),
     "evolution.generation": ("Generation",),
     "evolution.stages": ("Stage",),
@@ -68,6 +69,7 @@ _PUBLIC_NAMES = {
 """Public names, by the module that defines them."""
 
 _PUBLIC_MODULES = {
+    "analysis": "analysis",
     "fitness": "simulation.fitness",
     "ga": "ga",
     "plots": "view.plots",
@@ -79,6 +81,7 @@ _PUBLIC_MODULES = {
 _DEFINING_MODULE = {name: module for module, names in _PUBLIC_NAMES.items() for name in names}
 
 if TYPE_CHECKING:
+    from walkerlab import analysis as analysis
     from walkerlab import ga as ga
     from walkerlab import widgets as widgets
     from walkerlab.breeding import crossover_population as crossover_population
@@ -86,6 +89,7 @@ if TYPE_CHECKING:
     from walkerlab.breeding import generate_robot_population as generate_robot_population
     from walkerlab.breeding import mutate_population as mutate_population
     from walkerlab.breeding import select_from_population as select_from_population
+    from walkerlab.evolution.births import explain_birth as explain_birth
     from walkerlab.evolution.evolution import Evolution as Evolution
     from walkerlab.evolution.generation import Generation as Generation
     from walkerlab.evolution.loading import load as load
