@@ -40,6 +40,8 @@ class Birth(ReadOnlyArrays):
         inherited: Values before mutation, shape (n_genes,). If mutation moved a gene, its value is at the new position.
         mutated: Values after mutation, shape (n_genes,).
         child: Values after repair, shape (n_genes,).
+        name: Name of the child.
+        operators: Names of the operators that made it, in their order.
         is_exact: Whether the sources were traced through the operators; otherwise they were inferred from the values.
     """
 
@@ -50,6 +52,8 @@ class Birth(ReadOnlyArrays):
     inherited: Floats
     mutated: Floats
     child: Floats
+    name: str = "child"
+    operators: tuple[str, ...] = ()
     is_exact: bool = True
 
     @property

@@ -1,21 +1,22 @@
 """Cross and mutate with the operators of the settings, and trace each gene of one child."""
 
 from collections.abc import Callable, Sequence
-from typing import TypeAlias
+from dataclasses import replace
+from functools import partial
+from typing import Literal, TypeAlias
 
 import numpy as np
 from numpy.random import Generator
 
-from walkerlab.analysis.inheritance import Birth, parent_letter
+from walkerlab.analysis.inheritance import Birth
 from walkerlab.analysis.tracing import NO_SOURCE, Sources, trace_sources
-from walkerlab.breeding import resolve_operators
-from walkerlab.ga.genes import Floats, Genes, Indices
+from walkerlab.breeding import describe_operators, resolve_operators
+from walkerlab.ga.genes import Floats, Indices
 from walkerlab.ga.operators import cross_in_turn, mutate_in_turn
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome, HasGenome
 from walkerlab.genome.repair import repair
 from walkerlab.settings.arguments import require_generator, require_settings
-from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 
 AnyGenome: TypeAlias = Genome | str | Floats | HasGenome
@@ -83,15 +84,15 @@ def mutate(genome: AnyGenome, settings: Settings | None = None, *, rng: Generato
     seed = int(require_generator(rng).integers(2**31))
     genes = build_genes(settings.robot)
     copied = Sources(np.zeros(len(genes), dtype=np.intp), np.arange(len(genes)), np.ones((1, len(genes))))
-    mutate_rows = _mutation(settings, seed, GENERATION)
-    return _add_mutation(
-        genes, parent, (_parent_name(genome, 0),), copied, parent, 0, mutate_rows, settings.robot, seed
-    )
+    name = "parent" if getattr(genome, "individual", None) is None else _parent_name(genome, 0)
+    birth = Birth(genes, parent, (name,), copied, parent[0], parent[0], parent[0], "mutant")
+    return _complete_birth(birth, parent, 0, settings, seed, GENERATION)
 
 
 def trace_birth(
     pool: Floats, fitness: Floats, settings: Settings, *, names: Sequence[str], seed: int, generation: int,
-    n_children: int, child: int, mutates: bool = True, repair_rows: Callable[[Floats], Floats] | None = None,
+    n_children: int, child: int, name: str = "child", mutates: bool = True,
+    repair_rows: Callable[[Floats], Floats] | None = None,
 ) -> Birth:  # fmt: skip
     """Breed children from selected parents, and trace one of them.
 
@@ -104,6 +105,7 @@ def trace_birth(
         generation: Number of the generation that is created.
         n_children: Number of children to breed.
         child: Index of the child to trace.
+        name: Name of the child.
         mutates: Whether the children are mutated.
         repair_rows: Repair of (n, n_genes) genomes; that of the settings' limits if None.
 
@@ -123,57 +125,60 @@ def trace_birth(
     rng = np.random.default_rng(seed)
     sources = trace_sources(lambda parents: cross(parents)[0][child], pool, genes, rng=rng, involved=indices[child])
     sources, kept = _merge_parents(sources, indices[child], names)
-    return _add_mutation(
-        genes, pool[kept], tuple(names[i] for i in kept), sources, crossed, child,
-        _mutation(settings, seed, generation) if mutates else None, settings.robot, seed, repair_rows,
-    )  # fmt: skip
-
-
-def _mutation(settings: Settings, seed: int, generation: int) -> Callable[[Floats], Floats]:
-    """Return the function that mutates (n, n_genes) genomes as a run with this seed does in this generation."""
-    operators = resolve_operators(settings.algorithm)
-    genes = build_genes(settings.robot)
-    generations = settings.algorithm.generations
-    return lambda genomes: mutate_in_turn(
-        operators.mutate, genomes, genes, seed=seed, generation=generation, generations=generations
+    values = crossed[child]
+    parent_names = tuple(names[i] for i in kept)
+    birth = Birth(
+        genes, pool[kept], parent_names, sources, values, values, values, name, operator_names(settings, "crossover")
     )
+    if mutates:
+        return _complete_birth(birth, crossed, child, settings, seed, generation, repair_rows)
+    return replace(birth, child=(repair_rows or partial(repair, robot=settings.robot))(values[np.newaxis])[0])
 
 
-def _add_mutation(
-    genes: Genes, parents: Floats, names: tuple[str, ...], sources: Sources, crossed: Floats, row: int,
-    mutate_rows: Callable[[Floats], Floats] | None, robot: Robot, seed: int,
+def operator_names(settings: Settings, slot: Literal["crossover", "mutation"]) -> tuple[str, ...]:
+    """Return the names of the crossover or mutation operators of settings."""
+    return tuple(describe_operators(settings.algorithm).split(" > ")[1 if slot == "crossover" else 2].split("+"))
+
+
+def _complete_birth(
+    birth: Birth, crossed: Floats, row: int, settings: Settings, seed: int, generation: int,
     repair_rows: Callable[[Floats], Floats] | None = None,
 ) -> Birth:  # fmt: skip
-    """Return the birth of one of the crossed children after mutation, if there is any, and repair.
+    """Mutate and repair a child that crossover has produced, and trace its genes.
 
     Args:
-        genes: Gene table.
-        parents: Genomes of the contributing parents.
-        names: Their names.
-        sources: Sources of the child's genes before mutation.
+        birth: Birth before mutation.
         crossed: All children before mutation, shape (n, n_genes).
         row: Index of the child.
-        mutate_rows: Mutation of all children.
-        robot: Limits of the robots.
-        seed: Seed for tags.
+        settings: Settings with the operators and the limits of the robots.
+        seed: Seed of the operators' random generators.
+        generation: Number of the generation that is created.
         repair_rows: Repair of (n, n_genes) genomes; that of the limits if None.
     """
+    operators = resolve_operators(settings.algorithm)
+    genes = birth.genes
+
+    def mutate_one(genome: Floats) -> Floats:
+        whole = crossed.copy()
+        whole[row] = genome[0]
+        return mutate_in_turn(
+            operators.mutate, whole, genes,
+            seed=seed, generation=generation, generations=settings.algorithm.generations,
+        )[row]  # fmt: skip
+
     inherited = crossed[row]
-    mutated = inherited
-    if mutate_rows is not None:
-
-        def mutate_one(genome: Floats) -> Floats:
-            whole = crossed.copy()
-            whole[row] = genome[0]
-            return mutate_rows(whole)[row]
-
-        mutated = mutate_one(inherited[np.newaxis])
-        moved = trace_sources(mutate_one, inherited[np.newaxis], genes, rng=np.random.default_rng(seed)).gene
-        before = np.where(moved == NO_SOURCE, np.arange(len(genes)), moved)
-        sources = Sources(sources.parent[before], sources.gene[before], sources.shares[:, before])
-        inherited = inherited[before]
-    repaired = (repair_rows or (lambda genomes: repair(genomes, robot)))(mutated[np.newaxis])[0]
-    return Birth(genes, parents, names, sources, inherited, mutated, repaired)
+    mutated = mutate_one(inherited[np.newaxis])
+    moved = trace_sources(mutate_one, inherited[np.newaxis], genes, rng=np.random.default_rng(seed)).gene
+    before = np.where(moved == NO_SOURCE, np.arange(len(genes)), moved)
+    sources = birth.sources
+    return replace(
+        birth,
+        sources=Sources(sources.parent[before], sources.gene[before], sources.shares[:, before]),
+        inherited=inherited[before],
+        mutated=mutated,
+        child=(repair_rows or partial(repair, robot=settings.robot))(mutated[np.newaxis])[0],
+        operators=(*birth.operators, *operator_names(settings, "mutation")),
+    )
 
 
 def _merge_parents(sources: Sources, indices: Indices, names: Sequence[str]) -> tuple[Sources, list[int]]:
@@ -197,4 +202,4 @@ def _merge_parents(sources: Sources, indices: Indices, names: Sequence[str]) -> 
 
 def _parent_name(parent: AnyGenome, position: int) -> str:
     number = getattr(parent, "individual", None)
-    return f"parent {parent_letter(position)}" if number is None else f"robot {number}"
+    return f"genome {position + 1}" if number is None else f"robot {number}"

@@ -1,5 +1,6 @@
 """How a robot of a run was made: its birth is repeated with the operators, and compared with the stored genome."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -51,7 +52,9 @@ def explain_birth(run: Run, individual: int | None = None) -> Birth:
     if birth is not None and str(birth.genome) == row.genome:
         return birth
     genomes: list[Genome | str] = [str(births.genome[one]) for one in parents]
-    return compare_with_parents(str(row.genome), genomes, settings.robot, [f"robot {one}" for one in parents])
+    names = [f"robot {one}" for one in parents]
+    inferred = compare_with_parents(str(row.genome), genomes, settings.robot, names)
+    return replace(inferred, name=f"robot {number}", operators=tuple(str(row.operators).split(" > ")[1:]))
 
 
 def _repeat_birth(run: Run, records: pd.DataFrame, settings: Settings, number: int, born: int) -> Birth | None:
@@ -75,6 +78,7 @@ def _repeat_birth(run: Run, records: pd.DataFrame, settings: Settings, number: i
             population.genomes[selected], fitness_for_comparison(population.fitness)[selected], settings,
             names=[f"robot {one}" for one in population.individuals[selected]],
             seed=algorithm.seed, generation=born, n_children=n_children, child=child,
+            name=f"robot {number}",
             repair_rows=partial(fit_genomes, settings=settings, founders=run.founders),
         )  # fmt: skip
     except (OperatorError, RunFileError, ValueError):
