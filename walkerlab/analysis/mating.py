@@ -16,6 +16,7 @@ from walkerlab.ga.operators import cross_in_turn, mutate_in_turn
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome, HasGenome
 from walkerlab.genome.repair import repair
+from walkerlab.randomness import random_stream
 from walkerlab.settings.arguments import require_generator, require_settings
 from walkerlab.settings.settings import Settings
 
@@ -122,7 +123,7 @@ def trace_birth(
         )  # fmt: skip
 
     crossed, indices = cross(pool)
-    rng = np.random.default_rng(seed)
+    rng = random_stream(seed, "analysis", child)
     sources = trace_sources(lambda parents: cross(parents)[0][child], pool, genes, rng=rng, involved=indices[child])
     sources, kept = _merge_parents(sources, indices[child], names)
     values = crossed[child]
@@ -168,7 +169,7 @@ def _complete_birth(
 
     inherited = crossed[row]
     mutated = mutate_one(inherited[np.newaxis])
-    moved = trace_sources(mutate_one, inherited[np.newaxis], genes, rng=np.random.default_rng(seed)).gene
+    moved = trace_sources(mutate_one, inherited[np.newaxis], genes, rng=random_stream(seed, "analysis", row)).gene
     before = np.where(moved == NO_SOURCE, np.arange(len(genes)), moved)
     sources = birth.sources
     return replace(

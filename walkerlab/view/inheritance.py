@@ -233,19 +233,24 @@ def painted_parts(
 
 
 def describe_birth(birth: Birth) -> str:
-    """Describe a birth in two or three sentences with the numbers of genes of each origin."""
+    """Describe a birth in a sentence with the numbers of genes of each origin, and of changed genes."""
     origins: list[str] = list(birth.origins)
     parts: list[str] = []
     for parent, name in enumerate(birth.names):
         n = sum(one == "parent" and birth.sources.parent[j] == parent for j, one in enumerate(origins))
-        if n:
-            parts.append(f"{n} from {parent_letter(parent)} ({name})")
-    for origin, text in (("same", "equal in all parents"), ("blend", "blends of the parents"), ("new", "new")):
+        if n and len(birth.names) > 1:
+            parts.append(f"{n} come from {parent_letter(parent)} ({name})")
+    for origin, text in (
+        ("same", "are equal in all parents"),
+        ("blend", "are blends of the parents"),
+        ("new", "are new"),
+    ):
         if n := origins.count(origin):
             parts.append(f"{n} {text}")
-    listed = ", ".join(parts[:4]) + (f" and {len(parts) - 4} more origins" if len(parts) > 4 else "")
     n_changed = int((birth.change != 0).sum())
     n_visible = int(((birth.change != 0) & birth.is_expressed).sum())
-    changed = f"{n_changed} were changed, {n_visible} of them with an effect on the robot" if n_changed else ""
-    sentence = f"Of the {len(origins)} genes of the child, {listed}"
-    return f"{sentence}; {changed}." if changed else f"{sentence}; none was changed."
+    parts[4:] = [f"{len(parts) - 4} further origins"] if len(parts) > 4 else []
+    parts.append(f"{n_changed or 'none'} {'was' if n_changed == 1 else 'were'} changed")
+    effect = f", {n_visible} of them with an effect on the robot" if n_changed else ""
+    listed = f"{', '.join(parts[:-1])} and {parts[-1]}" if parts[1:] else parts[0]
+    return f"Of the {len(origins)} genes, {listed}{effect}."

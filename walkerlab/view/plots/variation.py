@@ -57,7 +57,8 @@ def before_after(
     for table, offset, colour, face in zip(
         tables, (-OFFSET, OFFSET), (BEFORE_COLOUR, RUN_COLOURS[0]), ("white", RUN_COLOURS[0]), strict=True
     ):
-        low, first, median, third, high = np.percentile((table - genes.low) / gene_widths(genes), [0, 25, 50, 75, 100], 0)
+        positions = (table - genes.low) / gene_widths(genes)
+        low, first, median, third, high = (np.quantile(positions, share, axis=0) for share in (0, 0.25, 0.5, 0.75, 1))
         axes.vlines(x + offset, low, high, color=colour, lw=0.9)
         axes.vlines(x + offset, first, third, color=colour, lw=3.4)
         axes.plot(x + offset, median, "o", ms=3.2, mec=colour, mfc=face, mew=0.9)
@@ -66,6 +67,9 @@ def before_after(
     axes.set_ylim(-0.03, 1.03)
     axes.set_yticks([0, 0.5, 1], ["minimum", "middle", "maximum"])
     axes.set_ylabel("position in the gene's range")
+    axes.set_xlabel(
+        "For each gene: thin bar, all robots; thick bar, the middle half of them; dot, the median.", fontsize=8
+    )
     axes.spines[["top", "right", "bottom"]].set_visible(False)
     spreads = [_mean_spread(table, genes) for table in tables]
     changed = _share_changed(*tables, genes)
