@@ -84,6 +84,7 @@ MAKE = {
     widgets.Editor: lambda run: widgets.Editor(EVIL, run.settings),
     widgets.Form: lambda run: widgets.Form(run.settings),
     widgets.Lab: panel,
+    widgets.Microscope: lambda run: widgets.Microscope(run),
     widgets.Population: lambda run: widgets.Population(run),
     widgets.World: lambda run: widgets.World(run.settings.with_(structure="rough")),
     Drawer: drawer,
@@ -124,7 +125,16 @@ def test_a_snapshot_is_self_contained_named_and_small(kind, done, monkeypatch, t
     assert "could not be drawn" not in seen.text
     assert widget.snapshot()
     assert len(html) < MAX_SIZE
-    if kind in (widgets.Curve, widgets.Lab, widgets.Population, widgets.World, Frame, RobotArea, RunsArea):
+    if kind in (
+        widgets.Curve,
+        widgets.Lab,
+        widgets.Microscope,
+        widgets.Population,
+        widgets.World,
+        Frame,
+        RobotArea,
+        RunsArea,
+    ):
         assert seen.all("img")
     widget.close()
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from walkerlab.analysis.inheritance import Birth, gene_widths, parent_letter
 from walkerlab.ga.genes import Floats, Genes
-from walkerlab.genome.features import BODY_FEATURES, LEG_LENGTH, LENGTH, SEGMENT_FEATURES, find_leg_sources
+from walkerlab.genome.features import BODY_FEATURES, LEG_LENGTH, SEGMENT_FEATURES, find_leg_sources
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.text import FEATURE_WORDS
 from walkerlab.settings.choices import Feature
@@ -167,7 +167,7 @@ class PartPaint:
 
     Attributes:
         colours: RGB colour by part: ``trunk1``, ``legs1``, ``trunk2`` and so on.
-        changed: Parts with a gene of their size that was changed.
+        changed: Parts with a changed gene, of their size or of their motion.
     """
 
     colours: Mapping[str, tuple[float, float, float]]
@@ -175,23 +175,31 @@ class PartPaint:
 
 
 def paint_child(birth: Birth) -> PartPaint:
-    """Return the colours of a child: each trunk and each pair of legs has that of the parent of its length."""
+    """Return the colours of a child.
+
+    Each trunk has the colour of the origin of its length, or of its mass if all parents have the same length; each pair
+    of legs that of the origin of their length, or of their force.
+    """
     values = birth.child[np.newaxis]
     width = len(SEGMENT_FEATURES)
     leg_sources = find_leg_sources(birth.genes.parts(values))[0].tolist()
     colours: dict[str, tuple[float, float, float]] = {}
     changed: set[str] = set()
+    origins = birth.origins
     is_changed = birth.change != 0
+
+    def paint(part: str, first: int, n_genes: int) -> None:
+        """Paint a part whose size is described by the first two of its genes."""
+        informative = first + 1 if origins[first] == "same" else first
+        colours[part] = origin_colour(birth, informative)
+        if is_changed[first : first + n_genes].any():
+            changed.add(part)
+
     for segment in range(int(birth.genes.n_grown(values)[0])):
-        start = len(BODY_FEATURES) + segment * width
-        colours[f"trunk{segment + 1}"] = origin_colour(birth, start + LENGTH)
-        if is_changed[start : start + LEG_LENGTH].any():
-            changed.add(f"trunk{segment + 1}")
+        paint(f"trunk{segment + 1}", len(BODY_FEATURES) + segment * width, LEG_LENGTH)
         if leg_sources[segment] >= 0:
-            source = len(BODY_FEATURES) + leg_sources[segment] * width
-            colours[f"legs{segment + 1}"] = origin_colour(birth, source + LEG_LENGTH)
-            if is_changed[source + LEG_LENGTH : source + width].any():
-                changed.add(f"legs{segment + 1}")
+            first = len(BODY_FEATURES) + leg_sources[segment] * width + LEG_LENGTH
+            paint(f"legs{segment + 1}", first, width - LEG_LENGTH)
     return PartPaint(colours, frozenset(changed))
 
 

@@ -8,15 +8,13 @@ from walkerlab.genome.text import format_text
 from walkerlab.view.inheritance import cell_colour, mark_genes
 from walkerlab.view.sketch.svg import hex_colour
 
-LINE_STARTS = ("seg", "gait", "step")
-
 
 def genome_lines(birth: Birth) -> list[list[dict[str, Any]]]:
     """Return the lines of the text form of a child's genome: a line for each segment and each step.
 
     Returns:
-        The words of each line. A word that contains a gene has the name of the gene, its sign, its change, and the
-        colour of its background; see ``GeneMark``.
+        The words of each line. A word has the name of its gene, the sign, the change, and the colour of the background;
+        see ``GeneMark``. They are empty for a word without a gene.
     """
     marks = mark_genes(birth)
     values = birth.child.tolist()
@@ -29,7 +27,7 @@ def genome_lines(birth: Birth) -> list[list[dict[str, Any]]]:
             continue
         found = re.fullmatch(r"[a-z]+=(\d+)\.5", position)
         if not found:
-            lines[-1].append({"text": word})
+            lines[-1].append({"text": word, "gene": "", "sign": "", "change": ""})
             continue
         mark = marks[int(found[1])]
         lines[-1].append(

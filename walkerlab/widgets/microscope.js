@@ -35,7 +35,7 @@ function render({ model, el }) {
     field("crossover", "Crossover", crossover, ["cross"]),
     field("mutation", "Mutation", mutation, ["mutate"]),
     field("rate", "Mutation rate", rate, ["mutate"]),
-    field("robot", "Robot", robot, ["explain"]),
+    field("robot", "Number of the robot", robot, ["explain"]),
   ];
   const again = make("button", { type: "button", className: "main", textContent: "Again",
     title: "apply the operator again, with other random numbers", onclick: () => model.send("again") });
@@ -72,6 +72,7 @@ function render({ model, el }) {
       [crossover, "crossover"], [mutation, "mutation"], [rate, "rate"], [robot, "robot"]]) {
       if (document.activeElement !== control || control.tagName === "SELECT") control.value = model.get(name);
     }
+    first.previousSibling.textContent = model.get("mode") === "mutate" ? "Robot" : "First parent";
     again.hidden = model.get("mode") === "explain";
     for (const one of fields) one.update();
   }

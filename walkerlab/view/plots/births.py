@@ -52,8 +52,8 @@ def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None
     Each cell is a gene of the child. Its letter and colour name the parent from which it comes; a number after the
     letter is the segment of the parent from which it was moved. Changed genes have a bold frame and the amount of the
     change in the unit of the gene; the frame is dashed if the change was made by repair. Genes without effect on the
-    child are hatched. In the drawings, the trunk and the legs of each segment have the colour of the parent of their
-    length, and changed parts have a bold outline.
+    child are hatched. In the drawings, the trunk and the legs of each segment have the colour of the parent from
+    which their size comes, and changed parts have a bold outline.
 
     Args:
         birth: Birth, as returned by ``wl.analysis.mate``, ``wl.analysis.mutate`` or ``wl.explain_birth``.
