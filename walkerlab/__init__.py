@@ -62,7 +62,9 @@ _PUBLIC_NAMES = {
     "settings.simulation": ("Simulation",),
     "settings.terrain": ("Terrain",),
     "runfile.store": ("RunFileError",),
+    "view.pedigree": ("lineage_changes",),
     "view.replay": ("Replay", "replay"),
+    "view.replay.ancestors": ("race_ancestors",),
     "simulation.workers": ("WorkersLostError",),
     "widgets.lab": ("Lab",),
 }
@@ -144,8 +146,10 @@ if TYPE_CHECKING:
     from walkerlab.view.film import FilmError as FilmError
     from walkerlab.view.film import film as film
     from walkerlab.view.film import timelapse as timelapse
+    from walkerlab.view.pedigree import lineage_changes as lineage_changes
     from walkerlab.view.replay import Replay as Replay
     from walkerlab.view.replay import replay as replay
+    from walkerlab.view.replay.ancestors import race_ancestors as race_ancestors
     from walkerlab.widgets.lab import Lab as Lab
     from walkerlab.world.entities import generate_robot as generate_robot
     from walkerlab.world.entities import generate_terrain as generate_terrain

@@ -166,7 +166,7 @@ class PartPaint:
     """Colours of a body: of the trunk and the legs of each segment.
 
     Attributes:
-        colours: RGB colour by part: ``trunk1``, ``legs1``, ``trunk2`` and so on.
+        colours: RGB colour by part: ``trunk1``, ``legs1``, ``trunk2`` and so on; other parts keep their colours.
         changed: Parts with a changed gene, of their size or of their motion.
     """
 
@@ -233,7 +233,7 @@ def painted_parts(
         if part in paint.colours:
             brightness = FAR_LEG_BRIGHTNESS if bone.startswith("left") else 1.0
             model.geom_rgba[geom, :3] = brightness * np.array(paint.colours[part])
-            is_changed[geom] = part in paint.changed
+        is_changed[geom] = part in paint.changed
     parts = surface_points(scene, scene.start)
     drawn = np.isin(model.body_rootid[model.geom_bodyid], scene.roots)
     marks: list[bool] = is_changed[drawn].tolist()

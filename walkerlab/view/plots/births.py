@@ -1,5 +1,6 @@
 """Plot of a birth gene by gene: parents, child, and a table of its genes coloured by their origin."""
 
+from collections.abc import Sequence
 from itertools import groupby
 from typing import Any
 
@@ -24,7 +25,7 @@ from walkerlab.view.inheritance import (
     parent_colour,
 )
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
-from walkerlab.view.plots.bodies import DEPTH_SHIFT, add_body
+from walkerlab.view.plots.bodies import DEPTH_SHIFT, BodyParts, add_body
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description, escape_label
 from walkerlab.world.geometry import ROPE_POINTS, convex_outline
 
@@ -182,16 +183,10 @@ def _draw_bodies(axes: Axes, birth: Birth, settings: Settings | None, ground: fl
     highest = max(float(points[:, 2].max()) for points in corners)
     slot = WIDTH / len(bodies)
     scale = min(BODY_SCALE, 0.76 * slot / widest, (BODY_HEIGHT - 0.4) / highest)
-    view = np.array([(1.0, 0.0), (DEPTH_SHIFT, 0.0), (0.0, 1.0)])
     for i, ((parts, changed), x) in enumerate(zip(bodies, across, strict=True)):
         origin = (slot * (i + 0.5) - scale * float(x.max() + x.min()) / 2, ground)
         add_body(axes, parts, at=origin, scale=scale, slant=DEPTH_SHIFT)
-        outlines = [
-            convex_outline(points @ view) * scale + origin
-            for (points, _), is_changed in zip(parts, changed, strict=True)
-            if is_changed and len(points) != ROPE_POINTS
-        ]
-        axes.add_collection(PolyCollection(outlines, facecolors="none", edgecolors=TEXT_COLOUR, linewidths=2))
+        outline_changed(axes, parts, changed, at=origin, scale=scale)
         middle = slot * (i + 0.5)
         axes.plot([middle - 0.42 * slot, middle + 0.42 * slot], [ground, ground], color="0.6", lw=0.8)
         is_child = i == n_drawn
@@ -203,6 +198,28 @@ def _draw_bodies(axes: Axes, birth: Birth, settings: Settings | None, ground: fl
     axes.text(slot * n_drawn, ground + 0.62, operators, ha="center", va="bottom", fontsize=size, linespacing=1.1)
     arrow = {"arrowstyle": "-|>", "lw": 1.6, "color": foreground_colour(axes, SECONDARY_STRENGTH)}
     axes.annotate("", (slot * n_drawn + 0.3, ground + 0.5), (slot * n_drawn - 0.3, ground + 0.5), arrowprops=arrow)
+
+
+def outline_changed(
+    axes: Axes, parts: BodyParts, changed: Sequence[bool], *, at: tuple[float, float], scale: float, width: float = 2.0
+) -> None:
+    """Draw a bold outline around the changed parts of a body.
+
+    Args:
+        axes: Axes with the body.
+        parts: Parts of the body.
+        changed: Whether each part was changed.
+        at: Position of the origin of the body, in data coordinates.
+        scale: Data units per metre.
+        width: Width of the outline [points].
+    """
+    view = np.array([(1.0, 0.0), (DEPTH_SHIFT, 0.0), (0.0, 1.0)])
+    outlines = [
+        convex_outline(points @ view) * scale + at
+        for (points, _), is_changed in zip(parts, changed, strict=True)
+        if is_changed and len(points) != ROPE_POINTS
+    ]
+    axes.add_collection(PolyCollection(outlines, facecolors="none", edgecolors=TEXT_COLOUR, linewidths=width))
 
 
 def _parent_title(birth: Birth, parent: int) -> str:

@@ -51,16 +51,17 @@ def before_after(
     """
     robot = settings.robot if settings else Robot()
     genes = build_genes(robot)
-    tables = [_read_table(genomes, genes) for genomes in (before, after)]
+    first, second = _read_table(before, genes), _read_table(after, genes)
+    tables = [first, second]
     axes = ax or new_axes(12.0, 4.2)
     x = np.arange(len(genes))
     for table, offset, colour, face in zip(
         tables, (-OFFSET, OFFSET), (BEFORE_COLOUR, RUN_COLOURS[0]), ("white", RUN_COLOURS[0]), strict=True
     ):
         positions = (table - genes.low) / gene_widths(genes)
-        low, first, median, third, high = (np.quantile(positions, share, axis=0) for share in (0, 0.25, 0.5, 0.75, 1))
+        low, lower, median, upper, high = (np.quantile(positions, share, axis=0) for share in (0, 0.25, 0.5, 0.75, 1))
         axes.vlines(x + offset, low, high, color=colour, lw=0.9)
-        axes.vlines(x + offset, first, third, color=colour, lw=3.4)
+        axes.vlines(x + offset, lower, upper, color=colour, lw=3.4)
         axes.plot(x + offset, median, "o", ms=3.2, mec=colour, mfc=face, mew=0.9)
     _label_genes(axes, genes)
     axes.set_xlim(-0.7, len(genes) - 0.3)
@@ -72,7 +73,7 @@ def before_after(
     )
     axes.spines[["top", "right", "bottom"]].set_visible(False)
     spreads = [_mean_spread(table, genes) for table in tables]
-    changed = _share_changed(*tables, genes)
+    changed = _share_changed(first, second, genes)
     facts = [f"mean spread of a gene {spreads[0]:.1%} → {spreads[1]:.1%} of its range"]
     if changed is not None:
         facts.append(f"{changed:.1%} of all genes changed")
