@@ -10,6 +10,7 @@ from walkerlab.view.plots.curves import fitness_curve as fitness_curve
 from walkerlab.view.plots.curves import trait as trait
 from walkerlab.view.plots.genomes import diversity as diversity
 from walkerlab.view.plots.genomes import genes as genes
+from walkerlab.view.plots.landscape import landscape as landscape
 from walkerlab.view.plots.pedigree import pedigree as pedigree
 from walkerlab.view.plots.style import alt_text as alt_text
 from walkerlab.view.plots.style import save as save
