@@ -8,6 +8,7 @@ from matplotlib.collections import QuadMesh
 from matplotlib.figure import Figure
 
 import walkerlab as wl
+from walkerlab.analysis.inheritance import ROUNDING_TOLERANCE
 from walkerlab.genome.features import build_genes
 from walkerlab.view.replay.page import Frame
 
@@ -38,7 +39,7 @@ def test_only_the_named_genes_vary_except_for_repair(slice_of_one, slice_of_two)
         others = np.array([name not in names for name in GENES.names])
         for row in table.to_dict("records"):
             values = wl.Genome.parse(row["genome"]).values
-            assert (np.abs(values - GENOME.values)[others] > 0.001).sum() == row["n_repaired"]
+            assert (np.abs(values - GENOME.values)[others] > ROUNDING_TOLERANCE).sum() == row["n_repaired"]
             if row["n_repaired"] == 0:
                 assert all(values[GENES.names.index(name)] == pytest.approx(row[name], abs=0.0011) for name in names)
 

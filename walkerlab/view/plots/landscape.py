@@ -51,7 +51,7 @@ def spell(gene: str) -> str:
 
 
 def _draw_curve(axes: Axes, table: pd.DataFrame, names: list[str], labels: list[str], fitness: str) -> None:
-    walks = table[~table.is_centre].sort_values(by=names[0])
+    walks = table[~table.is_centre]
     centre: Any = table[table.is_centre].iloc[0]
     counts = (walks.verdict == "ok").to_numpy()
     x = walks[names[0]].to_numpy()
