@@ -94,7 +94,7 @@ def test_the_plot_shows_the_fitness_of_each_point(slice_of_one, slice_of_two):
 
 def test_a_click_plays_the_walk_of_the_point(slice_of_one, slice_of_two, monkeypatch):
     for table in (slice_of_one, slice_of_two):
-        widget = wl.widgets.Landscape(table, SETTINGS)
+        widget = wl.widgets.Landscape(table)
         played = []
         monkeypatch.setattr(Frame, "play", lambda _, played=played: played.append(True))
         widget.plot._handle_custom_msg({"walk": 3}, [])
@@ -102,6 +102,7 @@ def test_a_click_plays_the_walk_of_the_point(slice_of_one, slice_of_two, monkeyp
         assert widget.plot.selected == 3
         [walk] = widget.frame._make().walks
         assert str(walk.scene.genome) == table.genome[3]
+        assert walk.rollout.distance == pytest.approx(table.distance[3])
         assert np.all((np.array(widget.plot.points) >= 0) & (np.array(widget.plot.points) <= 1))
         widget.plot._handle_custom_msg({"walk": 999}, [])
         assert widget.plot.selected == 3

@@ -45,7 +45,7 @@ def landscape(
     Returns:
         Table with a row for each walk: a column with the value of each gene, ``fitness``, ``verdict``, ``distance`` in
         m, ``n_repaired``, ``is_centre`` for the walk of the genome itself, and ``genome`` as text. ``.attrs`` contains
-        the genes, their units, and the name and unit of the fitness.
+        the genes, their units, the name and unit of the fitness, and the settings.
 
     Raises:
         ValueError: If there is no such gene, or not one or two different ones, or ``n`` or ``span`` is out of range.
@@ -86,6 +86,7 @@ def landscape(
     fitness, unit = name_and_unit(settings.algorithm.fitness)
     units = {name: table.units[j] for name, j in zip(names, indices, strict=True)}
     result.attrs = {"genes": names, "units": {**units, "fitness": unit, "distance": "m"}, "fitness": fitness}
+    result.attrs["settings"] = settings
     return result
 
 

@@ -261,4 +261,5 @@ def describe_birth(birth: Birth) -> str:
     parts.append(f"{n_changed or 'none'} {'was' if n_changed == 1 else 'were'} changed")
     effect = f", {n_visible} of them with an effect on the robot" if n_changed else ""
     listed = f"{', '.join(parts[:-1])} and {parts[-1]}" if parts[1:] else parts[0]
-    return f"Of the {len(origins)} genes, {listed}{effect}."
+    inferred = "" if birth.is_exact else " This was inferred from the genomes, because the birth could not be repeated."
+    return f"Of the {len(origins)} genes, {listed}{effect}.{inferred}"

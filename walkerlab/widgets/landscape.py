@@ -70,14 +70,14 @@ class Landscape(HasSnapshot, ipywidgets.Box):
 
         Args:
             table: Table from ``wl.analysis.landscape``.
-            settings: Settings with which it was made; the defaults if None.
+            settings: Settings in which walks are played; those with which the table was made if None.
 
         Raises:
             ValueError: If the table is not from ``wl.analysis.landscape``.
         """
         self.table = table
-        self._settings = settings or Settings()
         self.plot = LandscapePicture(**_draw(table))
+        self._settings: Settings = settings or table.attrs.get("settings") or Settings()
         self.frame = Frame()
         super().__init__([self.plot, self.frame])
         self.add_class("wl-landscape-area")

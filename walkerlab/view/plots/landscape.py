@@ -101,7 +101,7 @@ def _draw_map(axes: Axes, table: pd.DataFrame, names: list[str], labels: list[st
                 mec=colour if marker == "x" else "0.2", mew=0.9 if marker == "x" else 0.4, ls="", label=label,
             )  # fmt: skip
     axes.plot(
-        centre[names[0]], centre[names[1]], "*", ms=15, color=CENTRE_COLOUR, mec="white", ls="",
+        centre[names[0]], centre[names[1]], "*", ms=16, color=CENTRE_COLOUR, mec="white", mew=1.2, ls="",
         label="the genome itself",
     )  # fmt: skip
     axes.set_xlabel(labels[0])
