@@ -36,12 +36,13 @@ def slice_of_one(pool):
 def test_only_the_named_genes_vary_except_for_repair(slice_of_one, slice_of_two):
     for table in (slice_of_one, slice_of_two):
         names = table.attrs["genes"]
-        others = np.array([name not in names for name in GENES.names])
+        indices = [GENES.names.index(name) for name in names]
         for row in table.to_dict("records"):
-            values = wl.Genome.parse(row["genome"]).values
-            assert (np.abs(values - GENOME.values)[others] > ROUNDING_TOLERANCE).sum() == row["n_repaired"]
-            if row["n_repaired"] == 0:
-                assert all(values[GENES.names.index(name)] == pytest.approx(row[name], abs=0.0011) for name in names)
+            requested = GENOME.values.copy()
+            requested[indices] = [row[name] for name in names]
+            walked = wl.Genome.parse(row["genome"]).values
+            assert (np.abs(walked - requested) > ROUNDING_TOLERANCE).sum() == row["n_repaired"]
+    assert (slice_of_two.n_repaired == 0).any()
 
 
 def test_every_fitness_is_that_of_the_walk_of_its_genome(slice_of_two, pool):

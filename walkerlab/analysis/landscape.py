@@ -31,8 +31,8 @@ def landscape(
 ) -> pd.DataFrame:
     """Measure the fitness around a genome along one gene, or on a grid of two genes.
 
-    All other genes keep their values, unless repair must change some to keep the robot within its limits; the column
-    ``n_repaired`` counts those.
+    All other genes keep their values. If repair must change genes to keep the robot within its limits, the column
+    ``n_repaired`` counts them, and the walk is not exactly on the slice.
 
     Args:
         genome: Genome in the centre: a genome, its text, its values, or an individual.
@@ -70,8 +70,6 @@ def landscape(
     genomes[:, indices] = wanted
     repaired = repair(genomes, settings.robot)
     walks = evaluate(repaired, settings, executor)
-    is_other = np.ones(len(table), dtype=np.bool_)
-    is_other[indices] = False
     is_changed = np.abs(shortest_change(genomes, repaired, table)) > ROUNDING_TOLERANCE
     columns = {
         **{name: wanted[:, position] for position, name in enumerate(names)},

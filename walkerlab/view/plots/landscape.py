@@ -20,7 +20,7 @@ def landscape(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
 
     With one gene, the fitness is a curve with a dot for each walk; with two genes, it is a map on which brighter cells
     are fitter. A star marks the genome itself. Crosses mark walks that do not count. Small rings, on a map small
-    triangles, mark walks in which repair changed other genes too, so that they are not exactly on the slice.
+    triangles, mark walks in which repair changed genes, so that they are not exactly on the slice.
 
     Args:
         table: Table from ``wl.analysis.landscape``.
@@ -62,7 +62,7 @@ def _draw_curve(axes: Axes, table: pd.DataFrame, names: list[str], labels: list[
     if (counts & ~held).any():
         axes.plot(
             x[counts & ~held], y[counts & ~held], "o", ms=5, mfc="white", mec=RUN_COLOURS[0],
-            label="a walk; repair changed other genes too",
+            label="a walk; repair changed genes",
         )  # fmt: skip
     if (~counts).any():
         axes.plot(
@@ -92,7 +92,7 @@ def _draw_map(axes: Axes, table: pd.DataFrame, names: list[str], labels: list[st
     axes.set_facecolor("white")
     for wanted, marker, label in (
         (walks.verdict != "ok", "x", "the walk does not count"),
-        ((walks.verdict == "ok") & (walks.n_repaired > 0), "^", "repair changed other genes too"),
+        ((walks.verdict == "ok") & (walks.n_repaired > 0), "^", "repair changed genes"),
     ):
         if wanted.any():
             colour = "0.45" if marker == "x" else "white"
