@@ -35,6 +35,7 @@ _PUBLIC_NAMES = {
     "simulation.robustness": ("Confirmation", "confirm"),
     "world.entities": ("generate_robot", "generate_terrain"),
     "simulation.evaluation": ("Evaluation", "evaluate", "evaluate_population"),
+    "evolution.births": ("explain_birth",),
     "evolution.evolution": ("Evolution",),
     "evolution.generation": ("Generation",),
     "evolution.stages": ("Stage",),
@@ -61,13 +62,16 @@ _PUBLIC_NAMES = {
     "settings.simulation": ("Simulation",),
     "settings.terrain": ("Terrain",),
     "runfile.store": ("RunFileError",),
+    "view.pedigree": ("lineage_changes",),
     "view.replay": ("Replay", "replay"),
+    "view.replay.ancestors": ("race_ancestors",),
     "simulation.workers": ("WorkersLostError",),
     "widgets.lab": ("Lab",),
 }
 """Public names, by the module that defines them."""
 
 _PUBLIC_MODULES = {
+    "analysis": "analysis",
     "fitness": "simulation.fitness",
     "ga": "ga",
     "plots": "view.plots",
@@ -79,6 +83,7 @@ _PUBLIC_MODULES = {
 _DEFINING_MODULE = {name: module for module, names in _PUBLIC_NAMES.items() for name in names}
 
 if TYPE_CHECKING:
+    from walkerlab import analysis as analysis
     from walkerlab import ga as ga
     from walkerlab import widgets as widgets
     from walkerlab.breeding import crossover_population as crossover_population
@@ -86,6 +91,7 @@ if TYPE_CHECKING:
     from walkerlab.breeding import generate_robot_population as generate_robot_population
     from walkerlab.breeding import mutate_population as mutate_population
     from walkerlab.breeding import select_from_population as select_from_population
+    from walkerlab.evolution.births import explain_birth as explain_birth
     from walkerlab.evolution.evolution import Evolution as Evolution
     from walkerlab.evolution.generation import Generation as Generation
     from walkerlab.evolution.loading import load as load
@@ -140,8 +146,10 @@ if TYPE_CHECKING:
     from walkerlab.view.film import FilmError as FilmError
     from walkerlab.view.film import film as film
     from walkerlab.view.film import timelapse as timelapse
+    from walkerlab.view.pedigree import lineage_changes as lineage_changes
     from walkerlab.view.replay import Replay as Replay
     from walkerlab.view.replay import replay as replay
+    from walkerlab.view.replay.ancestors import race_ancestors as race_ancestors
     from walkerlab.widgets.lab import Lab as Lab
     from walkerlab.world.entities import generate_robot as generate_robot
     from walkerlab.world.entities import generate_terrain as generate_terrain

@@ -108,6 +108,7 @@ TABLE_PLOTS = {
     "genes": wl.plots.genes,
     "verdicts": wl.plots.verdicts,
     "family_tree": wl.plots.family_tree,
+    "pedigree": wl.plots.pedigree,
 }
 ROBOT_PLOTS = {
     "distance_over_time": lambda ax: wl.plots.distance_over_time(wl.simulate(GENOME, SETTINGS), ax),

@@ -21,6 +21,7 @@ from walkerlab.view.snapshots import HasSnapshot, snapshot_html
 from walkerlab.widgets.component import Component
 from walkerlab.widgets.drawer import Drawer
 from walkerlab.widgets.drawing_thread import DrawingThread
+from walkerlab.widgets.landscape import LandscapePicture
 from walkerlab.widgets.robot import RobotArea
 from walkerlab.widgets.run_folders import ListedRun
 from walkerlab.widgets.run_list import RunList
@@ -79,11 +80,20 @@ def transport(_run):
     return made
 
 
+def landscape(run):
+    with ThreadPoolExecutor(1) as pool:
+        table = wl.analysis.landscape(run.champion, run.settings, "frequency", n=2, executor=pool)
+    return widgets.Landscape(table, run.settings)
+
+
 MAKE = {
     widgets.Curve: lambda run: widgets.Curve({EVIL: run.records, "other": run.records}),
     widgets.Editor: lambda run: widgets.Editor(EVIL, run.settings),
     widgets.Form: lambda run: widgets.Form(run.settings),
     widgets.Lab: panel,
+    widgets.Landscape: landscape,
+    LandscapePicture: lambda run: landscape(run).plot,
+    widgets.Microscope: lambda run: widgets.Microscope(run),
     widgets.Population: lambda run: widgets.Population(run),
     widgets.World: lambda run: widgets.World(run.settings.with_(structure="rough")),
     Drawer: drawer,
@@ -124,7 +134,16 @@ def test_a_snapshot_is_self_contained_named_and_small(kind, done, monkeypatch, t
     assert "could not be drawn" not in seen.text
     assert widget.snapshot()
     assert len(html) < MAX_SIZE
-    if kind in (widgets.Curve, widgets.Lab, widgets.Population, widgets.World, Frame, RobotArea, RunsArea):
+    if kind in (
+        widgets.Curve,
+        widgets.Lab,
+        widgets.Microscope,
+        widgets.Population,
+        widgets.World,
+        Frame,
+        RobotArea,
+        RunsArea,
+    ):
         assert seen.all("img")
     widget.close()
 

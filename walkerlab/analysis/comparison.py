@@ -1,0 +1,93 @@
+"""Infer from the genomes alone where the genes of a child come from."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from walkerlab.analysis.inheritance import ROUNDING_TOLERANCE, Birth, gene_widths, shortest_change
+from walkerlab.analysis.mating import AnyGenome
+from walkerlab.analysis.tracing import NO_SOURCE, Sources
+from walkerlab.ga.genes import Floats, Genes
+from walkerlab.genome.features import build_genes
+from walkerlab.genome.genome import Genome
+from walkerlab.settings.robot import Robot
+
+
+def compare_with_parents(child: AnyGenome, parents: Sequence[AnyGenome], robot: Robot, names: Sequence[str]) -> Birth:
+    """Infer from the values where the genes of a child come from.
+
+    A gene that equals that of a parent at the same position comes from it; a segment that mostly equals another segment
+    of a parent was moved. If most genes that differ between two parents lie the same share of the way from one to the
+    other, they are blends. All other genes are assigned to the parent with the nearest value, and the difference counts
+    as mutation.
+
+    Args:
+        child: Genome of the child.
+        parents: Genomes of its parents, at least one.
+        robot: Limits of the robots.
+        names: Name of each parent.
+    """
+    genes = build_genes(robot)
+    values = Genome.of(child).values
+    table = np.array([Genome.of(one).values for one in parents])
+    gene = np.tile(np.arange(len(genes)), (len(table), 1))
+    parent, is_moved = _match_parts(values, table, genes)
+    distance = np.abs(shortest_change(table, values, genes)) / gene_widths(genes)
+    nearest = np.argmin(distance, axis=0)
+    source_parent = np.where(is_moved, parent.parent, nearest)
+    source_gene = np.where(is_moved, parent.gene, gene[0])
+    shares = (np.arange(len(table))[:, np.newaxis] == source_parent).astype(np.float64)
+    share = _blend_share(values, table, genes) if len(table) == 2 else None
+    if share is not None:
+        weights = np.array([1 - share, share])
+        blended = table[0] + share * shortest_change(table[0], table[1], genes)
+        error = np.abs(shortest_change(blended, values, genes))
+        is_blend = (error <= np.where(genes.is_count, 0.5, ROUNDING_TOLERANCE)) & (table[0] != table[1])
+        source_parent = np.where(is_blend, NO_SOURCE, source_parent)
+        source_gene = np.where(is_blend, NO_SOURCE, source_gene)
+        shares = np.where(is_blend, weights[:, np.newaxis], shares)
+    sources = Sources(source_parent, source_gene, shares)
+    has_source = source_parent != NO_SOURCE
+    inherited = np.where(has_source, table[source_parent, source_gene], values)
+    return Birth(genes, table, tuple(names), sources, inherited, values, values, is_exact=False)
+
+
+def _match_parts(values: Floats, table: Floats, genes: Genes) -> tuple[Sources, NDArray[np.bool_]]:
+    """Find the parts of a child that were moved: they equal a part of a parent better than the genes at their position.
+
+    Returns:
+        Sources of all genes of the parts, and whether each gene belongs to a moved part.
+    """
+    n_genes = len(genes)
+    parent = np.zeros(n_genes, dtype=np.intp)
+    gene = np.arange(n_genes)
+    is_moved = np.zeros(n_genes, dtype=np.bool_)
+    if not genes.n_parts:
+        return Sources(parent, gene, np.zeros((len(table), n_genes))), is_moved
+    of_child = genes.parts(values[np.newaxis])[0]
+    of_parents = genes.parts(table)
+    n_equal = (of_child[:, np.newaxis, np.newaxis] == of_parents).sum(axis=-1)  # (parts, parents, parts)
+    for part, counts in enumerate(n_equal):
+        at_position = (of_child[part] == of_parents[:, part]).any(axis=0).sum()
+        row, column = np.unravel_index(np.argmax(counts), counts.shape)
+        if counts[row, column] > at_position:
+            width = of_child.shape[1]
+            mine = genes.n_whole + part * width + np.arange(width)
+            parent[mine] = row
+            gene[mine] = genes.n_whole + column * width + np.arange(width)
+            is_moved[mine] = True
+    return Sources(parent, gene, np.zeros((len(table), n_genes))), is_moved
+
+
+def _blend_share(values: Floats, table: Floats, genes: Genes) -> float | None:
+    """Return the share of the second of two parents in most genes that differ; None if there is no such share."""
+    difference = shortest_change(table[0], table[1], genes)
+    is_used = (np.abs(difference) > 20 * ROUNDING_TOLERANCE) & ~genes.is_count
+    if not is_used.any():
+        return None
+    shares = shortest_change(table[0], values, genes)[is_used] / difference[is_used]
+    share = float(np.median(shares))
+    error = np.abs(shares - share) * np.abs(difference[is_used])
+    is_between = 1e-3 < share < 1 - 1e-3
+    return share if is_between and (error <= 2 * ROUNDING_TOLERANCE).mean() > 1 / 2 else None

@@ -1,0 +1,228 @@
+"""Plot of a birth gene by gene: parents, child, and a table of its genes coloured by their origin."""
+
+from collections.abc import Sequence
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.patches import Rectangle
+
+from walkerlab.analysis.inheritance import Birth, parent_letter
+from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES
+from walkerlab.genome.genome import Genome
+from walkerlab.settings.settings import Settings
+from walkerlab.view.inheritance import (
+    GeneMark,
+    PartPaint,
+    cell_colour,
+    describe_birth,
+    mark_genes,
+    paint_child,
+    paint_parent,
+    painted_parts,
+    parent_colour,
+)
+from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
+from walkerlab.view.plots.bodies import DEPTH_SHIFT, BodyParts, add_body
+from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description, escape_label
+from walkerlab.world.geometry import ROPE_POINTS, convex_outline
+
+TITLE = "One birth, gene by gene"
+WIDTH = 12.0  # inches of the figure; the unit of all positions below
+LABEL_WIDTH = 0.95
+CELL_WIDTH = (WIDTH - LABEL_WIDTH) / len(SEGMENT_FEATURES)
+CELL_HEIGHT = 0.46
+BODY_HEIGHT = 1.75  # of the drawings of the bodies
+BODY_SCALE = 3.0  # maximum, inches per metre
+MAX_BODIES = 3  # maximum number of parents that are drawn
+HEADING_HEIGHT = 0.42
+CAPTION_HEIGHT = 0.6
+GROUPS = ("trunk",) * 4 + ("legs",) * 2 + ("hip",) * 3 + ("knee",) * 3 + ("left/right",)
+"""Heading above the name of each feature of a segment."""
+FONT_SIZE = 8.5  # points, in a figure of unrestricted size
+TEXT_COLOUR = "#1a1a1a"
+FAINT_TEXT_COLOUR = "#6b6b6b"
+
+
+@styled_plot
+def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None) -> Axes:
+    """Draw a birth gene by gene: the parents, the child, and a table of its genes coloured by their origin.
+
+    Each cell is a gene of the child. Its letter and colour name the parent from which it comes; a number after the
+    letter is the segment of the parent from which it was moved. Changed genes have a bold frame and the amount of the
+    change in the unit of the gene; the frame is dashed if the change was made by repair. Genes without effect on the
+    child are hatched. In the drawings, the trunk and the legs of each segment have the colour of the parent from
+    which their size comes, and changed parts have a bold outline.
+
+    Args:
+        birth: Birth, as returned by ``wl.analysis.mate``, ``wl.analysis.mutate`` or ``wl.explain_birth``.
+        ax: Axes to draw on; if None, a new figure is created.
+        settings: Settings with the loads of the robots; no loads if None.
+
+    Returns:
+        The Axes drawn on.
+    """
+    n_parts = birth.genes.n_parts
+    top = CAPTION_HEIGHT + n_parts * CELL_HEIGHT + HEADING_HEIGHT
+    ground = top + CELL_HEIGHT + 0.25
+    height = ground + BODY_HEIGHT + 0.1
+    axes = ax or new_axes(WIDTH, height)
+    axes.set_xlim(0, WIDTH)
+    axes.set_ylim(0, height)
+    axes.set_aspect("equal", anchor="N")
+    axes.set_axis_off()
+    window = axes.get_window_extent()
+    size = FONT_SIZE
+    if ax is not None:
+        size = float(np.clip(size * min(window.width / WIDTH, window.height / height) / axes.figure.dpi, 2.5, size))
+    _draw_bodies(axes, birth, settings, ground, size)
+    marks = mark_genes(birth)
+    label: dict[str, Any] = {"va": "center", "fontsize": size}
+    axes.text(0, top + CELL_HEIGHT / 2, "whole body", **label)
+    for i, mark in enumerate(marks[: len(BODY_FEATURES)]):
+        x = LABEL_WIDTH + (2 * i + 1) * CELL_WIDTH
+        axes.text(x - 0.06, top + CELL_HEIGHT / 2, mark.name, ha="right", **label)
+        _draw_cell(axes, mark, x, top, size)
+    _draw_headings(axes, birth, top - HEADING_HEIGHT, size)
+    n_grown = int(birth.genes.n_grown(birth.child[np.newaxis])[0])
+    of_parts = iter(marks[len(BODY_FEATURES) :])
+    for part in range(n_parts):
+        y = top - HEADING_HEIGHT - (part + 1) * CELL_HEIGHT
+        name = f"segment {part + 1}" + ("" if part < n_grown else "\n(not grown)")
+        axes.text(0, y + CELL_HEIGHT / 2, name, linespacing=1.0, **label)
+        for column in range(len(SEGMENT_FEATURES)):
+            _draw_cell(axes, next(of_parts), LABEL_WIDTH + column * CELL_WIDTH, y, size)
+    colour = foreground_colour(axes, 0.8)
+    axes.text(0, 0, escape_label(_caption(birth)), va="bottom", fontsize=size, linespacing=1.3, color=colour)
+    add_description(axes, TITLE, describe_birth(birth))
+    return axes
+
+
+def _caption(birth: Birth) -> str:
+    """Explain the signs, colours and frames that occur."""
+    origins = birth.origins
+    signs: list[str] = []
+    if len(birth.parents) > 1:
+        signs.append("Letter and colour: the parent from which a gene comes.")
+    if "same" in origins:
+        signs.append("= : equal in all parents.")
+    if birth.is_moved.any():
+        signs.append("Number: the segment of the parent from which the gene was moved.")
+    if "blend" in origins:
+        signs.append("Percentages: the share of each parent.")
+    if "new" in origins:
+        signs.append("new: from no parent.")
+    frames: list[str] = []
+    if (birth.change != 0).any():
+        frames.append("Bold frame: changed, with the amount in the gene's unit.")
+    if (birth.is_repaired & (birth.change != 0)).any():
+        frames.append("Dashed: changed by repair, which keeps robots within their limits.")
+    if not birth.is_expressed.all():
+        frames.append("Hatched: no effect on this robot.")
+    if not birth.is_exact:
+        frames.append("Inferred from the genomes.")
+    return " ".join(signs) + "\n" + " ".join(frames)
+
+
+def _draw_headings(axes: Axes, birth: Birth, y: float, size: float) -> None:
+    """Write the names of the features of a segment, with their units, above the columns."""
+    colour = foreground_colour(axes, SECONDARY_STRENGTH)
+    first = len(BODY_FEATURES)
+    for column, feature in enumerate(SEGMENT_FEATURES):
+        words = feature.name.removeprefix("leg_").removeprefix("hip_").removeprefix("knee_")
+        unit = birth.genes.units[first + column]
+        name = f"{words} [{unit}]" if unit not in ("", "pair") else words
+        x = LABEL_WIDTH + (column + 0.5) * CELL_WIDTH
+        axes.text(x, y + 0.04, name, ha="center", va="bottom", fontsize=0.8 * size, color=colour)
+    column = 0
+    for group, members in groupby(GROUPS):
+        n_columns = len(list(members))
+        left = LABEL_WIDTH + column * CELL_WIDTH + 0.04
+        right = LABEL_WIDTH + (column + n_columns) * CELL_WIDTH - 0.04
+        axes.plot([left, right], [y + 0.2, y + 0.2], color=colour, lw=0.6)
+        axes.text((left + right) / 2, y + 0.22, group, ha="center", va="bottom", fontsize=0.9 * size)
+        column += n_columns
+
+
+def _draw_cell(axes: Axes, mark: GeneMark, x: float, y: float, size: float) -> None:
+    """Draw the cell of one gene with its lower left corner at (x, y): background, sign, value and change."""
+    gap = 0.02
+    box = (x + gap, y + gap), CELL_WIDTH - 2 * gap, CELL_HEIGHT - 2 * gap
+    text_colour = TEXT_COLOUR if mark.is_expressed else FAINT_TEXT_COLOUR
+    axes.add_patch(Rectangle(*box, facecolor=cell_colour(mark), edgecolor="#b5b5b5", lw=0.5, gid=f"gene-{mark.name}"))
+    if not mark.is_expressed:
+        axes.add_patch(Rectangle(*box, facecolor="none", edgecolor="#c4c4c4", hatch="///", lw=0))
+    if mark.change:
+        style = "--" if mark.by_repair else "-"
+        axes.add_patch(Rectangle(*box, facecolor="none", edgecolor=TEXT_COLOUR, lw=1.8, ls=style))
+    axes.text(x + 0.06, y + CELL_HEIGHT - 0.05, mark.sign, va="top", fontsize=0.8 * size, color=text_colour)
+    middle = y + 0.3 * CELL_HEIGHT
+    axes.text(x + CELL_WIDTH - 0.06, middle, mark.value, ha="right", va="center", fontsize=size, color=text_colour)
+    if mark.change:
+        axes.text(
+            x + CELL_WIDTH - 0.06, y + CELL_HEIGHT - 0.05, mark.change, ha="right", va="top", fontsize=0.85 * size,
+            weight="bold", color=text_colour,
+        )  # fmt: skip
+
+
+def _draw_bodies(axes: Axes, birth: Birth, settings: Settings | None, ground: float, size: float) -> None:
+    """Draw the parents, an arrow, and the child, all on one scale."""
+    n_drawn = min(len(birth.parents), MAX_BODIES)
+    genomes = [Genome(values) for values in birth.parents[:n_drawn]] + [birth.genome]
+    paints: list[PartPaint] = [paint_parent(values, i) for i, values in enumerate(birth.parents[:n_drawn])]
+    paints.append(paint_child(birth))
+    names = [_parent_title(birth, i) for i in range(n_drawn)]
+    if len(birth.parents) > n_drawn:
+        names[-1] += f"   (and {len(birth.parents) - n_drawn} more parents)"
+    bodies = [painted_parts(genome, paint, settings) for genome, paint in zip(genomes, paints, strict=True)]
+    corners = [np.concatenate([points for points, _ in parts]) for parts, _ in bodies]
+    across = [points[:, 0] + DEPTH_SHIFT * points[:, 1] for points in corners]
+    widest = max(float(np.ptp(x)) for x in across)
+    highest = max(float(points[:, 2].max()) for points in corners)
+    slot = WIDTH / len(bodies)
+    scale = min(BODY_SCALE, 0.76 * slot / widest, (BODY_HEIGHT - 0.4) / highest)
+    for i, ((parts, changed), x) in enumerate(zip(bodies, across, strict=True)):
+        origin = (slot * (i + 0.5) - scale * float(x.max() + x.min()) / 2, ground)
+        add_body(axes, parts, at=origin, scale=scale, slant=DEPTH_SHIFT)
+        outline_changed(axes, parts, changed, at=origin, scale=scale)
+        middle = slot * (i + 0.5)
+        axes.plot([middle - 0.42 * slot, middle + 0.42 * slot], [ground, ground], color="0.6", lw=0.8)
+        is_child = i == n_drawn
+        name = birth.name if is_child else names[i]
+        colour = TEXT_COLOUR if is_child else tuple(0.75 * np.array(parent_colour(i)))
+        axes.text(middle, ground + BODY_HEIGHT + 0.05, escape_label(name), ha="center", va="top", fontsize=1.15 * size,
+                  weight="bold", color=colour)  # fmt: skip
+    operators = "\n".join(birth.operators)
+    axes.text(slot * n_drawn, ground + 0.62, operators, ha="center", va="bottom", fontsize=size, linespacing=1.1)
+    arrow = {"arrowstyle": "-|>", "lw": 1.6, "color": foreground_colour(axes, SECONDARY_STRENGTH)}
+    axes.annotate("", (slot * n_drawn + 0.3, ground + 0.5), (slot * n_drawn - 0.3, ground + 0.5), arrowprops=arrow)
+
+
+def outline_changed(
+    axes: Axes, parts: BodyParts, changed: Sequence[bool], *, at: tuple[float, float], scale: float, width: float = 2.0
+) -> None:
+    """Draw a bold outline around the changed parts of a body.
+
+    Args:
+        axes: Axes with the body.
+        parts: Parts of the body.
+        changed: Whether each part was changed.
+        at: Position of the origin of the body, in data coordinates.
+        scale: Data units per metre.
+        width: Width of the outline [points].
+    """
+    view = np.array([(1.0, 0.0), (DEPTH_SHIFT, 0.0), (0.0, 1.0)])
+    outlines = [
+        convex_outline(points @ view) * scale + at
+        for (points, _), is_changed in zip(parts, changed, strict=True)
+        if is_changed and len(points) != ROPE_POINTS
+    ]
+    axes.add_collection(PolyCollection(outlines, facecolors="none", edgecolors=TEXT_COLOUR, linewidths=width))
+
+
+def _parent_title(birth: Birth, parent: int) -> str:
+    """Return the letter and the name of a parent; its name if it is the only one."""
+    name = birth.names[parent]
+    return name if len(birth.names) == 1 else f"{parent_letter(parent)}: {name}"

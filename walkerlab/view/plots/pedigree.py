@@ -1,0 +1,151 @@
+"""Plot of the line of descent of a robot: all its bodies, and the genes that changed from each to the next."""
+
+import math
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+
+from walkerlab.genome.genome import Genome
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import pluralize
+from walkerlab.view.inheritance import PartPaint, painted_parts
+from walkerlab.view.pedigree import Step, changed_parts, describe_step, genes_of_text, trace_line
+from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
+from walkerlab.view.plots.births import outline_changed
+from walkerlab.view.plots.bodies import DEPTH_SHIFT, add_body
+from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, add_description, annotate_no_data, escape_label
+from walkerlab.view.plots.tables import UNKNOWN_FITNESS, format_value, require_table, unit_of
+
+TITLE = "Line of descent, with the genes that changed"
+WIDTH = 12.8  # inches of the figure; the unit of all positions below
+ROW_HEIGHT = 0.365
+N_COLUMNS = 2
+ROBOTS_PER_SCREEN = 40  # a screen of 1280 × 800 pixels has space for so many
+MAX_LENGTH = 60  # maximum length of a line of text, in characters
+FONT_SIZE = 7.5  # points
+CAPTION_HEIGHT = 0.42
+BAR_LEFT = 0.62
+BAR_WIDTH = 0.8
+BODY_LEFT = 1.5
+BODY_WIDTH = 1.05
+TEXT_LEFT = 2.66
+
+
+@styled_plot
+def pedigree(
+    records: pd.DataFrame,
+    ax: Axes | None = None,
+    individual: int | None = None,
+    settings: Settings | None = None,
+    *,
+    max_robots: int | None = None,
+) -> Axes:
+    """Draw the line of descent of a robot through its fitter parents, with the genes that changed at each step.
+
+    The line begins at the top left and continues in the second column. Each row shows the generation and number of a
+    robot, its fitness as a bar and a number, its body, and the genes that differ from the robot in the row above it:
+    how many came from the other parent, how many have new values, and the largest of these changes. Branches that died
+    out are not part of a line of descent. A robot without visible difference from its parent is left out, so that
+    generations without change form one step.
+
+    Args:
+        records: Table of a run, or the run.
+        ax: Axes to draw on; if None, a new figure is created, whose height suits the number of robots.
+        individual: Number of the robot; the champion if None.
+        settings: Settings with the loads of the robots; no loads if None.
+        max_robots: Maximum number of robots; if None, 40 for each 100 generations of the run, and at least 40.
+
+    Returns:
+        The Axes drawn on.
+
+    Raises:
+        ValueError: If the table has no such individual.
+    """
+    table = require_table(records, "individual", "born", "parents", "fitness", "verdict", "genome")
+    if table.empty:
+        axes = ax or new_axes()
+        annotate_no_data(axes, "no robot has walked yet")
+        add_description(axes, TITLE, "No robot has walked yet.")
+        axes.set_axis_off()
+        return axes
+    n_generations = int(table.generation.max()) + 1
+    limit = max_robots or ROBOTS_PER_SCREEN * max(1, math.ceil(n_generations / 100))
+    steps = trace_line(table, individual, limit)
+    n_rows = max(math.ceil(len(steps) / N_COLUMNS), 4)
+    height = n_rows * ROW_HEIGHT + CAPTION_HEIGHT
+    axes = ax or new_axes(WIDTH, height)
+    axes.set_xlim(0, WIDTH)
+    axes.set_ylim(0, height)
+    axes.set_aspect("equal", anchor="N")
+    axes.set_axis_off()
+    window = axes.get_window_extent()
+    scale = min(window.width / WIDTH, window.height / height) / axes.figure.dpi if ax is not None else 1.0
+    size = float(np.clip(FONT_SIZE * scale, 2.0, FONT_SIZE))
+    _draw_rows(axes, steps, n_rows, settings, unit_of(table, "fitness"), size)
+
+    last = steps[-1]
+    fitness_name = str(table.attrs.get("fitness", UNKNOWN_FITNESS))
+    n_births = sum(step.n_births for step in steps)
+    caption = (
+        f"Line of robot {last.individual} through the fitter parents, {pluralize(n_births, 'birth')} in "
+        f"{pluralize(last.born + 1, 'generation')}; {len(steps)} robots drawn. Bar: {fitness_name}.\n"
+        "Text: how a robot differs from the robot above it; each gene with its value before → after. "
+        "Bold outline: part of another size or force. Numbers after +: further changed genes."
+    )
+    axes.text(0, height, escape_label(caption), va="top", fontsize=size, color=foreground_colour(axes, 0.85))
+    first = steps[0]
+    unit = unit_of(table, "fitness")
+    text = (
+        f"Line of descent of robot {last.individual}, from robot {first.individual} of generation {first.born} "
+        f"({_result(first, unit)}) to generation {last.born} ({_result(last, unit)}): {pluralize(n_births, 'birth')}, "
+        f"{len(steps)} robots drawn."
+    )
+    add_description(axes, TITLE, text)
+    return axes
+
+
+def _draw_rows(axes: Axes, steps: list[Step], n_rows: int, settings: Settings | None, unit: str, size: float) -> None:
+    genes = genes_of_text(steps[0].genome)
+    bodies = [
+        painted_parts(Genome.parse(step.genome), PartPaint({}, changed_parts(step, genes)), settings) for step in steps
+    ]
+    corners = [np.concatenate([points for points, _ in parts]) for parts, _ in bodies]
+    across = [points[:, 0] + DEPTH_SHIFT * points[:, 1] for points in corners]
+    widest = max(float(np.ptp(x)) for x in across)
+    highest = max(float(points[:, 2].max()) for points in corners)
+    scale = min(BODY_WIDTH / widest, 0.92 * ROW_HEIGHT / highest)
+    finite = [step.fitness for step in steps if np.isfinite(step.fitness)]
+    longest = max([*finite, 1e-12])
+    column_width = WIDTH / N_COLUMNS
+    secondary = foreground_colour(axes, SECONDARY_STRENGTH)
+    small: dict[str, Any] = {"fontsize": 0.9 * size, "color": secondary}
+    for i, (step, (parts, changed), x) in enumerate(zip(steps, bodies, across, strict=True)):
+        column, row = divmod(i, n_rows)
+        left = column * column_width
+        bottom = (n_rows - row - 1) * ROW_HEIGHT
+        middle = bottom + ROW_HEIGHT / 2
+        if row % 2 == 0:
+            stripe = Rectangle(
+                (left, bottom), column_width - 0.1, ROW_HEIGHT, color=foreground_colour(axes, 0.045), lw=0
+            )
+            axes.add_patch(stripe)
+        axes.text(left + 0.04, middle, f"gen {step.born}", va="bottom", fontsize=size, weight="bold")
+        axes.text(left + 0.04, middle - 0.01, f"robot {step.individual}", va="top", **small)
+        share = max(0.0, step.fitness / longest) if np.isfinite(step.fitness) else 0.0
+        bar = Rectangle((left + BAR_LEFT, bottom + 0.06), BAR_WIDTH * share, 0.1, color=RUN_COLOURS[0], lw=0)
+        axes.add_patch(bar)
+        axes.text(left + BAR_LEFT, bottom + 0.17, escape_label(_result(step, unit)), va="bottom", fontsize=size)
+        origin = (left + BODY_LEFT + BODY_WIDTH / 2 - scale * float(x.max() + x.min()) / 2, bottom + 0.015)
+        add_body(axes, parts, at=origin, scale=scale, slant=DEPTH_SHIFT, gid=f"robot-{step.individual}")
+        outline_changed(axes, parts, changed, at=origin, scale=scale, width=1.1)
+        first, second = describe_step(step, genes, MAX_LENGTH)
+        axes.text(left + TEXT_LEFT, middle + 0.01, escape_label(second or first), va="top", fontsize=size)
+        if second:
+            axes.text(left + TEXT_LEFT, middle + 0.015, escape_label(first), va="bottom", **small)
+
+
+def _result(step: Step, unit: str) -> str:
+    return format_value(step.fitness, unit) if step.verdict == "ok" else step.verdict
