@@ -34,7 +34,7 @@ def replaced_walks(monkeypatch):
     """Replace walks by evaluations with all verdicts in turn."""
     verdicts = cycle(VERDICTS)
 
-    def evaluate(genomes, settings, executor=None, *, on_done):
+    def evaluate(genomes, settings, executor=None, *, on_done, **_):
         on_done(len(genomes))
         walks = [walk(values) for values in genomes]
         for one, verdict in zip(walks, verdicts, strict=False):
