@@ -1,7 +1,6 @@
 """The picture of a walking robot at the top of the panel: the best robot so far, which can also be played in 3D."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import ipywidgets
 import traitlets
@@ -69,6 +68,7 @@ class WalkerView(HasSnapshot, ipywidgets.Box):
         self._still = ""  # SVG without motion, for the snapshot
         super().__init__([self.caption, self.frame])
         self.add_class("wl-walker")
+        self.frame.add_class("wl-frame")
         answer_on_requested_thread(self.frame)
         self.frame.observe(self._opened_or_closed, "is_open")
         self.caption.observe(self._draw, "moves")

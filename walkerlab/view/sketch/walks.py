@@ -159,7 +159,7 @@ def _draw_limb(limb: Limb, window: Window, animate: Any, name: str) -> Element:
     return make_element("g", make_element("defs", line), *drawn, stroke_linecap=ends, transform="scale(0.1)")
 
 
-def _animate(attribute: str, values: list[str], seconds: float, name: str = "animate", **attributes: object) -> Element:
+def _animate(attribute: str, values: list[str], seconds: float, name: str = "animate", **attributes: str) -> Element:
     """Return the animation of an attribute through values that are shown equally long, repeated for ever."""
     return make_element(
         name,
