@@ -62,7 +62,7 @@ def robot_area(run):
 
 
 def drawer(_run):
-    made = Drawer(ignore, ignore, ignore)
+    made = Drawer(ignore, ignore, ignore, ignore)
     made.code = EVIL
     return made
 

@@ -10,14 +10,15 @@ from walkerlab.settings.fields import MIN_MAX, FieldDeclaration, OneOf, Quantity
 from walkerlab.settings.glossary import GROUND_DRAWING, glossary_rows
 from walkerlab.settings.model import Domain
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.terms import explain_term
 
 Control: TypeAlias = dict[str, Any]
 """What the browser needs to know about one setting.
 
-``name``, ``label``, ``about``, ``default``, ``default_text``, ``hidden_if_unused`` and a ``kind``: ``slider`` (with
-unit, low, high and stops), ``range`` (the same, with two thumbs), ``vector`` (the same, with named components and
-presets), ``number`` (typed or random), ``choice`` (one of several options), ``sequence`` (options applied one after
-the other) or ``flags`` (any of the options).
+``name``, ``label``, ``about``, ``default``, ``default_text``, ``hidden_if_unused``, ``term`` and ``unit_term`` (which
+explain its name and its unit) and a ``kind``: ``slider`` (with unit, low, high and stops), ``range`` (the same, with two
+thumbs), ``vector`` (the same, with named components and presets), ``number`` (typed or random), ``choice`` (one of
+several options), ``sequence`` (options applied one after the other) or ``flags`` (any of the options).
 """
 
 Values: TypeAlias = Mapping[str, Mapping[str, Any]]
@@ -58,6 +59,8 @@ def make_controls(domain: type[Domain], functions: Mapping[str, Sequence[str]] |
             "name": name,
             "label": setting_label(name, domain.__name__.lower()),
             "about": use_labels(declared.about),
+            "term": explain_term(name),
+            "unit_term": explain_term(getattr(declared, "unit", "")),
             "default": defaults[name],
             "default_text": rows[name].default,
             "hidden_if_unused": name in HIDDEN_IF_UNUSED,

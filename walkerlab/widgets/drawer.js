@@ -40,7 +40,7 @@ function render({ model, el }) {
   path.onkeydown = ({ key }) => { if (key === "Enter") load(); };
   const loader = make("span", { className: "loader" }, files, path, button("Load", "add this run to the list", load));
 
-  const use = button("Use its settings", "copy the settings of the selected run to the form", () => model.send({ settings: true }));
+  const use = button("Use these settings", "copy the settings of the selected run to the form", () => model.send({ settings: true }));
   const out = button("Export", "write report, replay, curve, data and champion of the selected run into its folder", () => model.send({ export: true }));
   const code = make("textarea", { readOnly: true, rows: 6, ariaLabel: "Python code that repeats this run", spellcheck: false });
   const copy = button("Copy as code", "copy Python code that repeats the selected run", async () => {

@@ -48,7 +48,7 @@ function render({ model, el }) {
     const { elements, show } = KINDS[control.kind](control, (value) => change(setting, value));
     const [nameId, descriptionId, faultId] = [newId(), newId(), newId()];
     const limits = control.low === undefined ? "" : `; ${format(control.low)} to ${format(control.high)} ${control.unit}`;
-    const description = `${control.about}${limits.trimEnd()}. Default: ${control.default_text}.`;
+    const description = `${control.term ? `${control.term} ` : ""}${control.about[0].toUpperCase()}${control.about.slice(1)}${limits.trimEnd()}. Default: ${control.default_text}.`;
     const unusedReason = make("small", { className: "unused-reason" });
     const reset = make("button", { type: "button", className: "reset", title: `reset to ${control.default_text}`,
       ariaLabel: `${control.label}: reset to ${control.default_text}`, onclick: () => change(setting, control.default) }, "↺");
@@ -56,8 +56,10 @@ function render({ model, el }) {
     const kind = control.hidden_if_unused ? `${control.kind} optional` : control.kind;
     const element = make("div", { className: `row ${kind}`, role: "group",
       attributes: { "aria-labelledby": nameId, "aria-describedby": descriptionId, "data-setting": setting } },
-      make("span", { className: "name" }, make("span", { id: nameId }, control.label), unusedReason), ...elements, reset,
+      make("span", { className: "name", title: control.term }, make("span", { id: nameId }, control.label), unusedReason), ...elements, reset,
       fault, make("span", { className: "screen-reader-only", id: descriptionId }, description));
+    const unit = element.querySelector(".unit");
+    if (unit) unit.title = control.unit_term;
     rows.set(setting, { element, control, show, description, unusedReason, reset, fault });
     return element;
   }

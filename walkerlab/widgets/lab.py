@@ -95,7 +95,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
             panel.close()
             self.transport.words = "The earlier panel of this cell was closed. Its runs are saved: open them with Load."
         self._form_changed()
-        self._drawing.request("walker", self._show_walker)
+        self._run_selected()
 
     def __repr__(self) -> str:
         """Return a short description without the widgets, which are many."""
@@ -141,7 +141,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         faults = "\n".join(map(use_labels, self.form.fault.splitlines()))
         self.transport.fault = f"Cannot start. {faults}" if faults else ""
         if settings:
-            self._drawing.request("world", partial(self.world.draw, settings))
+            self._drawing.request("world", partial(self.world.draw, settings), is_urgent=True)
             self._drawing.request("forecast", self._show_forecast)
             if not self.run:  # edited genomes are simulated in the world of the selected run, if there is one
                 self.robot.set_settings(settings)
@@ -216,12 +216,11 @@ class Lab(HasSnapshot, ipywidgets.Box):
         state = (live.state, live.n_generations)
         now = time.monotonic()
         last_state, last_time = self._reported[live]
+        if state == last_state and now - last_time < STATUS_INTERVAL:
+            return
         if state != last_state:
             self.runs.redraw()
-            self._drawing.request("population", self._show_population)
-        elif now - last_time < STATUS_INTERVAL:
-            return
-        elif not live.n_generations:
+        if state != last_state or not live.n_generations:
             self._drawing.request("population", self._show_population)
         self._reported[live] = state, now
         if live is self._active:
@@ -250,7 +249,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         self._generation_selected()
 
     def _generation_selected(self, _change: object = None) -> None:
-        self._drawing.request("population", self._show_population)
+        self._drawing.request("population", self._show_population, is_urgent=True)
 
     def _copy_settings(self) -> None:
         """Change the form to the settings of the selected run."""
@@ -258,7 +257,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
             self.settings = run.settings
 
     def _robot_selected(self, _change: object) -> None:
-        self._drawing.request("robot", self._show_robot)
+        self._drawing.request("robot", self._show_robot, is_urgent=True)
 
     def _show_population(self) -> None:
         """Show the selected generation of the selected run, or the robots of generation 0 that have walked."""

@@ -29,7 +29,8 @@ def slider(name: str, settings: Settings | None = None) -> Any:
     ``BoundedIntText``. A range of numbers is a ``FloatRangeSlider`` or an ``IntRangeSlider``. A vector is a
     ``FloatsInput`` or, if it has presets, a ``Dropdown``. One of a few options is ``ToggleButtons``, one of many a
     ``Dropdown``, and several options a ``SelectMultiple``. The ``value`` of each control can be passed to
-    ``settings.with_``.
+    ``settings.with_``. Sliders change their value when they are released, because a walk takes a moment; with
+    ``control.continuous_update = True``, they do so while they move.
 
     Args:
         name: Name of the setting, as for ``settings.with_``: ``"step_height"``, ``"terrain_seed"``.
@@ -97,7 +98,7 @@ def _number_control(declared: Quantity, value: Any, step: float, common: dict[st
     limits = {"min": declared.low, "max": declared.high}
     if declared.components == MIN_MAX:
         kind = ipywidgets.IntRangeSlider if declared.whole else ipywidgets.FloatRangeSlider
-        return kind(value=value, step=step, **_readout(declared), **limits, **common)
+        return kind(value=value, step=step, **_slider_traits(declared), **limits, **common)
     if declared.presets:
         options = {f"{preset} {vector_text(vector)}": vector for preset, vector in declared.presets.items()}
         known = {} if value in options.values() else {vector_text(value): value}
@@ -107,11 +108,11 @@ def _number_control(declared: Quantity, value: Any, step: float, common: dict[st
     if declared.whole and declared.high - declared.low > MAX_SLIDER_RANGE:
         return ipywidgets.BoundedIntText(value=value, step=1, **limits, **common)
     kind = ipywidgets.IntSlider if declared.whole else ipywidgets.FloatSlider
-    return kind(value=value, step=step, **_readout(declared), **limits, **common)
+    return kind(value=value, step=step, **_slider_traits(declared), **limits, **common)
 
 
-def _readout(declared: Quantity) -> dict[str, str]:
-    return {} if declared.whole else {"readout_format": ".4g"}
+def _slider_traits(declared: Quantity) -> dict[str, Any]:
+    return {"continuous_update": False} | ({} if declared.whole else {"readout_format": ".4g"})
 
 
 def _choice_control(name: str, declared: OneOf, value: Any, common: dict[str, Any]) -> Any:

@@ -9,7 +9,7 @@ function render({ model, el }) {
   el.append(words, motion);
   const update = () => {
     words.textContent = model.get("words");
-    motion.textContent = model.get("moves") ? "Hold still" : "Move";
+    motion.textContent = model.get("moves") ? "Stop motion" : "Start motion";
     motion.title = model.get("moves") ? "stop the motion of the picture" : "let the robot in the picture walk";
   };
   for (const name of ["words", "moves"]) model.on(`change:${name}`, update);

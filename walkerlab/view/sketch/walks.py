@@ -39,7 +39,7 @@ REDUCED_MOTION = "@media (prefers-reduced-motion: reduce) { .moving { display: n
 def draw_walk(scene: Scene, walk: Rollout, *, size: tuple[float, float] = (640, 288), moves: bool = True) -> str:
     """Draw a walk from the side; the camera follows the robot.
 
-    Loose obstacles are drawn where they lie at the start.
+    A robot that turns is drawn as if it walked straight on. Loose obstacles are drawn where they lie at the start.
 
     Args:
         scene: Compiled scene of the walk.
@@ -58,8 +58,11 @@ def draw_walk(scene: Scene, walk: Rollout, *, size: tuple[float, float] = (640, 
         frames = frames[[len(frames) // 2]]
     terrain = scene.settings.terrain
     window = _choose_window(terrain, size, walk.phenotype.body_length, com)
-    camera = _camera_offsets(terrain, window, size, com, time)[frames]
-    limbs = sorted(limb_tracks(scene, poses[frames]), key=lambda limb: -float(limb.ends[0, :, 1].mean()))
+    n_averaged = max(1, round(CAMERA_SMOOTHING * len(time) / max(1e-9, float(time[-1]))))
+    camera = _camera_offsets(terrain, window, size[0], com, n_averaged)[frames]
+    sideways = _moving_average(com[:, 1], n_averaged)[frames]
+    limbs = [_shift_sideways(limb, -sideways) for limb in limb_tracks(scene, poses[frames])]
+    limbs.sort(key=lambda limb: -float(limb.ends[0, :, 1].mean()))
     seconds = float(time[-1])
     view = replace(window, size=size, width_m=window.width_m * size[0] / window.size[0])
     label = (
@@ -83,6 +86,10 @@ def _frame_indices(time: Floats) -> Any:
     return np.arange(0, len(time), step)
 
 
+def _shift_sideways(limb: Limb, shift: Floats) -> Limb:
+    return replace(limb, ends=limb.ends + shift[:, np.newaxis, np.newaxis] * (0.0, 1.0, 0.0))
+
+
 def _first_pose(limb: Limb) -> Limb:
     return replace(limb, ends=limb.ends[:1])
 
@@ -97,13 +104,12 @@ def _choose_window(terrain: Terrain, size: tuple[float, float], body_length: flo
     return Window((total * scale, size[1]), left, total, bottom, (-NEAR_SHARE * width_m, FAR_SHARE * width_m))
 
 
-def _camera_offsets(terrain: Terrain, window: Window, size: tuple[float, float], com: Floats, time: Floats) -> Floats:
+def _camera_offsets(terrain: Terrain, window: Window, width: float, com: Floats, n_averaged: int) -> Floats:
     """Return the translation of the world that keeps the robot in the middle [pixels], shape (n, 2)."""
-    n_averaged = max(1, round(CAMERA_SMOOTHING * len(time) / max(1e-9, float(time[-1]))))
     x = _moving_average(com[:, 0], n_averaged)
     level = _moving_average(ground_height(terrain, x), n_averaged)
     scale = window.projection.scale
-    return np.stack([size[0] / 2 - (x - window.left) * scale, (level - level[0]) * scale], axis=1)
+    return np.stack([width / 2 - (x - window.left) * scale, (level - level[0]) * scale], axis=1)
 
 
 def _moving_average(values: Floats, n: int) -> Floats:
