@@ -463,14 +463,13 @@ def test_a_loaded_file_never_replaces_another_run(lab, pool, tmp_path, monkeypat
     assert lab.runs.entries["run 1"].live is lab._active
 
 
-def test_a_loaded_run_without_generations_says_how_to_resume_it(lab, tmp_path):
+def test_a_loaded_run_without_generations_can_be_continued(lab, tmp_path):
     path = tmp_path / "begun.walk"
     wl.Evolution(SMALL.with_(seed=9), path)
     load(lab, path)
     wait_for_drawings(lab)
-    assert lab.runs.drawer.words == (
-        f"Loaded {path}. No generation is done yet; resume it with wl.resume({str(path)!r})."
-    )
+    assert lab.runs.drawer.words.startswith(f"Loaded {path}. No generation is done yet")
+    assert lab.runs.drawer.n_further == SMALL.algorithm.generations
     assert lab.run.settings == SMALL.with_(seed=9)
     [entry] = lab.runs.run_list.runs
     assert (entry["state"], entry["best"]) == ("loaded", "")
@@ -526,24 +525,22 @@ def test_a_setting_that_cannot_change_is_named_and_the_run_is_unchanged(lab):
 
 
 def test_an_earlier_generation_is_shown(lab):
-    for _ in range(3):
+    for _ in range(2):
         step(lab)
     wait_for_drawings(lab)
-    lab.runs.generation.selected = 1
+    lab.runs.generation.selected = 0
     wait_for_drawings(lab)
-    assert lab.population.generation["title"].startswith("Generation 1:")
-    wait_for_drawings(lab)
-    best = find_champion(lab.run.records[lab.run.records.generation == 1])
-    assert f"Best of generation 1: robot {best.individual} " in lab.walker.caption.words
+    assert lab.population.generation["title"].startswith("Generation 0:")
+    best = find_champion(lab.run.records[lab.run.records.generation == 0])
+    wait_until(lambda: f"Best of generation 0: robot {best.individual} " in lab.walker.caption.words)
     step(lab)
     wait_for_drawings(lab)
-    assert lab.population.generation["title"].startswith("Generation 1:")
+    assert lab.population.generation["title"].startswith("Generation 0:")
 
 
 def test_the_panel_opens_with_a_walker_that_walks(lab):
-    wait_for_drawings(lab)
     walker = load_pre_evolved_walker()
-    assert f"{walker.n_trials:,} trials" in lab.walker.caption.words
+    wait_until(lambda: f"{walker.n_trials:,} trials" in lab.walker.caption.words)
     assert wl.simulate(walker.genome, walker.settings).distance == pytest.approx(walker.distance, rel=0.05)
     moving = b64decode(lab.walker.frame.preview.partition(",")[2])
     assert b"<animate" in moving
@@ -571,3 +568,14 @@ def test_robots_are_shown_as_they_finish(lab):
     wait_for_drawings(lab)
     complete = {row["individual"]: row["cells"] for row in lab.population.generation["rows"]}
     assert shown.items() <= complete.items()
+
+
+def test_a_run_ends_early_under_the_conditions_of_the_panel(lab):
+    lab.transport.end_early = {"target": -10, "patience": "many", "minutes": -1}
+    assert lab.transport.stop == wl.Stop(target=-10)
+    press(lab, "start")
+    wait_until(lambda: lab.transport.state == "finished")
+    assert lab.run.n_generations == 1
+    assert "because the best fitness reached the target" in lab.transport.words
+    lab.transport.end_early = {}
+    assert lab.transport.stop is None

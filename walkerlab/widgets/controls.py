@@ -16,9 +16,9 @@ Control: TypeAlias = dict[str, Any]
 """What the browser needs to know about one setting.
 
 ``name``, ``label``, ``about``, ``default``, ``default_text``, ``hidden_if_unused``, ``term`` and ``unit_term`` (which
-explain its name and its unit) and a ``kind``: ``slider`` (with unit, low, high and stops), ``range`` (the same, with two
-thumbs), ``vector`` (the same, with named components and presets), ``number`` (typed or random), ``choice`` (one of
-several options), ``sequence`` (options applied one after the other) or ``flags`` (any of the options).
+explain its name and its unit) and a ``kind``: ``slider`` (with unit, low, high and stops), ``range`` (the same, with
+two thumbs), ``vector`` (the same, with named components and presets), ``number`` (typed or random), ``choice`` (one
+of several options), ``sequence`` (options applied one after the other) or ``flags`` (any of the options).
 """
 
 Values: TypeAlias = Mapping[str, Mapping[str, Any]]

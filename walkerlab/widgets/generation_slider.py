@@ -2,7 +2,7 @@
 
 import traitlets
 
-from walkerlab.text.templates import Markup
+from walkerlab.text.templates import Markup, render
 from walkerlab.widgets.component import Component, load_script, load_style
 
 LATEST = -1
@@ -28,5 +28,7 @@ class GenerationSlider(Component):
         return self.selected if 0 <= self.selected < self.n_generations else None
 
     def snapshot(self) -> Markup:
-        """Return nothing: the population says which generation it shows."""
-        return Markup("")
+        """Return a sentence on the generation that is shown."""
+        latest = self.n_generations - 1
+        number = latest if self.generation is None else self.generation
+        return render("widgets/generation_slider.html", n_generations=self.n_generations, generation=number)

@@ -30,7 +30,7 @@ from walkerlab.widgets.form import Form
 from walkerlab.widgets.generation_slider import LATEST
 from walkerlab.widgets.population import Population
 from walkerlab.widgets.robot import RobotArea
-from walkerlab.widgets.run_folders import ListedRun, create_live_run, prepare_further_generations
+from walkerlab.widgets.run_folders import ListedRun, new_live_run, prepare_further_generations
 from walkerlab.widgets.run_status import best_walker, describe_forecast, describe_state, error_text
 from walkerlab.widgets.runs import RunsArea
 from walkerlab.widgets.transport import Transport
@@ -177,7 +177,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
     def _start(self, settings: Settings, generations: int | None) -> None:
         """Start a run, which pauses after a number of generations unless this is None."""
         try:
-            live, note = create_live_run(settings, self._folder, self._executor, self._run_progressed)
+            live, note = new_live_run(settings, self._folder, self._executor, self._run_progressed, self.transport.stop)
         except ValueError as error:  # a user function that cannot be used as this operator
             self.transport.words = str(error)
             return
@@ -206,7 +206,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
             except ValueError as error:
                 self.runs.drawer.words = use_labels(str(error))
                 return
-            live = LiveRun(prepared, None, self._executor, on_change=self._run_progressed)
+            live = LiveRun(prepared, None, self._executor, stop=self.transport.stop, on_change=self._run_progressed)
             self.runs.drawer.words = note
             self._activate(ListedRun(entry.key, prepared.settings, live), live, "")
             live.resume()
@@ -216,12 +216,12 @@ class Lab(HasSnapshot, ipywidgets.Box):
         state = (live.state, live.n_generations)
         now = time.monotonic()
         last_state, last_time = self._reported[live]
-        if state == last_state and now - last_time < STATUS_INTERVAL:
-            return
         if state != last_state:
             self.runs.redraw()
         if state != last_state or not live.n_generations:
             self._drawing.request("population", self._show_population)
+        if state == last_state and now - last_time < STATUS_INTERVAL:
+            return
         self._reported[live] = state, now
         if live is self._active:
             self._show_status(live)

@@ -77,7 +77,8 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
     Returns:
         ``title`` and ``warning`` of the generation; ``n_drawn``, the largest number of pictures; ``drawn_note`` and
         ``listed_note``, which say that not all robots have a picture or a row; ``columns`` with key, title,
-        explanation, unit and sort direction; ``rows`` with ``individual``, ``kind``, ``sign``, ``label``, ``description`` and ``cells``.
+        explanation, unit and sort direction; ``rows`` with ``individual``, ``kind``, ``sign``, ``label``,
+        ``description`` and ``cells``.
     """
     fitness_name = str(records.attrs.get("fitness", ""))
     unit = unit_of(records, "fitness")

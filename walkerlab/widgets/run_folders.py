@@ -14,6 +14,7 @@ from walkerlab.evolution.live import LiveRun
 from walkerlab.evolution.resuming import PreparedRun, prepare_resume
 from walkerlab.evolution.run import Run
 from walkerlab.evolution.stages import find_changes
+from walkerlab.evolution.stopping import Stop
 from walkerlab.evolution.stored_functions import user_functions
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.paths import RUN_FILE
@@ -80,8 +81,8 @@ class ListedRun:
         return self.live.state if self.live else "loaded"
 
 
-def create_live_run(
-    settings: Settings, folder: Path, executor: Executor | None, on_change: Callable[[LiveRun], None]
+def new_live_run(
+    settings: Settings, folder: Path, executor: Executor | None, on_change: Callable[[LiveRun], None], stop: Stop | None
 ) -> tuple[LiveRun, str]:
     """Create a run with a run file in a new subfolder, or without a file if the folder is not writable.
 
@@ -89,9 +90,9 @@ def create_live_run(
         The run, and a note if it has no file.
     """
     try:
-        return LiveRun(settings, new_run_path(folder), executor, on_change=on_change), ""
+        return LiveRun(settings, new_run_path(folder), executor, stop=stop, on_change=on_change), ""
     except (RunFileError, OSError) as error:
-        return LiveRun(settings, None, executor, on_change=on_change), f"This run will not be saved. {error}"
+        return LiveRun(settings, None, executor, stop=stop, on_change=on_change), f"This run will not be saved. {error}"
 
 
 def new_run_path(folder: Path) -> Path:

@@ -43,10 +43,15 @@ class WalkerCaption(Component):
         moves: Whether the picture moves.
     """
 
+    title = "caption"
     _esm = load_script("walker_view")
     _css = load_style("walker_view")
     words = traitlets.Unicode("").tag(sync=True)
     moves = traitlets.Bool(True).tag(sync=True)
+
+    def snapshot(self) -> Markup:
+        """Return the text as static HTML."""
+        return render("widgets/walker_view.html", words=self.words)
 
 
 class WalkerView(HasSnapshot, ipywidgets.Box):
