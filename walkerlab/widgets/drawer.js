@@ -36,7 +36,8 @@ function render({ model, el }) {
   const path = make("input", { type: "text", placeholder: "path of a run file", ariaLabel: "path of the run file", hidden: true });
   const chosen = () => (files.value === OTHER ? path.value.trim() : files.value);
   const load = () => chosen() && model.send({ load: chosen() });
-  files.onchange = () => { path.hidden = files.value !== OTHER; if (!path.hidden) path.focus(); };
+  let isChosen = false; // whether the user has chosen a file; otherwise the newest is proposed
+  files.onchange = () => { isChosen = true; path.hidden = files.value !== OTHER; if (!path.hidden) path.focus(); };
   path.onkeydown = ({ key }) => { if (key === "Enter") load(); };
   const loader = make("span", { className: "loader" }, files, path, button("Load", "add this run to the list", load));
 
@@ -60,7 +61,7 @@ function render({ model, el }) {
     files.replaceChildren(
       ...names.map(({ path: value, name }) => make("option", { value, textContent: name })),
       make("option", { value: OTHER, textContent: names.length ? "other file …" : "no run in the folder; other file …" }));
-    if (before && [...files.options].some(({ value }) => value === before)) files.value = before;
+    if (isChosen && [...files.options].some(({ value }) => value === before)) files.value = before;
     path.hidden = files.value !== OTHER;
     out.disabled = use.disabled = !model.get("can_export");
     further.disabled = more.disabled = source.disabled = !model.get("n_further");

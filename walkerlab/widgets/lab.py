@@ -6,7 +6,6 @@ curves, the list of runs and the population. All pictures are drawn on one other
 
 import time
 from concurrent.futures import Executor
-from functools import partial
 from pathlib import Path
 from threading import Lock
 from typing import cast
@@ -141,7 +140,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         faults = "\n".join(map(use_labels, self.form.fault.splitlines()))
         self.transport.fault = f"Cannot start. {faults}" if faults else ""
         if settings:
-            self._drawing.request("world", partial(self.world.draw, settings), is_urgent=True)
+            self._drawing.request("world", self.world.prepare(settings), is_urgent=True)
             self._drawing.request("forecast", self._show_forecast)
             if not self.run:  # edited genomes are simulated in the world of the selected run, if there is one
                 self.robot.set_settings(settings)

@@ -52,7 +52,7 @@ class Transport(Component):
         given: dict[str, Any] = {}
         for name, value in self.end_early.items():
             if name in _CONDITIONS and isinstance(value, int | float):
-                condition = {_CONDITIONS[name]: 60 * value if name == "minutes" else value}
+                condition: dict[str, Any] = {_CONDITIONS[name]: 60 * value if name == "minutes" else value}
                 with suppress(StopError):
                     Stop(**condition)
                     given |= condition

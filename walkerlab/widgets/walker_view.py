@@ -51,7 +51,7 @@ class WalkerCaption(Component):
 
     def snapshot(self) -> Markup:
         """Return the text as static HTML."""
-        return render("widgets/walker_view.html", words=self.words)
+        return render("widgets/walker_view.html", words=self.words, url="", alt="")
 
 
 class WalkerView(HasSnapshot, ipywidgets.Box):
