@@ -94,7 +94,7 @@ def test_nothing_happens_before_a_button_is_pressed(lab, tmp_path):
     wait_for_drawings(lab)
     assert lab.run is None
     assert not (tmp_path / "lab").exists()
-    assert "on this computer" in lab.transport.forecast
+    assert lab.transport.forecast.startswith("A new run: 4 generations of 6 robots")
 
 
 def test_a_run_is_stepped_paused_and_stopped(lab):

@@ -185,7 +185,7 @@ def test_cells_run_during_a_run_and_a_closed_panel_is_removed(page, jupyter):
 
 def test_every_control_has_a_name_and_is_reached_by_keyboard(page, jupyter, frontend):
     open_panel(page, jupyter, frontend)
-    says(page, "on this computer")
+    says(page, "A new run:")
     button(page, "One generation").click()
     says(page, "Paused: 1 of")
     page.locator(".wl-population [role=option]").first.wait_for()

@@ -49,7 +49,7 @@ def describe_forecast(settings: Settings, last: LiveRun | None) -> str:
     else:
         seconds = estimate_seconds(settings)
     run = f"{algorithm.generations} generations of {algorithm.population_size} robots"
-    return f"A new run: {run}, {describe_duration(seconds)} on this computer."
+    return f"A new run: {run}, {describe_duration(seconds)}."
 
 
 def _world_of(settings: Settings) -> tuple[object, ...]:
