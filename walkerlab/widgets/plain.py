@@ -98,7 +98,7 @@ def _number_control(declared: Quantity, value: Any, step: float, common: dict[st
     limits = {"min": declared.low, "max": declared.high}
     if declared.components == MIN_MAX:
         kind = ipywidgets.IntRangeSlider if declared.whole else ipywidgets.FloatRangeSlider
-        return kind(value=value, step=step, **_slider_traits(declared), **limits, **common)
+        return kind(value=value, step=step, **_slider_traits(declared, step), **limits, **common)
     if declared.presets:
         options = {f"{preset} {vector_text(vector)}": vector for preset, vector in declared.presets.items()}
         known = {} if value in options.values() else {vector_text(value): value}
@@ -108,11 +108,12 @@ def _number_control(declared: Quantity, value: Any, step: float, common: dict[st
     if declared.whole and declared.high - declared.low > MAX_SLIDER_RANGE:
         return ipywidgets.BoundedIntText(value=value, step=1, **limits, **common)
     kind = ipywidgets.IntSlider if declared.whole else ipywidgets.FloatSlider
-    return kind(value=value, step=step, **_slider_traits(declared), **limits, **common)
+    return kind(value=value, step=step, **_slider_traits(declared, step), **limits, **common)
 
 
-def _slider_traits(declared: Quantity) -> dict[str, Any]:
-    return {"continuous_update": False} | ({} if declared.whole else {"readout_format": ".4g"})
+def _slider_traits(declared: Quantity, step: float) -> dict[str, Any]:
+    n_decimals = max(0, -math.floor(math.log10(step) + 1e-9))
+    return {"continuous_update": False} | ({} if declared.whole else {"readout_format": f".{n_decimals}f"})
 
 
 def _choice_control(name: str, declared: OneOf, value: Any, common: dict[str, Any]) -> Any:
