@@ -9,7 +9,8 @@ import pytest
 import walkerlab as wl
 from walkerlab.simulation.rollout import simulate_walk
 from walkerlab.view.sketch.walks import FRAMES_PER_SECOND, draw_walk
-from walkerlab.world.geometry import limb_tracks, surface_points
+from walkerlab.world.geometry import surface_points
+from walkerlab.world.limbs import limb_tracks
 
 SVG = "{http://www.w3.org/2000/svg}"
 WORLDS = [

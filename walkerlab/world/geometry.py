@@ -15,7 +15,7 @@ N_AROUND = 24  # vertices of round surfaces about their axis
 N_RINGS = 12  # rings of vertices of a sphere from pole to pole
 MAX_JUMP = 3.0  # m; a body that moves farther between two recorded poses (150 m/s) shows that the physics broke down
 PLANE_EXTENT = 60.0  # m to each side to which an infinite plane is drawn
-ROPE_RADIUS = 0.004  # m, of the drawn rope
+CAPSULE = int(mujoco.mjtGeom.mjGEOM_CAPSULE)
 ROPE_POINTS = 2  # points of a part that is drawn as a line
 MAX_OUTLINE_CORNERS = 48
 
@@ -39,23 +39,6 @@ class Surface:
     body: int
     material: int
     is_ball: bool
-
-
-@dataclass(frozen=True, eq=False)
-class Limb:
-    """A part of the robot or its loads in n poses, as a rod around an axis.
-
-    Attributes:
-        ends: Ends of the axis [m], shape (n, 2, 3).
-        radius: Radius [m].
-        colour: RGBA, shape (4,).
-        has_round_ends: Whether half a ball is added at each end.
-    """
-
-    ends: Floats
-    radius: float
-    colour: Floats
-    has_round_ends: bool
 
 
 def visible_surfaces(model: mujoco.MjModel, *, bodies: bool, far: float = PLANE_EXTENT) -> Iterator[Surface]:
@@ -179,31 +162,6 @@ def surface_points(scene: Scene, pose: Floats, *, loose: bool = False) -> list[t
         ends = np.array([data.site(name).xpos for name in ROPE_ENDS])
         parts.append((ends, model.tendon_rgba[0]))
     return parts
-
-
-def limb_tracks(scene: Scene, poses: Floats) -> list[Limb]:
-    """Return the axis of each part of the robot and its loads over time, for drawings of rods with round ends.
-
-    Args:
-        scene: Compiled scene.
-        poses: Poses as in ``Rollout.poses``, shape (n, nq).
-    """
-    model = scene.model
-    placed = body_placements(scene, poses)
-    limbs: list[Limb] = []
-    for geom in np.flatnonzero(np.isin(model.body_rootid[model.geom_bodyid], scene.roots)).tolist():
-        body = placed[:, model.geom_bodyid[geom]]
-        size = model.geom_size[geom]
-        is_capsule = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_CAPSULE
-        axis = np.array([0.0, 0.0, size[1]]) if is_capsule else np.array([size[0], 0.0, 0.0])
-        ends = [
-            model.geom_pos[geom] + rotate(model.geom_quat[geom][np.newaxis], sign * axis)[0] for sign in (-1.0, 1.0)
-        ]
-        track = np.stack([body[:, POSITION] + rotate(body[:, ORIENTATION], end) for end in ends], axis=1)
-        limbs.append(Limb(track, float(size[0] if is_capsule else size[2]), model.geom_rgba[geom], is_capsule))
-    if scene.rope_length:
-        limbs.append(Limb(rope_ends(scene, placed), ROPE_RADIUS, model.tendon_rgba[0], True))
-    return limbs
 
 
 def convex_outline(points: Floats) -> Floats:

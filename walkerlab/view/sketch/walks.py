@@ -21,8 +21,9 @@ from walkerlab.view.sketch.pieces import draw_obstacles, draw_pieces
 from walkerlab.view.sketch.sky import draw_force_arrows, draw_sky
 from walkerlab.view.sketch.svg import draw_path, draw_text, hex_colour, make_element, write_image
 from walkerlab.view.sketch.window import DrawnItem, Window, back_to_front, ground_points
-from walkerlab.world.geometry import Limb, limb_tracks, valid_poses
+from walkerlab.world.geometry import valid_poses
 from walkerlab.world.heights import ground_height
+from walkerlab.world.limbs import Limb, limb_tracks
 from walkerlab.world.scene import Scene
 
 FRAMES_PER_SECOND = 25
