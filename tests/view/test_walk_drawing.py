@@ -1,6 +1,7 @@
 """The animated drawing of a walk shows the recorded poses, in every world, and repeats without a script."""
 
 import re
+from dataclasses import replace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -73,3 +74,11 @@ def test_a_still_drawing_has_no_animation_and_the_same_description(walk):
     labels = [re.search('aria-label="([^"]*)"', drawing)[1] for drawing in (moving, still)]
     assert labels[0] == labels[1]
     assert "in 2.00 s" in labels[0]
+
+
+def test_a_walk_that_breaks_down_at_once_is_drawn_without_motion():
+    settings = wl.Settings().with_(duration=1)
+    scene = wl.compile_scene(wl.Genome.random(settings.robot, rng=np.random.default_rng(2)), settings)
+    rollout = simulate_walk(scene)
+    broken = replace(rollout, poses=np.full_like(rollout.poses, np.nan), com=np.full_like(rollout.com, np.nan))
+    assert "<animate" not in draw_walk(scene, broken)

@@ -1,5 +1,6 @@
 """The picture of a walking robot at the top of the panel: the best robot so far, which can also be played in 3D."""
 
+import threading
 from dataclasses import dataclass
 
 import ipywidgets
@@ -70,20 +71,22 @@ class WalkerView(HasSnapshot, ipywidgets.Box):
         self.frame = Frame()
         self._shown: ShownWalker | None = None
         self._wanted: ShownWalker | None = None
+        self._lock = threading.RLock()
         self._still = ""  # SVG without motion, for the snapshot
         super().__init__([self.caption, self.frame])
         self.add_class("wl-walker")
         self.frame.add_class("wl-frame")
         answer_on_requested_thread(self.frame)
         self.frame.observe(self._opened_or_closed, "is_open")
-        self.caption.observe(self._draw, "moves")
+        self.caption.observe(self._motion_changed, "moves")
 
     def show(self, walker: ShownWalker) -> None:
         """Show a robot, or remember it until an open replay is closed; can be called from any thread."""
-        self._wanted = walker
-        if not self.frame.is_open and walker != self._shown:
-            self._shown = walker
-            self._draw()
+        with self._lock:
+            self._wanted = walker
+            if not self.frame.is_open and walker != self._shown:
+                self._shown = walker
+                self._draw()
 
     def snapshot(self) -> Markup:
         """Return the caption and a picture without motion as static HTML."""
@@ -94,7 +97,11 @@ class WalkerView(HasSnapshot, ipywidgets.Box):
         if self._wanted:
             self.show(self._wanted)
 
-    def _draw(self, _change: object = None) -> None:
+    def _motion_changed(self, _change: object) -> None:
+        with self._lock:
+            self._draw()
+
+    def _draw(self) -> None:
         """Simulate the walk and draw it."""
         if not (walker := self._shown):
             return

@@ -30,6 +30,7 @@ FRAMES_PER_SECOND = 25
 LENGTHS_IN_VIEW = 2.6  # visible width, in lengths of the body
 MIN_WIDTH = 2.0  # m, smallest visible width
 CAMERA_SMOOTHING = 0.6  # s over which the position of the camera is averaged
+MAX_DISTANCE = 60.0  # m; the camera does not follow a robot that is thrown farther
 NEAR_SHARE = 0.14  # distance of the ground's near edge from y = 0, as a share of the visible width
 FAR_SHARE = 0.3  # distance of the ground's far edge from y = 0, as a share of the visible width
 SECTION_HEIGHT = 0.16  # height of the ground's section below the robot, as a share of the visible width
@@ -53,13 +54,13 @@ def draw_walk(scene: Scene, walk: Rollout, *, size: tuple[float, float] = (640, 
     """
     poses = valid_poses(scene, walk.poses)
     time = walk.time[: len(poses)]
-    com = np.nan_to_num(walk.com[: len(poses)])
+    com = np.nan_to_num(walk.com[: len(poses)]).clip(-MAX_DISTANCE, MAX_DISTANCE)
     frames = _frame_indices(time)
     if not moves:
         frames = frames[[len(frames) // 2]]
     terrain = scene.settings.terrain
     window = _choose_window(terrain, size, walk.phenotype.body_length, com)
-    n_averaged = max(1, round(CAMERA_SMOOTHING * len(time) / max(1e-9, float(time[-1]))))
+    n_averaged = max(1, min(len(time), round(CAMERA_SMOOTHING * len(time) / max(1e-9, float(time[-1])))))
     camera = _camera_offsets(terrain, window, size[0], com, n_averaged)[frames]
     sideways = _moving_average(com[:, 1], n_averaged)[frames]
     limbs = [_shift_sideways(limb, -sideways) for limb in limb_tracks(scene, poses[frames])]
