@@ -73,7 +73,7 @@ def best_walker(entry: ListedRun | None, generation: int | None) -> ShownWalker:
             f"This walker evolved in {walker.n_trials:,} trials: {with_unit(walker.distance, 'm')} in {seconds:g} s. "
             "Now evolve your own: press Start."
         )
-        if run is not None:
+        if entry and entry.live and not entry.live.is_over:
             words = "Your first robots are starting to walk. Until then: a walker that evolved in advance."
         return ShownWalker(walker.genome, walker.settings, "Pre-evolved walker", words)
     records = run.records
