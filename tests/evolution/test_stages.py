@@ -28,7 +28,7 @@ NEW = {"structure": "stairs", "mutation_rate": 0.2, "mutation": "randomized"}
 same = partial(pd.testing.assert_frame_equal, check_exact=True)
 
 
-def evaluate(genomes, settings, executor=None, *, on_done=lambda n: None, starts=None):
+def evaluate(genomes, settings, executor=None, *, on_done=lambda n: None, starts=None, **_):
     """Stand-in for walks whose fitness depends on the terrain."""
     walked = standins.evaluate(genomes, settings, executor, on_done=on_done)
     factor = 1 + settings.terrain.structure

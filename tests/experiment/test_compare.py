@@ -281,7 +281,7 @@ def test_a_sweep_names_every_combination(monkeypatch):
 
 
 def test_runs_without_counted_walks_are_the_worst(monkeypatch):
-    def evaluate(genomes, settings, executor=None, *, on_done=lambda n: None, starts=None):
+    def evaluate(genomes, settings, executor=None, *, on_done=lambda n: None, starts=None, **_):
         found = standins.evaluate(genomes, settings)
         if settings.algorithm.mutation_rate < 0.4:
             return found

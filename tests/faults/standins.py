@@ -20,7 +20,7 @@ def walk(values):
     )  # fmt: skip
 
 
-def evaluate(genomes, settings, executor=None, *, on_done=lambda n: None, starts=None):
+def evaluate(genomes, settings, executor=None, *, on_done=lambda n: None, starts=None, **_):
     """Replacement for ``wl.evaluate``."""
     on_done(len(genomes))
     return [walk(values) for values in genomes]

@@ -217,7 +217,8 @@ def test_hostile_texts_are_plain_text_in_the_panel(forge, page, jupyter):
     page.set_viewport_size({"width": 1280, "height": 800})
     cells = f"import walkerlab as wl\nwl.load({str(path)!r})", "lab = wl.Lab()\nlab"
     assert run_all(page, jupyter.put(book(*cells), "JupyterLab")) == []
-    page.get_by_label("run file to load").fill(str(path))
+    page.get_by_label("run file to load").select_option("other file")
+    page.get_by_label("path of the run file").fill(str(path))
     button(page, "Load", ".wl-drawer").click()
     says(page, "Loaded", ".wl-drawer")
     curve_says(page, "generations:")

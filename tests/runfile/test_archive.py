@@ -183,7 +183,7 @@ def seen(monkeypatch):
     """Texts of the genomes that walk; the walks are replaced by ``measured``."""
     seen = []
 
-    def evaluate(genomes, settings, executor=None, *, on_done=lambda n: None, starts=None):
+    def evaluate(genomes, settings, executor=None, *, on_done=lambda n: None, starts=None, **_):
         if starts is None:
             seen.extend(str(Genome(values)) for values in genomes)
         on_done(len(genomes))

@@ -34,7 +34,7 @@ def replaced_walks(monkeypatch):
     """Replace walks by evaluations with all verdicts in turn."""
     verdicts = cycle(VERDICTS)
 
-    def evaluate(genomes, settings, executor=None, *, on_done=lambda n: None, starts=None):
+    def evaluate(genomes, settings, executor=None, *, on_done=lambda n: None, starts=None, **_):
         on_done(len(genomes))
         walks = [walk(values) for values in genomes]
         if starts is not None:  # each robot does as well from other starts

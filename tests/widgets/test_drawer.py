@@ -11,12 +11,15 @@ from walkerlab.widgets.drawer import Drawer
         ({"load": "a.walk"}, ["a.walk"]),
         ({"export": True}, ["export"]),
         ({"settings": True}, ["settings"]),
+        ({"further": 3, "with_form": True}, [(3, True)]),
         *(
             (invalid, [])
             for invalid in (
                 {"export": False},
                 {"export": "yes"},
                 {"settings": 2},
+                {"further": 0, "with_form": False},
+                {"further": "3", "with_form": False},
                 {"load": 5},
                 {"load": None},
                 {},
@@ -27,6 +30,11 @@ from walkerlab.widgets.drawer import Drawer
 )
 def test_only_valid_messages_call_a_callback(message, expected):
     calls = []
-    drawer = Drawer(calls.append, lambda: calls.append("export"), lambda: calls.append("settings"))
+    drawer = Drawer(
+        calls.append,
+        lambda: calls.append("export"),
+        lambda: calls.append("settings"),
+        lambda n, with_form: calls.append((n, with_form)),
+    )
     drawer._handle_custom_msg(message, [])
     assert calls == expected

@@ -100,3 +100,21 @@ def test_closing_ends_the_thread(drawing):
     drawing.close()
     drawing._thread.join(5)
     assert not drawing._thread.is_alive()
+
+
+def test_an_urgent_drawing_does_not_wait_for_the_end_of_a_pause(drawing):
+    drawing.is_limited = True
+    done = threading.Event()
+    long = threading.Event()
+
+    def work():
+        end = time.thread_time() + 0.5  # s, followed by a pause of about 10 s
+        while time.thread_time() < end:
+            pass
+        long.set()
+
+    drawing.request("curve", work)
+    assert long.wait(10)
+    drawing.request("list", lambda: None)
+    drawing.request("world", done.set, is_urgent=True)
+    assert done.wait(3)

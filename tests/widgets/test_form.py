@@ -384,11 +384,23 @@ def test_a_form_offers_the_presets_of_the_shown_domains():
     assert form.settings == Settings().with_(legs=(4, 8), texture="ice")
 
 
-def test_structure_settings_are_those_used_by_single_structures():
-    locations = {f"terrain.{control['name']}" for control in make_controls(Terrain) if control["structure_only"]}
-    for structure in Structure:
-        values = Settings().with_(structure=structure).model_dump()
-        assert len(locations - unused_settings(values).keys()) <= 2, "the height of their group in form.css fits two"
-    everywhere = [unused_settings(Settings().with_(structure=structure).model_dump()).keys() for structure in Structure]
-    assert locations <= set.union(*map(set, everywhere))
-    assert not locations & set.intersection(*map(set, everywhere))
+def test_settings_that_are_hidden_if_unused_are_used_by_some_option():
+    hidden = {
+        f"{kind.__name__.lower()}.{control['name']}"
+        for kind in DOMAINS
+        for control in make_controls(kind)
+        if control["hidden_if_unused"]
+    }
+    options = [
+        *({"structure": structure} for structure in Structure),
+        {"obstacle": "box"},
+        {"mutation": "favored"},
+    ]
+    unused = [unused_settings(Settings().with_(**option).model_dump()).keys() for option in options]
+    assert hidden <= set.union(*map(set, unused))
+    assert not hidden & set.intersection(*map(set, unused))
+
+
+def test_the_two_seeds_have_different_labels():
+    labels = [control["label"] for control in controls(Form()).values()]
+    assert len(labels) == len(set(labels))

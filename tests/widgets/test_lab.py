@@ -1,8 +1,11 @@
 """The panel carries out the actions of its buttons; its display is tested in a browser in test_panel.py."""
 
+import shutil
 import sqlite3
 import threading
 import time
+from base64 import b64decode
+from pathlib import Path
 
 import ipywidgets
 import numpy as np
@@ -11,9 +14,12 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.evolution.live import LiveRun, State
+from walkerlab.runfile.records import find_champion
 from walkerlab.text.numbers import with_unit
 from walkerlab.view.report.code import as_python
 from walkerlab.widgets.card import robot_card
+from walkerlab.widgets.pre_evolved import load_pre_evolved_walker
+from walkerlab.widgets.run_folders import run_name
 
 SMALL = wl.Settings().with_(population_size=6, generations=4, duration=1)
 LONG = SMALL.with_(population_size=100, generations=1000)
@@ -88,7 +94,7 @@ def test_nothing_happens_before_a_button_is_pressed(lab, tmp_path):
     wait_for_drawings(lab)
     assert lab.run is None
     assert not (tmp_path / "lab").exists()
-    assert "on this computer" in lab.transport.forecast
+    assert lab.transport.forecast.startswith("A new run: 4 generations of 6 robots")
 
 
 def test_a_run_is_stepped_paused_and_stopped(lab):
@@ -182,12 +188,13 @@ def test_an_exported_run_has_all_outputs_in_its_folder_and_can_be_loaded(lab):
     assert {"report.html", "replay.html", "run.walk", "records.csv", "champion.txt"} <= {
         path.name for path in folder.iterdir()
     }
-    assert lab.runs.drawer.files == [str(lab.run.path)]
+    assert [file["path"] for file in lab.runs.drawer.files] == [str(lab.run.path)]
+    assert {Path(path).name for path in lab.runs.drawer.exported} >= {"report.html", "champion.txt"}
     lab.runs.drawer._handle_message(None, {"load": str(folder)}, [])
     assert lab.runs.run_list.selected == str(lab.run.path)
     wait_for_drawings(lab)
     assert lab.runs.run_list.runs[1]["state"] == "loaded"
-    assert lab.runs.run_list.runs[1]["name"] == folder.name
+    assert lab.runs.run_list.runs[1]["name"] == run_name(lab.run.path)
     lab.runs.drawer._handle_message(None, {"load": "no/such.walk"}, [])
     assert "no run file" in lab.runs.drawer.words
 
@@ -318,7 +325,7 @@ def test_no_forecast_is_made_during_a_run(lab, monkeypatch):
     wait_for_drawings(lab)
     press(lab, "start")
     forecasts = []
-    monkeypatch.setattr("walkerlab.widgets.lab.estimate_seconds", forecasts.append)
+    monkeypatch.setattr("walkerlab.widgets.run_status.estimate_seconds", forecasts.append)
     lab._show_forecast()
     assert forecasts == []
 
@@ -456,15 +463,120 @@ def test_a_loaded_file_never_replaces_another_run(lab, pool, tmp_path, monkeypat
     assert lab.runs.entries["run 1"].live is lab._active
 
 
-def test_a_loaded_run_without_generations_says_how_to_resume_it(lab, tmp_path):
+def test_a_loaded_run_without_generations_can_be_continued(lab, tmp_path):
     path = tmp_path / "begun.walk"
     wl.Evolution(SMALL.with_(seed=9), path)
     load(lab, path)
     wait_for_drawings(lab)
-    assert lab.runs.drawer.words == (
-        f"Loaded {path}. No generation is done yet; resume it with wl.resume({str(path)!r})."
-    )
+    assert lab.runs.drawer.words.startswith(f"Loaded {path}. No generation is done yet")
+    assert lab.runs.drawer.n_further == SMALL.algorithm.generations
     assert lab.run.settings == SMALL.with_(seed=9)
     [entry] = lab.runs.run_list.runs
     assert (entry["state"], entry["best"]) == ("loaded", "")
     assert not lab.runs.drawer.can_export
+
+
+def further(lab, n_generations, *, with_form=False):
+    """Continue the selected run and wait until it is finished."""
+    before = lab.run.n_generations
+    lab.runs.drawer._handle_message(None, {"further": n_generations, "with_form": with_form}, [])
+    wait_until(lambda: lab.transport.state == "finished" and lab.run.n_generations == before + n_generations)
+
+
+def test_a_run_that_is_continued_equals_one_that_is_resumed(lab, pool, tmp_path):
+    press(lab, "start")
+    wait_until(lambda: lab.transport.state == "finished")
+    wait_for_drawings(lab)
+    assert lab.runs.drawer.n_further > 0
+    copy = tmp_path / "copy.walk"
+    shutil.copyfile(lab.run.path, copy)
+    further(lab, 2)
+    lab.settings = SMALL.with_(structure="stairs", step_height=0.02, mutation="micro")
+    further(lab, 2, with_form=True)
+    wl.resume(copy, 6, pool, progress=False)
+    resumed = wl.resume(copy, 8, pool, progress=False, structure="stairs", step_height=0.02, mutation="micro")
+    pd.testing.assert_frame_equal(lab.run.records, resumed.records)
+    pd.testing.assert_frame_equal(wl.load(lab.run.path).records, resumed.records)
+    assert lab.run.stages == resumed.stages
+    wait_for_drawings(lab)
+    [entry] = lab.runs.run_list.runs
+    assert (entry["name"], entry["state"]) == ("run 1", "finished")
+
+
+def test_a_stopped_and_a_loaded_run_are_continued(lab):
+    step(lab)
+    press(lab, "stop")
+    path = lab.run.path
+    wait_for_drawings(lab)
+    assert lab.runs.drawer.n_further == SMALL.algorithm.generations - 1
+    lab.runs.run_list.remove("run 1")
+    load(lab, path)
+    further(lab, 1)
+    assert lab.runs.run_list.runs[0]["name"] == run_name(path)
+
+
+def test_a_setting_that_cannot_change_is_named_and_the_run_is_unchanged(lab):
+    step(lab)
+    press(lab, "stop")
+    lab.settings = SMALL.with_(population_size=7)
+    lab.runs.drawer._handle_message(None, {"further": 2, "with_form": True}, [])
+    assert lab.runs.drawer.words.startswith("Population size cannot change")
+    assert lab.transport.state == "stopped"
+
+
+def test_an_earlier_generation_is_shown(lab):
+    for _ in range(2):
+        step(lab)
+    wait_for_drawings(lab)
+    lab.runs.generation.selected = 0
+    wait_for_drawings(lab)
+    assert lab.population.generation["title"].startswith("Generation 0:")
+    best = find_champion(lab.run.records[lab.run.records.generation == 0])
+    wait_until(lambda: f"Best of generation 0: robot {best.individual} " in lab.walker.caption.words)
+    step(lab)
+    wait_for_drawings(lab)
+    assert lab.population.generation["title"].startswith("Generation 0:")
+
+
+def test_the_panel_opens_with_a_walker_that_walks(lab):
+    walker = load_pre_evolved_walker()
+    wait_until(lambda: f"{walker.n_trials:,} trials" in lab.walker.caption.words)
+    assert wl.simulate(walker.genome, walker.settings).distance == pytest.approx(walker.distance, rel=0.05)
+    moving = b64decode(lab.walker.frame.preview.partition(",")[2])
+    assert b"<animate" in moving
+    lab.walker.caption.moves = False
+    assert b"<animate" not in b64decode(lab.walker.frame.preview.partition(",")[2])
+
+
+def test_robots_are_shown_as_they_finish(lab):
+    may_finish = threading.Event()
+    n_rated = []
+
+    def rate(rollout):
+        n_rated.append(1)
+        if len(n_rated) > 3:
+            may_finish.wait(TIMEOUT)
+        return rollout.distance
+
+    lab.settings = SMALL.with_(fitness=rate)
+    press(lab, "step")
+    wait_until(lambda: lab.population.generation)
+    wait_until(lambda: "of 6 random robots" in lab.walker.caption.words)
+    assert 1 <= len(lab.population.generation["rows"]) <= 3
+    shown = {row["individual"]: row["label"] for row in lab.population.generation["rows"]}
+    may_finish.set()
+    wait_until(lambda: lab.transport.state == "paused")
+    wait_for_drawings(lab)
+    complete = {row["individual"]: row["label"] for row in lab.population.generation["rows"]}
+    assert shown.items() <= complete.items()
+
+
+def test_a_run_ends_early_under_the_conditions_of_the_panel(lab):
+    lab.transport.end_early = {"target": -10, "patience": "many", "minutes": -1}
+    assert lab.transport.stop == wl.Stop(target=-10)
+    press(lab, "start")
+    wait_until(lambda: lab.transport.state == "finished")
+    assert lab.run.n_generations == 1
+    assert "because the best fitness reached the target" in lab.transport.words
+    lab.transport.end_early = {}
+    assert lab.transport.stop is None

@@ -18,7 +18,7 @@ s = wl.Settings().with_(population_size=20, generations=60, duration=4)
 lab = wl.Lab(s)
 lab
 """
-COMPONENTS = ("form", "world", "transport", "curve", "run-list", "drawer", "population", "robot")
+COMPONENTS = ("form", "world", "transport", "walker", "curve", "run-list", "drawer", "population", "robot")
 IN_NOTEBOOKS = pytest.mark.parametrize("frontend", ["JupyterLab", "Notebook 7"])
 
 
@@ -58,7 +58,7 @@ def boxes(page):
 def population_is_listed(page):
     """Wait until the population shows the generation that the transport names; it is drawn a moment later."""
     words = page.locator(".wl-transport .words").first.text_content()
-    number = re.search(r"Paused after generation (\d+)", words).group(1)
+    number = int(re.search(r"Paused: (\d+) of", words).group(1)) - 1
     page.locator(".wl-population h4", has_text=f"Generation {number}:").wait_for(timeout=60_000)
 
 
@@ -91,12 +91,12 @@ def test_a_student_evolves_a_walker(page, jupyter):
     button(page, "Start").click()
     curve_says(page, "generations:")
     button(page, "Pause").click()
-    says(page, "Paused after")
+    says(page, "Paused:")
     at_rest = page.locator(".wl-transport .words").first.text_content()
     picture(page, "paused")
     button(page, "One generation").click()
     page.locator(".wl-transport", has_not_text=at_rest).wait_for()
-    says(page, "Paused after")
+    says(page, "Paused:")
     assert boxes(page).keys() == before.keys()
     assert [box["y"] for box in boxes(page).values()][:6] == [box["y"] for box in before.values()][:6]
 
@@ -120,7 +120,7 @@ def test_a_student_evolves_a_walker(page, jupyter):
     button(page, "Continue").click()
     page.locator(".wl-transport", has_not_text="Paused").wait_for()
     button(page, "Stop").click()
-    says(page, "Stopped after")
+    says(page, "Stopped:")
     button(page, "Export", ".wl-drawer").click()
     says(page, "Exported into the folder", ".wl-drawer")
     button(page, "Copy as code", ".wl-drawer").click()
@@ -136,14 +136,14 @@ def test_a_student_evolves_a_walker(page, jupyter):
     picture(page, "narrow")
 
     # the snapshot is up to date, and replaces the panel only without a kernel
-    page.locator(".wl-snapshot", has_text="Stopped after").wait_for(state="attached")
+    page.locator(".wl-snapshot", has_text="Stopped:").wait_for(state="attached")
     assert page.locator(".wl-snapshot").is_hidden()
     assert page.locator(".wl-lab[data-is='the first view']").count() == 1
     page.evaluate("jupyterapp.commands.execute('docmanager:save')")
     jupyter.end_kernels()
     reopened = page.context.new_page()  # its console reports a missing widget
     reopened.goto(jupyter.address_of("book.ipynb", stem="reopened"))
-    snapshot = reopened.locator(".wl-snapshot", has_text="Stopped after")
+    snapshot = reopened.locator(".wl-snapshot", has_text="Stopped:")
     snapshot.get_by_role("img", name="generations:").wait_for(timeout=30_000)
     reopened.get_by_text("Error displaying widget").wait_for(state="hidden")
     picture(reopened, "reopened")
@@ -157,9 +157,9 @@ def test_it_answers_while_a_cell_is_running(page, jupyter, frontend):
     button(page, "Start").click()
     curve_says(page, "generations:")
     button(page, "Pause").click()
-    says(page, "Paused after")
+    says(page, "Paused:")
     button(page, "Stop").click()
-    says(page, "Stopped after")
+    says(page, "Stopped:")
     assert page.locator(".jp-InputPrompt", has_text="[*]").count() >= 1, "the cell is still running"
     over.touch()
     assert finish_all(page) == []
@@ -185,9 +185,9 @@ def test_cells_run_during_a_run_and_a_closed_panel_is_removed(page, jupyter):
 
 def test_every_control_has_a_name_and_is_reached_by_keyboard(page, jupyter, frontend):
     open_panel(page, jupyter, frontend)
-    says(page, "on this computer")
+    says(page, "A new run:")
     button(page, "One generation").click()
-    says(page, "Paused after generation 0")
+    says(page, "Paused: 1 of")
     page.locator(".wl-population [role=option]").first.wait_for()
     for tab in ("terrain", "robot", "algorithm", "simulation"):
         page.get_by_role("tab", name=tab).click()
@@ -197,7 +197,7 @@ def test_every_control_has_a_name_and_is_reached_by_keyboard(page, jupyter, fron
     button(page, "Continue").click()
     curve_says(page, "generations:")
     button(page, "Stop").click()
-    says(page, "Stopped after")
+    says(page, "Stopped:")
     picture(page, frontend.replace(" ", "-"))
 
 
@@ -221,14 +221,10 @@ def test_two_panels_in_one_notebook(page, jupyter):
     first, second = (page.locator(".wl-lab").nth(i) for i in (0, 1))
     for panel in (first, second):
         panel.get_by_role("button", name="One generation").click()
-        panel.locator(".wl-transport", has_text="Paused after generation 0").wait_for(timeout=60_000)
+        panel.locator(".wl-transport", has_text="Paused: 1 of").wait_for(timeout=60_000)
     first.get_by_role("button", name="Continue").click()
-    first.locator(".wl-transport", has_text=re.compile(r"Generation \d+ of 0 to 59 is running")).wait_for(
-        timeout=60_000
-    )
-    assert (
-        second.locator(".wl-transport", has_text="Paused after generation 0").count() == 1
-    )  # although it is not visible
+    first.locator(".wl-transport", has_text=re.compile(r"Running: \d+ of 60")).wait_for(timeout=60_000)
+    assert second.locator(".wl-transport", has_text="Paused: 1 of").count() == 1  # although it is not visible
     first.get_by_role("button", name="Stop").click()
     first.locator(".wl-transport", has_text="Stopped").wait_for()
     assert second.get_by_role("button", name="Continue").is_enabled()
@@ -243,10 +239,10 @@ def test_a_cell_that_runs_again_closes_its_earlier_panel(page, jupyter):
     says(page, "The earlier panel of this cell was closed")
     assert page.locator(".wl-transport").count() == 1
     assert button(page, "Start").is_enabled()
-    page.get_by_label("run file to load").fill(str(only_run(jupyter)))
+    page.get_by_label("run file to load").select_option(str(only_run(jupyter).relative_to(jupyter.folder)))
     button(page, "Load", ".wl-drawer").click()
     says(page, "Loaded", ".wl-drawer")
-    button(page, "Use its settings", ".wl-drawer").click()
+    button(page, "Use these settings", ".wl-drawer").click()
     curve_says(page, "generations:")
 
 

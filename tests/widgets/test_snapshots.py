@@ -21,12 +21,14 @@ from walkerlab.view.snapshots import HasSnapshot, snapshot_html
 from walkerlab.widgets.component import Component
 from walkerlab.widgets.drawer import Drawer
 from walkerlab.widgets.drawing_thread import DrawingThread
+from walkerlab.widgets.generation_slider import GenerationSlider
 from walkerlab.widgets.landscape import LandscapePicture
 from walkerlab.widgets.robot import RobotArea
 from walkerlab.widgets.run_folders import ListedRun
 from walkerlab.widgets.run_list import RunList
 from walkerlab.widgets.runs import RunsArea
 from walkerlab.widgets.transport import Transport
+from walkerlab.widgets.walker_view import ShownWalker, WalkerCaption, WalkerView
 
 MAX_SIZE = 200_000  # characters
 EVIL = "</pre><script>alert(1)</script><img src=x onerror=alert(1)>"
@@ -50,7 +52,7 @@ def panel(run):
 
 
 def runs_area(run):
-    area = RunsArea(Path("lab"), DrawingThread(lambda: False, ignore), ignore, ignore)
+    area = RunsArea(Path("lab"), DrawingThread(lambda: False, ignore), ignore, ignore, ignore)
     area.run_list.add("a", name=EVIL)
     area.curve.draw({EVIL: run.records})
     return area
@@ -63,8 +65,26 @@ def robot_area(run):
 
 
 def drawer(_run):
-    made = Drawer(ignore, ignore, ignore)
+    made = Drawer(ignore, ignore, ignore, ignore)
     made.code = EVIL
+    return made
+
+
+def generation_slider(run):
+    made = GenerationSlider()
+    made.n_generations = run.n_generations
+    return made
+
+
+def walker_caption(_run):
+    made = WalkerCaption()
+    made.words = EVIL
+    return made
+
+
+def walker_view(run):
+    made = WalkerView()
+    made.show(ShownWalker(run.champion.genome, run.settings, EVIL, EVIL))
     return made
 
 
@@ -97,6 +117,9 @@ MAKE = {
     widgets.Population: lambda run: widgets.Population(run),
     widgets.World: lambda run: widgets.World(run.settings.with_(structure="rough")),
     Drawer: drawer,
+    GenerationSlider: generation_slider,
+    WalkerCaption: walker_caption,
+    WalkerView: walker_view,
     Frame: lambda run: wl.replay({EVIL: run.champion}, run.settings).widget,
     RobotArea: robot_area,
     RunsArea: runs_area,
@@ -120,7 +143,7 @@ def widget_classes():
 
 def test_every_widget_has_a_snapshot_and_is_tested():
     assert widget_classes() == set(MAKE)
-    assert {getattr(widgets, name) for name in widgets.__all__} <= set(MAKE)
+    assert {one for name in widgets.__all__ if inspect.isclass(one := getattr(widgets, name))} <= set(MAKE)
     assert all(issubclass(kind, HasSnapshot) for kind in MAKE)
 
 
@@ -143,6 +166,7 @@ def test_a_snapshot_is_self_contained_named_and_small(kind, done, monkeypatch, t
         Frame,
         RobotArea,
         RunsArea,
+        WalkerView,
     ):
         assert seen.all("img")
     widget.close()

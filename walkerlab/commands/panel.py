@@ -41,7 +41,7 @@ def draw_panel(path: Path) -> None:
             page.get_by_role("tab", name="algorithm").click(timeout=120_000)
             page.get_by_role("combobox", name="mutation").first.select_option(mutation)
             transport.get_by_role("button", name="Start", exact=True).click()
-            transport.filter(has_text="is running").wait_for(timeout=120_000)
+            transport.filter(has_text="Running").wait_for(timeout=120_000)
             transport.filter(has_text="Finished").wait_for(timeout=600_000)
         page.get_by_role("tab", name="terrain").click()
         page.wait_for_timeout(5000)

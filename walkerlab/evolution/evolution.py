@@ -42,7 +42,7 @@ from walkerlab.runfile.records import EvaluationRow
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation import fitness, workers
-from walkerlab.simulation.evaluation import evaluate
+from walkerlab.simulation.evaluation import Evaluation, evaluate
 from walkerlab.simulation.pausable import Stopped
 from walkerlab.system.interrupts import interrupts_held
 from walkerlab.system.time_limit import effective_limit
@@ -74,6 +74,7 @@ class Evolution(RunProperties):
         executor: Executor | None = None,
         *,
         on_walks: Callable[[int], None] = lambda _: None,
+        on_rated: Callable[[int, Evaluation], None] = lambda *_: None,
         stop: Stop | None = None,
         population: FirstPopulation | None = None,
         recall: Recall | None = None,
@@ -86,6 +87,7 @@ class Evolution(RunProperties):
             path: Run file to create; if None, the run is discarded when it is no longer referenced.
             executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
             on_walks: Function that is called with the number of newly finished walks.
+            on_rated: Function that is called with the index of a robot among those that walk, and its evaluation.
             stop: Conditions under which the iteration stops before the last generation.
             population: First individuals of generation 0, as for ``evolve``.
             recall: Function that returns known evaluations by genome text; its caller stores the generations.
@@ -117,7 +119,7 @@ class Evolution(RunProperties):
         self._stages = (Stage(0, settings),)
         self._recall = recall
         self._archive = Archive.create(settings.model_dump(), self._path, History(self._founders))  # after all checks
-        self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks)
+        self._evaluate = partial(evaluate, settings=settings, executor=executor, on_done=on_walks, on_rated=on_rated)
         self._population: Population[EvaluationRow] | None = None
         self._functions = function_facts(settings)
         self._rated_since = 0
@@ -172,7 +174,7 @@ class Evolution(RunProperties):
         assert self._population
         is_elsewhere = bool(provenance.describe_differences(facts, provenance.current_facts()))
         recorded = Recorded(self._path, facts, is_elsewhere, has_fitness=bool(np.isfinite(table.fitness).any()))
-        walk_again = partial(self._evaluate, on_done=lambda _: None)
+        walk_again = partial(self._evaluate, on_done=lambda _: None, on_rated=lambda *_: None)
         stage = self._stages[-1]
         if stage.first == self.n_generations and changes_walks(stage.changes):
             self._population = rate_again(self._population, self.settings, walk_again)
@@ -255,9 +257,7 @@ class Evolution(RunProperties):
 
     def _warn_once(self, population: Population[EvaluationRow]) -> None:
         """Warn, at most once per run, if selection cannot distinguish the robots of a generation."""
-        if self._has_warned:
-            return
-        if problem := explain_random_selection(population, self.settings.algorithm):
+        if not self._has_warned and (problem := explain_random_selection(population, self.settings.algorithm)):
             self._has_warned = True
             warnings.warn(f"In generation {population.generation}, {problem}", stacklevel=2)
 

@@ -6,13 +6,17 @@ from collections.abc import Callable
 from concurrent.futures import Executor
 from enum import StrEnum
 from pathlib import Path
+from typing import Any
 from weakref import WeakSet
 
 from walkerlab.evolution.evolution import Evolution
 from walkerlab.evolution.forecast import n_walks
+from walkerlab.evolution.resuming import PreparedRun
 from walkerlab.evolution.run import Run
+from walkerlab.evolution.stopping import Stop
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.settings import Settings
+from walkerlab.simulation.evaluation import Evaluation
 from walkerlab.simulation.pausable import PausableExecutor, Stopped
 from walkerlab.simulation.workers import WorkerLostWarning, check_executor, default_executor, n_workers
 from walkerlab.system.readonly import ReadOnlyProperties
@@ -42,24 +46,27 @@ class LiveRun(ReadOnlyProperties):
         error: Error that made it fail, or None.
         n_done: Number of walks that are done.
         n_walks: Total number of walks.
+        first_robots: Evaluations of the robots of generation 0 that have walked, by number, until it is complete.
     """
 
     INSTEAD = Evolution.INSTEAD
 
     def __init__(
         self,
-        settings: Settings,
+        start: Settings | PreparedRun,
         path: str | Path | None = None,
         executor: Executor | None = None,
         *,
+        stop: Stop | None = None,
         on_change: Callable[["LiveRun"], None] = lambda _: None,
     ) -> None:
         """Check the settings; the run is paused until ``resume`` starts it.
 
         Args:
-            settings: Complete settings of the run.
-            path: Run file to create; if None, the run is discarded when it is no longer referenced.
+            start: Complete settings of a new run, or a stored run to continue.
+            path: Run file of a new run; if None, the run is discarded when it is no longer referenced.
             executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
+            stop: Conditions under which the run finishes before its last generation.
             on_change: Function that is called with the run when walks are done or its state has changed, in the thread
                 of the run or of the caller.
 
@@ -68,15 +75,24 @@ class LiveRun(ReadOnlyProperties):
             RunFileError: If ``path`` exists already or cannot be created.
         """
         check_executor(executor)
+        self._prepared = start if isinstance(start, PreparedRun) else None
+        settings = start.settings if isinstance(start, PreparedRun) else start
         self._settings = settings
         self.state = State.paused
         self.n_done = 0
         self.error: BaseException | None = None
-        self.n_walks = n_walks(settings)
+        self.n_walks = n_walks(settings, self._prepared.run.n_generations if self._prepared else 0)
+        self.first_robots: dict[int, Evaluation] = {}
         self._executor = executor
         self._on_change = on_change
         self._pausable = PausableExecutor(self._create_executor, n_workers)
-        self._evolution = Evolution(settings, path, self._pausable, on_walks=self._count_walks)
+        self._options: dict[str, Any] = {
+            "executor": self._pausable,
+            "on_walks": self._count_walks,
+            "on_rated": self._collect_first_robots,
+            "stop": stop,
+        }
+        self._evolution = None if self._prepared else Evolution(settings, path, **self._options)
         self._may_continue = threading.Event()
         self._pause_at = settings.algorithm.generations  # number of generations at which the run pauses
         self._resumed_at = 0.0  # s, of the monotonic clock
@@ -96,12 +112,15 @@ class LiveRun(ReadOnlyProperties):
     @property
     def run(self) -> Run:
         """The run so far."""
-        return self._evolution.run
+        if self._evolution:
+            return self._evolution.run
+        assert self._prepared
+        return self._prepared.run
 
     @property
     def n_generations(self) -> int:
         """Number of generations that are done."""
-        return self._evolution.n_generations
+        return self._evolution.n_generations if self._evolution else self.run.n_generations
 
     @property
     def is_over(self) -> bool:
@@ -163,6 +182,8 @@ class LiveRun(ReadOnlyProperties):
         """
         if self.is_over:
             raise ValueError("this run is over; start another run and insert the genome there")
+        if not self._evolution:
+            raise ValueError("the last generation is being simulated again; insert the genome in a moment")
         return self._evolution.insert(genome)
 
     @property
@@ -203,6 +224,10 @@ class LiveRun(ReadOnlyProperties):
             self._first_results = self.seconds, n
         self._on_change(self)
 
+    def _collect_first_robots(self, index: int, evaluation: Evaluation) -> None:
+        if not self.n_generations:
+            self.first_robots = {**self.first_robots, index: evaluation}
+
     def _change_state(self, state: State, *steps: Callable[[], None]) -> None:
         """Change to a state other than running, call the given steps, and report it; do nothing if the run is over."""
         with self._lock:
@@ -217,7 +242,12 @@ class LiveRun(ReadOnlyProperties):
     def _evolve(self) -> None:
         """Evolve until the run is over; runs in the thread."""
         try:
+            if not self._evolution:
+                assert self._prepared
+                self._evolution = self._prepared.create_evolution(**self._options)
+                self._prepared = None
             for generation in self._evolution:
+                self.first_robots = {}
                 if generation.number + 1 == self._pause_at < self.settings.algorithm.generations:
                     self.pause()
                 self._on_change(self)

@@ -76,10 +76,10 @@ def retest_best(
     """
 
     def walk_again(texts: Sequence[str]) -> Sequence[Evaluation]:
-        unreported: dict[str, Any] = {"on_done": lambda _: None, "starts": further_starts(settings)}
+        unreported: dict[str, Any] = {"on_done": lambda _: None, "on_rated": lambda *_: None}
         genomes = np.array([Genome.parse(text).values for text in texts])
         try:
-            return evaluate(genomes, **unreported)
+            return evaluate(genomes, starts=further_starts(settings), **unreported)
         except OperatorError as error:
             error.context = f"for a robot of generation {generation} that walked again from another start"
             raise

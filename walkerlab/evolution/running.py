@@ -1,6 +1,5 @@
 """Run an evolution to its end, with a progress bar: a new one, or one that is resumed from its file."""
 
-import warnings
 from collections.abc import Callable
 from concurrent.futures import Executor
 from pathlib import Path
@@ -14,17 +13,11 @@ from walkerlab.evolution.forecast import n_walks
 from walkerlab.evolution.founders import FirstPopulation
 from walkerlab.evolution.generation import Generation
 from walkerlab.evolution.interruption import interrupted_message
-from walkerlab.evolution.loading import load, reject_version_1
-from walkerlab.evolution.rerating import changed_operators, function_facts
+from walkerlab.evolution.resuming import prepare_resume
 from walkerlab.evolution.run import Run
-from walkerlab.evolution.stages import check_changes, plan_stages
 from walkerlab.evolution.stopping import Stop
-from walkerlab.evolution.stored_functions import restore_user_functions, split_changes
-from walkerlab.runfile import paths, provenance, store
 from walkerlab.settings.arguments import require_settings
-from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
-from walkerlab.system.files import display_path
 from walkerlab.text.numbers import format_significant
 
 
@@ -124,44 +117,12 @@ def resume(
         SettingsError: If ``generations`` is out of range, a setting is unknown or has an invalid value, or a setting
             cannot change within a run.
     """
-    run = load(path)
-    reject_version_1(run)
-    functions, changes = split_changes(run.settings, changes)
-    run = restore_user_functions(run, functions, replaced=changes)
-    path = paths.locate_run_file(path)
-    done = run.n_generations
-    _, facts = store.read_facts(path)
-    if changed := provenance.describe_differences(facts, provenance.current_facts()):
-        warnings.warn(
-            f"{display_path(path)} was made with {changed}. The generations that are done stay the same; later ones "
-            "can differ in the last digits from what they would have been there, and so can everything that depends "
-            "on them. The file records for each generation what it was made with.",
-            stacklevel=2,
-        )
-    settings = run.settings.with_(**changes, **({} if generations is None else {"generations": generations}))
-    check_changes(run.settings, settings)
-    if settings.algorithm.generations < done:
-        raise SettingsError(
-            f"{display_path(path)} has {done} generations already; generations is the total and must be {done} or more."
-        )
-    stages = plan_stages(run.stages, settings, done)
-    new = stages[-1].changes if stages[-1].first == done else {}
-    if new and settings.algorithm.generations == done:
-        raise SettingsError(
-            f"{display_path(path)} has all of its {done} generations, so that none would have the new settings; give a "
-            f"larger total: generations={2 * done}"
-        )
-    same_slots = {slot: fact for slot, fact in facts.items() if slot.removesuffix(" function") not in new}
-    if changed := changed_operators(same_slots, function_facts(settings)):
-        warnings.warn(
-            f"{display_path(path)} was made with different code for its {changed}. The run continues with the "
-            "given functions; its file records for each generation which code it was made with.",
-            stacklevel=2,
-        )
-    with _progress_bar(settings, progress, done=done) as bar:
+    prepared = prepare_resume(path, generations, changes, stacklevel=3)
+    done = prepared.run.n_generations
+    with _progress_bar(prepared.settings, progress, done=done) as bar:
         options: dict[str, Any] = {"executor": executor, "on_walks": bar.update, "stop": stop}
-        evolution = Evolution.continue_run(run, path, stages, facts, rerate, **options)
-        del run  # frees the memory of its table, which is in the file
+        evolution = prepared.create_evolution(rerate, **options)
+        del prepared  # frees the memory of its table, which is in the file
         return _run_to_end(evolution, bar, on_generation)
 
 

@@ -76,6 +76,7 @@ def evaluate(
     *,
     on_done: Callable[[int], None] = lambda _: None,
     starts: Sequence[int] | None = None,
+    on_rated: Callable[[int, Evaluation], None] = lambda *_: None,
 ) -> list[Evaluation]:
     """Simulate the walk of each individual and rate it.
 
@@ -92,6 +93,7 @@ def evaluate(
         on_done: Function called with the number of newly finished robots after each task, in the order of the tasks.
         starts: Numbers of the starts from which each robot walks: 0 is the exact start, each other number a slightly
             different one. By default, 0 up to the number in ``settings.simulation.n_starts``.
+        on_rated: Function called with the index of each genome and its evaluation, before ``on_done``.
 
     Returns:
         One evaluation per genome, in the same order; it does not depend on the executor or its number of workers.
@@ -120,6 +122,7 @@ def evaluate(
             for task, rollouts_of_task in zip(tasks, results, strict=True):
                 for i, rollouts in zip(task, rollouts_of_task, strict=True):
                     evaluations[i] = _rate_robot(i, robots[i], rollouts, settings)
+                    on_rated(i, evaluations[i])
                 on_done(len(task))
     except CancelledError as error:
         raise RuntimeError("the executor was closed while its workers simulated walks") from error

@@ -6,7 +6,9 @@ from walkerlab.widgets.form import Form as Form
 from walkerlab.widgets.lab import Lab as Lab
 from walkerlab.widgets.landscape import Landscape as Landscape
 from walkerlab.widgets.microscope import Microscope as Microscope
+from walkerlab.widgets.plain import slider as slider
+from walkerlab.widgets.plain import sliders as sliders
 from walkerlab.widgets.population import Population as Population
 from walkerlab.widgets.world import World as World
 
-__all__ = ["Curve", "Editor", "Form", "Lab", "Landscape", "Microscope", "Population", "World"]
+__all__ = ["Curve", "Editor", "Form", "Lab", "Landscape", "Microscope", "Population", "World", "slider", "sliders"]

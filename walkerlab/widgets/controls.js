@@ -73,7 +73,9 @@ function sliderWithNumbers({ stops, unit, low, high }, names, send) {
     rail.style.setProperty("--to", Math.max(...ends) / (stops.length - 1));
   }
   const unitLabel = make("span", { className: "unit" }, unit);
-  return { elements: isRange ? [numbers[0], rail, numbers[1], unitLabel] : [rail, numbers[0], unitLabel], show };
+  rail.dataset.low = format(low); // the ends of the scale, shown below the rail
+  rail.dataset.high = format(high);
+  return { rail, numbers, elements: isRange ? [numbers[0], rail, numbers[1], unitLabel] : [rail, numbers[0], unitLabel], show };
 }
 
 const slider = (control, send) => sliderWithNumbers(control, [control.label], send);
@@ -89,11 +91,12 @@ function vector(control, send) {
   });
   const names = control.presets.map(({ name, value }) => make("button", { type: "button", className: "chip",
     ariaLabel: `${control.label}: ${name}`, onclick: () => send(value) }, name));
-  const lines = sliders.map((one, which) => make("div", { className: "line" },
-    make("span", { className: "direction quiet" }, control.directions[which]), ...one.elements));
+  const columns = sliders.map((one, which) => make("div", { className: "component" },
+    make("span", { className: "direction quiet" }, control.directions[which]), one.numbers[0], one.rail));
+  const unit = make("span", { className: "unit" }, control.unit);
   const above = names.length ? [make("div", { className: "chips" }, ...names)] : [];
   return {
-    elements: [make("div", { className: "wide" }, ...above, ...lines)],
+    elements: [make("div", { className: "wide" }, ...above, make("div", { className: "components" }, ...columns, unit))],
     show(value) {
       values = asList(value);
       sliders.forEach((one, which) => one.show(values[which]));
@@ -117,7 +120,7 @@ function number({ label, low, high }, send) {
   };
 }
 
-/** The description of the selected option; its height fits the longest one, so that the layout is stable. */
+/** The description of the selected option. */
 function description(options) {
   const sentences = options.map(({ about }) => make("span", {}, about));
   return {
@@ -192,7 +195,7 @@ function sequence(control, send) {
 }
 
 /** Any number of options. */
-function flags({ options }, send) {
+function flags({ label, options }, send) {
   const boxes = options.map(({ name }) =>
     make("input", { type: "checkbox", value: name, ariaLabel: optionLabel(name), onchange: update }));
   function update() {
@@ -201,9 +204,14 @@ function flags({ options }, send) {
   }
   const lines = boxes.map((box, index) => make("label", { className: "flag" }, box,
     make("span", {}, `${box.ariaLabel} `, make("span", { className: "quiet" }, options[index].about))));
+  const summary = make("summary", { ariaLabel: `${label}: choose` });
   return {
-    elements: [make("div", { className: "wide" }, ...lines)],
-    show: (value) => boxes.forEach((box) => { box.checked = asList(value).includes(box.value); }),
+    elements: [make("details", { className: "wide" }, summary, ...lines)],
+    show(value) {
+      boxes.forEach((box) => { box.checked = asList(value).includes(box.value); });
+      const checked = boxes.filter((box) => box.checked).map((box) => box.ariaLabel);
+      summary.textContent = checked.join(", ") || "none";
+    },
   };
 }
 

@@ -10,14 +10,15 @@ from walkerlab.settings.fields import MIN_MAX, FieldDeclaration, OneOf, Quantity
 from walkerlab.settings.glossary import GROUND_DRAWING, glossary_rows
 from walkerlab.settings.model import Domain
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.terms import explain_term
 
 Control: TypeAlias = dict[str, Any]
 """What the browser needs to know about one setting.
 
-``name``, ``label``, ``about``, ``default``, ``default_text``, ``structure_only`` and a ``kind``: ``slider`` (with unit,
-low, high and stops), ``range`` (the same, with two thumbs), ``vector`` (the same, with named components and presets),
-``number`` (typed or random), ``choice`` (one of several options), ``sequence`` (options applied one after the other) or
-``flags`` (any of the options).
+``name``, ``label``, ``about``, ``default``, ``default_text``, ``hidden_if_unused``, ``term`` and ``unit_term`` (which
+explain its name and its unit) and a ``kind``: ``slider`` (with unit, low, high and stops), ``range`` (the same, with
+two thumbs), ``vector`` (the same, with named components and presets), ``number`` (typed or random), ``choice`` (one
+of several options), ``sequence`` (options applied one after the other) or ``flags`` (any of the options).
 """
 
 Values: TypeAlias = Mapping[str, Mapping[str, Any]]
@@ -28,12 +29,18 @@ FUNCTION_PREFIX = "ƒ "
 
 MAX_SLIDER_RANGE = 100_000  # difference of the limits, above which whole numbers are typed
 MIN_LOG_RATIO = 100  # ratio of the limits, from which the stops of a slider are logarithmic
-STRUCTURE_SETTINGS = {"incline", "step_height", "step_depth", "hill_height", "hill_length", "gap_width", "gap_distance"}
-"""Settings that apply to one structure only; they are hidden while another one is selected."""
+HIDDEN_IF_UNUSED = {
+    *("incline", "step_height", "step_depth", "hill_height", "hill_length", "gap_width", "gap_distance"),
+    *("obstacle_size", "obstacle_density", "favored_gene"),
+}
+"""Settings that apply to one option only; they are hidden while another one is selected."""
 
-MAX_BUTTONS = 6  # options that have a button each; if there are more, they are in a menu
+MAX_BUTTONS = 5  # options that have a button each; if there are more, they are in a menu
 MANTISSAS = [*range(10, 20), *range(20, 50, 2), *range(50, 100, 5)]
 AXIS_DIRECTIONS = {"x": "forward", "y": "left", "z": "up"}
+SEED_LABELS = {"terrain.seed": "terrain seed", "algorithm.seed": "evolution seed"}
+"""Labels of the two settings with the same name."""
+
 SETTING_NAME = re.compile(rf"\b({'|'.join(name.capitalize() for name in Settings.model_fields)})\.(\w+)")
 """Name of a setting in error messages: ``Terrain.step_height``."""
 
@@ -50,11 +57,13 @@ def make_controls(domain: type[Domain], functions: Mapping[str, Sequence[str]] |
     return [
         {
             "name": name,
-            "label": setting_label(name),
+            "label": setting_label(name, domain.__name__.lower()),
             "about": use_labels(declared.about),
+            "term": explain_term(name),
+            "unit_term": explain_term(getattr(declared, "unit", "")),
             "default": defaults[name],
             "default_text": rows[name].default,
-            "structure_only": name in STRUCTURE_SETTINGS,
+            "hidden_if_unused": name in HIDDEN_IF_UNUSED,
         }
         | _kind_of_control(declared, defaults[name], (functions or {}).get(name, ()))
         for name, declared in domain.declared().items()
@@ -103,7 +112,7 @@ def slider_stops(declared: Quantity, required: set[float]) -> list[float]:
         found = {mantissa * 10.0 ** (decade - 1) for decade, mantissa in product(decades, MANTISSAS)}
         found = {number for number in found if number >= start}
     else:
-        step = _round_up((high - low) / 100)
+        step = round_up((high - low) / 100)
         found = {step * n for n in range(math.ceil(low / step), math.floor(high / step) + 1)}
     exact = {float(f"{number:.9g}") for number in found}
     if declared.whole:
@@ -111,20 +120,25 @@ def slider_stops(declared: Quantity, required: set[float]) -> list[float]:
     return sorted({number for number in exact if low <= number <= high} | required | {low, high})
 
 
-def _round_up(number: float) -> float:
+def round_up(number: float) -> float:
     """Return the smallest of …, 0.1, 0.2, 0.5, 1, 2, 5, 10, … that is not less than the given number."""
     power = 10.0 ** math.floor(math.log10(number))
     return next(power * digit for digit in (1, 2, 5, 10) if power * digit >= number * (1 - 1e-9))
 
 
-def setting_label(name: str) -> str:
-    """Return the label of a setting: "elites" for ``n_elites``."""
-    return name.removeprefix("n_").replace("_", " ")
+def setting_label(name: str, domain: str = "") -> str:
+    """Return the label of a setting: "elites" for ``n_elites``.
+
+    Args:
+        name: Name of the field.
+        domain: Name of its domain, which distinguishes the two seeds.
+    """
+    return SEED_LABELS.get(f"{domain}.{name}", name.removeprefix("n_").replace("_", " "))
 
 
 def use_labels(message: str) -> str:
     """Replace the names of settings in a message with their labels."""
-    labelled = SETTING_NAME.sub(lambda found: setting_label(found[2]), message)
+    labelled = SETTING_NAME.sub(lambda found: setting_label(found[2], found[1].lower()), message)
     return labelled[:1].upper() + labelled[1:] if SETTING_NAME.match(message) else labelled
 
 

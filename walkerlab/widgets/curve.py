@@ -2,6 +2,7 @@
 
 import io
 import math
+import re
 from collections.abc import Mapping, Sequence
 from itertools import count
 from typing import Any
@@ -21,6 +22,7 @@ PICTURE_SIZE = (6.4, 3.5)  # inches
 FIGURE_MARGINS = {"left": 0.14, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
 MAX_LABEL_LENGTH = 18  # maximum length of a name in the legend, in characters
 LEGEND_LINE_HEIGHT = 0.055  # height of a line of the legend, as a fraction of the picture's height
+_GREY = re.compile(r"#([0-9a-f]{2})\1\1")
 _curve_ids = count()  # shared by all drawings, because IDs are unique on a page
 
 
@@ -71,10 +73,10 @@ class Curve(HasSnapshot, ipywidgets.HTML):
             axes.set_xlim(-0.02 * n_generations, 1.02 * max(1, n_generations - 1))
             alternative_texts.append(plots.alt_text(axes))
         file = io.StringIO()
-        figure.savefig(file, format="svg")
+        figure.savefig(file, format="svg", transparent=True)
         self._figure = figure
         self._alt = " ".join(alternative_texts)
-        picture = inline_svg(file.getvalue(), f"curve{next(_curve_ids)}", self._alt)
+        picture = inline_svg(_use_text_colour(file.getvalue()), f"curve{next(_curve_ids)}", self._alt)
         self.value = _curve_html(picture, len(groups))
 
     def snapshot(self) -> Markup:
@@ -90,6 +92,15 @@ class Curve(HasSnapshot, ipywidgets.HTML):
 def _curve_html(picture: str, n_axes: int) -> Markup:
     """Return the picture in its frame, or a message if there is no picture."""
     return render("widgets/curve.html", picture=picture, width=PICTURE_SIZE[0], height=PICTURE_SIZE[1] * n_axes)
+
+
+def _use_text_colour(svg: str) -> str:
+    """Replace grey colours in an SVG with shares of the text colour, which is light in a dark notebook."""
+    return _GREY.sub(lambda found: _share_of_text_colour(int(found[1], 16)), svg)
+
+
+def _share_of_text_colour(grey: int) -> str:
+    return f"color-mix(in srgb, currentColor {100 * (255 - grey) / 255:.0f}%, transparent)"
 
 
 def _shorten_text(name: str) -> str:

@@ -1,7 +1,7 @@
 """The run files of a panel: load one, export the selected run, and copy its code."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 import traitlets
 
@@ -9,26 +9,42 @@ from walkerlab.text.templates import Markup, render
 from walkerlab.widgets.component import Component, load_script, load_style
 
 
+class EvolveFurther(Protocol):
+    """Function that continues a run."""
+
+    def __call__(self, n_generations: int, *, with_form: bool) -> None:
+        """Evolve a number of further generations, with the settings of the form or of the run."""
+        ...
+
+
 class Drawer(Component):
     """Controls that load and export runs and show the code of the selected one; the actions are callbacks.
 
     Attributes:
-        files: Run files that can be loaded, newest first.
+        files: ``path`` and ``name`` of the run files that can be loaded, newest first.
         code: Python code that repeats the run; empty if there is none.
         words: Message on the last action.
         can_export: Whether there is a run to export.
+        exported: Paths of the files that were exported last, relative to the notebook.
+        n_further: Number of generations proposed to continue the selected run; 0 if it cannot be continued now.
     """
 
     title = "run files"
     _esm = load_script("drawer")
     _css = load_style("drawer")
-    files = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    files = traitlets.List(traitlets.Dict()).tag(sync=True)
     code = traitlets.Unicode("").tag(sync=True)
     words = traitlets.Unicode("").tag(sync=True)
     can_export = traitlets.Bool(False).tag(sync=True)
+    exported = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    n_further = traitlets.Int(0).tag(sync=True)
 
     def __init__(
-        self, on_load: Callable[[str], None], on_export: Callable[[], None], on_settings: Callable[[], None]
+        self,
+        on_load: Callable[[str], None],
+        on_export: Callable[[], None],
+        on_settings: Callable[[], None],
+        on_further: EvolveFurther,
     ) -> None:
         """Create the controls.
 
@@ -36,11 +52,13 @@ class Drawer(Component):
             on_load: Called with the path of a run file to load.
             on_export: Called to export the selected run.
             on_settings: Called to copy the settings of the selected run to the form.
+            on_further: Called to continue the selected run.
         """
         super().__init__()
         self._on_load = on_load
         self._on_export = on_export
         self._on_settings = on_settings
+        self._on_further = on_further
         self.on_msg(self._handle_message)
 
     def snapshot(self) -> Markup:
@@ -55,5 +73,7 @@ class Drawer(Component):
                 self._on_export()
             case {"settings": True}:
                 self._on_settings()
+            case {"further": int(n_generations), "with_form": bool(with_form)} if n_generations > 0:
+                self._on_further(n_generations, with_form=with_form)
             case _:
                 pass

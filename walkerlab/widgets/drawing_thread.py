@@ -25,19 +25,23 @@ class DrawingThread:
         self._is_limited = is_limited
         self._on_error = on_error
         self._requests: dict[str, Callable[[], None]] = {}
+        self._urgent: set[str] = set()
         self._changed = threading.Condition()
         self._is_open = True
         self._thread: threading.Thread | None = None
 
-    def request(self, name: str, draw: Callable[[], None]) -> None:
+    def request(self, name: str, draw: Callable[[], None], *, is_urgent: bool = False) -> None:
         """Request a drawing; it replaces a request of the same name that has not started.
 
         Args:
             name: Name of the picture.
             draw: Function that draws it.
+            is_urgent: Whether it is drawn before all others and without a pause: it answers an action of the user.
         """
         with self._changed:
             self._requests[name] = draw
+            if is_urgent:
+                self._urgent.add(name)
             if self._is_open and not self._thread:
                 self._thread = threading.Thread(target=self._run, name="walkerlab drawing", daemon=True)
                 self._thread.start()
@@ -69,9 +73,13 @@ class DrawingThread:
         """Wait for a request and return its function; None after closing."""
         with self._changed:
             self._changed.wait_for(lambda: self._requests or not self._is_open)
-            return self._requests.pop(next(iter(self._requests))) if self._is_open else None
+            if not self._is_open:
+                return None
+            name = next((name for name in self._requests if name in self._urgent), next(iter(self._requests)))
+            self._urgent.discard(name)
+            return self._requests.pop(name)
 
     def _pause_until(self, end: float) -> None:
         with self._changed:
-            while self._is_open and self._is_limited() and (left := end - time.monotonic()) > 0:
+            while self._is_open and not self._urgent and self._is_limited() and (left := end - time.monotonic()) > 0:
                 self._changed.wait(left)

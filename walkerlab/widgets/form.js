@@ -2,7 +2,6 @@
 // messages and the settings that are unused. component.js and controls.js precede this file.
 const PAUSE = 100; // ms between two values that are sent while a slider moves
 const MAX_ROWS_WITHOUT_TABS = 8;
-const MIN_GROUP = 3; // smallest number of structure settings that are grouped
 
 function render({ model, el }) {
   const rows = new Map(); // by "terrain.step_height"
@@ -49,15 +48,18 @@ function render({ model, el }) {
     const { elements, show } = KINDS[control.kind](control, (value) => change(setting, value));
     const [nameId, descriptionId, faultId] = [newId(), newId(), newId()];
     const limits = control.low === undefined ? "" : `; ${format(control.low)} to ${format(control.high)} ${control.unit}`;
-    const description = `${control.about}${limits.trimEnd()}. Default: ${control.default_text}.`;
+    const description = `${control.term ? `${control.term} ` : ""}${control.about[0].toUpperCase()}${control.about.slice(1)}${limits.trimEnd()}. Default: ${control.default_text}.`;
     const unusedReason = make("small", { className: "unused-reason" });
     const reset = make("button", { type: "button", className: "reset", title: `reset to ${control.default_text}`,
       ariaLabel: `${control.label}: reset to ${control.default_text}`, onclick: () => change(setting, control.default) }, "↺");
     const fault = make("p", { className: "fault screen-reader-only", id: faultId, role: "status" });
-    const element = make("div", { className: `row ${control.kind}`, role: "group",
+    const kind = control.hidden_if_unused ? `${control.kind} optional` : control.kind;
+    const element = make("div", { className: `row ${kind}`, role: "group",
       attributes: { "aria-labelledby": nameId, "aria-describedby": descriptionId, "data-setting": setting } },
-      make("span", { className: "name" }, make("span", { id: nameId }, control.label), unusedReason), ...elements, reset,
+      make("span", { className: "name", title: control.term }, make("span", { id: nameId }, control.label), unusedReason), ...elements, reset,
       fault, make("span", { className: "screen-reader-only", id: descriptionId }, description));
+    const unit = element.querySelector(".unit");
+    if (unit) unit.title = control.unit_term;
     rows.set(setting, { element, control, show, description, unusedReason, reset, fault });
     return element;
   }
@@ -82,16 +84,7 @@ function render({ model, el }) {
     }
   }
 
-  // Settings of single structures are grouped in an element of fixed height, where unused settings are hidden.
-  function makeRows({ domain, controls }) {
-    const all = controls.map((control) => makeRow(domain, control));
-    const grouped = all.filter((_, index) => controls[index].structure_only);
-    if (grouped.length < MIN_GROUP) return all;
-    const group = make("div", { className: "structure-settings" });
-    const children = all.map((row) => (row === grouped[0] ? group : row)).filter((row) => !grouped.includes(row));
-    group.append(...grouped);
-    return children;
-  }
+  const makeRows = ({ domain, controls }) => controls.map((control) => makeRow(domain, control));
 
   // A message names one or several settings. It is visible at one of them: at the setting that was changed last, if it
   // is named, or else at the next one below, so that the rows above do not move. The others are only marked.
@@ -134,7 +127,6 @@ function render({ model, el }) {
   let tabs = []; // {domain, tab, panel, mark}
 
   function selectTab(domain, focus) {
-    if (selectedTab !== domain) el.querySelector(".panels").scrollTop = 0;
     selectedTab = domain;
     for (const { domain: other, tab, panel } of tabs) {
       tab.setAttribute("aria-selected", other === domain);

@@ -81,9 +81,8 @@ class Form(Component):
     def _table(self, name: str, domain: Domain) -> tuple[str, list[list[str]], list[str]]:
         """Return the caption, the cells and the class of each row of the shown settings of a domain."""
         rows = [row for row in glossary_rows(domain) if row.name in self._shown[name]]
-        cells = [
-            [f"● {setting_label(row.name)}" if row.changed else setting_label(row.name), row.value] for row in rows
-        ]
+        labels = [setting_label(row.name, name) for row in rows]
+        cells = [[f"● {label}" if row.changed else label, row.value] for label, row in zip(labels, rows, strict=True)]
         return name.capitalize(), cells, ["strong" if row.changed else "" for row in rows]
 
     @traitlets.validate("values")

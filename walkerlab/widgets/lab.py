@@ -1,4 +1,4 @@
-"""The panel: run controls at the top, settings on the left, runs on the right, and the robots below.
+"""The panel: run controls, the world and its settings, a walking robot, the runs, and the robots of a generation.
 
 The form changes the drawing of the world and the settings of new runs. Live runs, each on its own thread, update the
 curves, the list of runs and the population. All pictures are drawn on one other thread.
@@ -6,19 +6,15 @@ curves, the list of runs and the population. All pictures are drawn on one other
 
 import time
 from concurrent.futures import Executor
-from functools import partial
 from pathlib import Path
 from threading import Lock
 from typing import cast
 
 import ipywidgets
 
-from walkerlab.errors import WalkerlabError
-from walkerlab.evolution.forecast import describe_duration, estimate_seconds, n_walks
 from walkerlab.evolution.live import LiveRun, State
 from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome
-from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.records import concatenate_tables
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Settings
@@ -30,11 +26,14 @@ from walkerlab.widgets.cells import register_in_cell
 from walkerlab.widgets.controls import use_labels
 from walkerlab.widgets.drawing_thread import DrawingThread
 from walkerlab.widgets.form import Form
+from walkerlab.widgets.generation_slider import LATEST
 from walkerlab.widgets.population import Population
 from walkerlab.widgets.robot import RobotArea
-from walkerlab.widgets.run_folders import ListedRun, new_run_path
+from walkerlab.widgets.run_folders import ListedRun, new_live_run, prepare_further_generations
+from walkerlab.widgets.run_status import best_walker, describe_forecast, describe_state, error_text
 from walkerlab.widgets.runs import RunsArea
 from walkerlab.widgets.transport import Transport
+from walkerlab.widgets.walker_view import WalkerView
 from walkerlab.widgets.world import World
 
 STATUS_INTERVAL = 0.2  # s between two updates of the progress of a run
@@ -68,29 +67,34 @@ class Lab(HasSnapshot, ipywidgets.Box):
         self._executor = executor
         self._reported: dict[LiveRun, tuple[tuple[State, int] | None, float]] = {}  # last state and time shown
         self._active: LiveRun | None = None
+        self._n_started = 0
         self._button_lock = Lock()
         self._drawing = DrawingThread(self._is_running, self._report_drawing_error)
         self.form = Form(settings)
         self.world = World(settings)
         self.transport = Transport(self._press)
-        self.runs = RunsArea(self._folder, self._drawing, self._run_selected, self._copy_settings)
+        self.walker = WalkerView()
+        self.runs = RunsArea(self._folder, self._drawing, self._run_selected, self._copy_settings, self._evolve_further)
         self.population = Population()
         self.robot = RobotArea(settings, self._insert)
-        areas = [
-            _make_area("wide", self.transport),
-            _make_area("left", self.form, self.world),
-            _make_area("right", self.runs),
-            _make_area("wide", self.population, self.robot),
-        ]
+        columns = (
+            ("wide", [self.transport]),
+            ("left", [self.world, self.form]),
+            ("right", [self.walker, self.runs]),
+            ("wide", [self.population, self.robot]),
+        )
+        areas = [ipywidgets.Box(parts).add_class("wl-area").add_class(f"wl-{name}") for name, parts in columns]
         super().__init__([ipywidgets.Box(areas).add_class("wl-areas")])
         check_executor(executor)  # last, so that the panel can be closed if this raises
         self.add_class("wl-lab")
         self.form.observe(self._form_changed, ["settings", "fault"])
         self.population.observe(self._robot_selected, "selected")
+        self.runs.generation.observe(self._generation_selected, "selected")
         for panel in register_in_cell(self):  # or its run would continue without a panel
             panel.close()
             self.transport.words = "The earlier panel of this cell was closed. Its runs are saved: open them with Load."
         self._form_changed()
+        self._run_selected()
 
     def __repr__(self) -> str:
         """Return a short description without the widgets, which are many."""
@@ -98,7 +102,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
 
     def snapshot(self) -> Markup:
         """Return the content of the panel as static HTML."""
-        components = (self.transport, self.runs, self.population, self.robot, self.world)
+        components = (self.transport, self.walker, self.runs, self.population, self.robot, self.world)
         snapshots = [component.snapshot() for component in components]
         return render("widgets/lab.html", components=snapshots, form=self.form.snapshot())
 
@@ -136,7 +140,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         faults = "\n".join(map(use_labels, self.form.fault.splitlines()))
         self.transport.fault = f"Cannot start. {faults}" if faults else ""
         if settings:
-            self._drawing.request("world", partial(self.world.draw, settings))
+            self._drawing.request("world", self.world.prepare(settings), is_urgent=True)
             self._drawing.request("forecast", self._show_forecast)
             if not self.run:  # edited genomes are simulated in the world of the selected run, if there is one
                 self.robot.set_settings(settings)
@@ -144,17 +148,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
     def _show_forecast(self) -> None:
         """Show how long a run with the form's settings takes; not during a run, which would distort the timing."""
         if (settings := self.settings) and not self._is_running():
-            algorithm = settings.algorithm
-            run = f"{algorithm.generations} generations of {algorithm.population_size} robots"
-            duration = describe_duration(self._seconds_of(settings))
-            self.transport.forecast = f"A new run: {run}, {duration} on this computer."
-
-    def _seconds_of(self, settings: Settings) -> float:
-        """Estimate the duration of a run, s: at the pace of the last run if that was in the same world."""
-        last = self._active
-        if last and last.seconds_per_walk and _world_of(last.settings) == _world_of(settings):
-            return last.seconds_per_walk * n_walks(settings)
-        return estimate_seconds(settings)
+            self.transport.forecast = describe_forecast(settings, self._active)
 
     # ------------------------------------------------------------------------------------------------------ live runs
 
@@ -164,7 +158,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
             self._carry_out(button)
 
     def _carry_out(self, button: str) -> None:
-        live = self._active if self._active and not self._active.is_over else None
+        live = self._active if self._is_in_progress else None
         match button:
             case "start" | "step" if not live and self.settings:
                 self._start(self.settings, 1 if button == "step" else None)
@@ -182,24 +176,39 @@ class Lab(HasSnapshot, ipywidgets.Box):
     def _start(self, settings: Settings, generations: int | None) -> None:
         """Start a run, which pauses after a number of generations unless this is None."""
         try:
-            live = self._create_live_run(settings)
+            live, note = new_live_run(settings, self._folder, self._executor, self._run_progressed, self.transport.stop)
         except ValueError as error:  # a user function that cannot be used as this operator
             self.transport.words = str(error)
             return
-        self._active = live
-        self._reported[live] = None, 0.0
-        name = f"run {len(self._reported)}"
-        self.runs.add(ListedRun(name, settings, live), name)
+        self.runs.drawer.words = note
+        self._n_started += 1
+        name = f"run {self._n_started}"
+        self._activate(ListedRun(name, settings, live), live, name)
         live.resume(generations)
 
-    def _create_live_run(self, settings: Settings) -> LiveRun:
-        """Create a run with a run file, or without one if the folder is not writable."""
-        try:
-            return LiveRun(settings, new_run_path(self._folder), self._executor, on_change=self._run_progressed)
-        except (RunFileError, OSError) as error:
-            live = LiveRun(settings, None, self._executor, on_change=self._run_progressed)
-            self.runs.drawer.words = f"This run will not be saved. {error}"
-            return live
+    def _activate(self, entry: ListedRun, live: LiveRun, name: str) -> None:
+        """Add a live run to the list, or replace an earlier one, and show its progress."""
+        self._active = live
+        self._reported[live] = None, 0.0
+        self.runs.generation.selected = LATEST
+        self.runs.add(entry, name)
+
+    def _evolve_further(self, n_generations: int, *, with_form: bool) -> None:
+        """Continue the selected run, with the settings of the form or with its own."""
+        with self._button_lock:
+            entry = self.runs.selected_entry
+            if not entry or self._is_in_progress:
+                return
+            settings = self.settings if with_form else None
+            try:
+                prepared, note = prepare_further_generations(entry, n_generations, settings)
+            except ValueError as error:
+                self.runs.drawer.words = use_labels(str(error))
+                return
+            live = LiveRun(prepared, None, self._executor, stop=self.transport.stop, on_change=self._run_progressed)
+            self.runs.drawer.words = note
+            self._activate(ListedRun(entry.key, prepared.settings, live), live, "")
+            live.resume()
 
     def _run_progressed(self, live: LiveRun) -> None:
         """Show the progress of a run, at limited frequency unless its state has changed."""
@@ -208,8 +217,9 @@ class Lab(HasSnapshot, ipywidgets.Box):
         last_state, last_time = self._reported[live]
         if state != last_state:
             self.runs.redraw()
+        if state != last_state or not live.n_generations:
             self._drawing.request("population", self._show_population)
-        elif now - last_time < STATUS_INTERVAL:
+        if state == last_state and now - last_time < STATUS_INTERVAL:
             return
         self._reported[live] = state, now
         if live is self._active:
@@ -220,26 +230,13 @@ class Lab(HasSnapshot, ipywidgets.Box):
 
     def _show_status(self, live: LiveRun) -> None:
         """Show the state and the progress of a run."""
-        n_done = live.n_generations
-        last = live.settings.algorithm.generations - 1
-        seconds_left = live.seconds_left
-        where = f"after generation {n_done - 1} of 0 to {last}" if n_done else f"during generation 0 of 0 to {last}"
-        match live.state:
-            case State.running:
-                left = " …" if seconds_left is None else f": {describe_duration(seconds_left)} left."
-                words = f"Generation {n_done} of 0 to {last} is running{left}"
-            case State.failed:
-                words = f"Failed {where}. {_error_text(live.error)}"
-                self.runs.drawer.words = "\n".join(getattr(live.error, "__notes__", []))
-            case State.finished:
-                words = f"Finished: generations 0 to {last} in {live.seconds:.0f} s."
-            case state:
-                words = f"{state.capitalize()} {where} ({live.seconds:.0f} s)."
+        if live.state == State.failed:
+            self.runs.drawer.words = "\n".join(getattr(live.error, "__notes__", []))
         with self.transport.hold_sync():
             self.transport.state = live.state
-            self.transport.words = words
-            self.transport.share = live.n_done / live.n_walks
-        self.robot.editor.can_insert = not live.is_over and n_done > 0
+            self.transport.words = describe_state(live)
+            self.transport.share = live.n_done / live.n_walks if live.n_walks else 1.0
+        self.robot.editor.can_insert = not live.is_over and live.n_generations > 0
         if live.loss_note:
             self.runs.drawer.words = live.loss_note
 
@@ -247,7 +244,11 @@ class Lab(HasSnapshot, ipywidgets.Box):
 
     def _run_selected(self) -> None:
         self.population.selected = -1
-        self._drawing.request("population", self._show_population)
+        self.runs.generation.selected = LATEST
+        self._generation_selected()
+
+    def _generation_selected(self, _change: object = None) -> None:
+        self._drawing.request("population", self._show_population, is_urgent=True)
 
     def _copy_settings(self) -> None:
         """Change the form to the settings of the selected run."""
@@ -255,18 +256,27 @@ class Lab(HasSnapshot, ipywidgets.Box):
             self.settings = run.settings
 
     def _robot_selected(self, _change: object) -> None:
-        self._drawing.request("robot", self._show_robot)
+        self._drawing.request("robot", self._show_robot, is_urgent=True)
 
     def _show_population(self) -> None:
-        """Show the last generation of the selected run."""
-        run = self.run
-        self.population.show(run.records if run else concatenate_tables([]), run.settings if run else None)
+        """Show the selected generation of the selected run, or the robots of generation 0 that have walked."""
+        run = self.runs.visible
+        table = run.records if run else concatenate_tables([])
+        generation = self.runs.generation.generation
+        if generation is not None:
+            table = table.loc[table.generation == generation]
+        self.population.show(table, run.settings if run else None)
         self._show_robot()
+        self._drawing.request("walker", self._show_walker)
 
     def _show_robot(self) -> None:
         """Show the selected robot, or the champion so far."""
-        if (run := self.run) and run.n_generations:
+        if (run := self.runs.visible) and run.n_generations:
             self.robot.show(run, self.population.selected)
+
+    def _show_walker(self) -> None:
+        """Show the best robot so far, or of the selected generation, walking."""
+        self.walker.show(best_walker(self.runs.selected_entry, self.runs.generation.generation))
 
     def _insert(self, genome: Genome) -> str:
         """Insert a genome into the next generation of the active run; return a message on the result."""
@@ -278,23 +288,12 @@ class Lab(HasSnapshot, ipywidgets.Box):
             return str(error)
         return f"The genome will be in generation {generation}, in place of a child. It is marked with ✎."
 
+    @property
+    def _is_in_progress(self) -> bool:
+        return self._active is not None and not self._active.is_over
+
     def _is_running(self) -> bool:
         return self._active is not None and self._active.state == State.running
 
     def _report_drawing_error(self, error: Exception) -> None:
-        self.runs.drawer.words = f"A picture could not be drawn. {_error_text(error)}"
-
-
-def _error_text(error: BaseException | None) -> str:
-    """Return the message of an error, with its type unless the message is written for users."""
-    return str(error) if isinstance(error, WalkerlabError) else f"{type(error).__name__}: {error}"
-
-
-def _world_of(settings: Settings) -> tuple[object, ...]:
-    """Return the domains of settings that a walk depends on."""
-    return settings.terrain, settings.robot, settings.simulation
-
-
-def _make_area(name: str, *components: ipywidgets.Widget) -> ipywidgets.Box:
-    """Stack components in an area of the panel."""
-    return ipywidgets.Box(components).add_class("wl-area").add_class(f"wl-{name}")
+        self.runs.drawer.words = f"A picture could not be drawn. {error_text(error)}"

@@ -7,6 +7,7 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.runfile.records import INSERTED_BY_HAND
+from walkerlab.settings.terms import explain_term
 from walkerlab.settings.values import pluralize
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.numbers import format_fixed_column, format_significant_column, with_unit
@@ -75,8 +76,9 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
 
     Returns:
         ``title`` and ``warning`` of the generation; ``n_drawn``, the largest number of pictures; ``drawn_note`` and
-        ``listed_note``, which say that not all robots have a picture or a row; ``columns`` with key, title, unit and
-        sort direction; ``rows`` with ``individual``, ``kind``, ``sign``, ``label``, ``description`` and ``cells``.
+        ``listed_note``, which say that not all robots have a picture or a row; ``columns`` with key, title,
+        explanation, unit and sort direction; ``rows`` with ``individual``, ``kind``, ``sign``, ``label``,
+        ``description`` and ``cells``.
     """
     fitness_name = str(records.attrs.get("fitness", ""))
     unit = unit_of(records, "fitness")
@@ -100,6 +102,7 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
             {
                 "key": name,
                 "title": f"fitness: {fitness_name}" if fitness_name and name == "fitness" else column.title,
+                "about": explain_term(name),
                 "unit": unit_of(records, name),
                 "direction": "ascending" if column.is_ascending else "descending",
             }

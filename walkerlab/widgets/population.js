@@ -16,8 +16,8 @@ function tableRow(row) {
 }
 
 function table(columns, rows, sortedBy, sort) {
-  const headings = columns.map(({ key, title, unit, direction }) => {
-    const button = make("button", { type: "button", name: key, textContent: title, onclick: () => sort(key) });
+  const headings = columns.map(({ key, title, about, unit, direction }) => {
+    const button = make("button", { type: "button", name: key, textContent: title, title: about, onclick: () => sort(key) });
     const ariaSort = key === sortedBy ? direction : null;
     return make("th", { scope: "col", ariaSort }, button, make("span", { className: "quiet", textContent: unit }));
   });

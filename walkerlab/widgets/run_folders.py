@@ -1,18 +1,32 @@
 """The runs in a panel's list, their files and folders, and a description of how they differ."""
 
+import re
 import time
-from collections.abc import Sequence
+import warnings
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 
+import pandas as pd
+
 from walkerlab.evolution.live import LiveRun
+from walkerlab.evolution.resuming import PreparedRun, prepare_resume
 from walkerlab.evolution.run import Run
+from walkerlab.evolution.stages import find_changes
+from walkerlab.evolution.stopping import Stop
+from walkerlab.evolution.stored_functions import user_functions
+from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.paths import RUN_FILE
+from walkerlab.runfile.records import RANDOM, EvaluationRow, tidy_table
 from walkerlab.settings.glossary import glossary_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import name_and_unit
 from walkerlab.text.numbers import with_unit
 
+STAMP_FORMAT = "%Y-%m-%d-%H%M%S"
+_STAMP = re.compile(r"(\d{4}-\d\d-\d\d-\d{6})(-\d+)?")
+DEFAULT_FURTHER = 10  # generations by which a complete run is continued, unless the user changes the number
 MAX_DIFFERENCES = 4  # maximum number of settings named in the description of a run
 
 
@@ -41,14 +55,49 @@ class ListedRun:
         return self.source.run if isinstance(self.source, LiveRun) else self.source
 
     @property
+    def visible(self) -> Run:
+        """The run; before generation 0 is complete, with those of its robots that have walked."""
+        live = self.live
+        if not live or live.n_generations or not (first := live.first_robots):
+            return self.run
+        rows = [
+            {"generation": 0, "individual": number, "born": 0, "parents": "", "operators": RANDOM}
+            | EvaluationRow.of(evaluation, str(evaluation.genome))._asdict()
+            for number, evaluation in sorted(first.items())
+        ]
+        return Run(live.settings, tidy_table(pd.DataFrame(rows)))
+
+    @property
+    def n_missing(self) -> int:
+        """Number of robots of generation 0 that have not walked yet, while it is not complete; 0 after that."""
+        live = self.live
+        if not live or live.n_generations:
+            return 0
+        return live.settings.algorithm.population_size - len(live.first_robots)
+
+    @property
     def state(self) -> str:
         """The state of the run, in one word."""
         return self.live.state if self.live else "loaded"
 
 
+def new_live_run(
+    settings: Settings, folder: Path, executor: Executor | None, on_change: Callable[[LiveRun], None], stop: Stop | None
+) -> tuple[LiveRun, str]:
+    """Create a run with a run file in a new subfolder, or without a file if the folder is not writable.
+
+    Returns:
+        The run, and a note if it has no file.
+    """
+    try:
+        return LiveRun(settings, new_run_path(folder), executor, stop=stop, on_change=on_change), ""
+    except (RunFileError, OSError) as error:
+        return LiveRun(settings, None, executor, stop=stop, on_change=on_change), f"This run will not be saved. {error}"
+
+
 def new_run_path(folder: Path) -> Path:
     """Return the path of a new run file in a new subfolder, which is named after the current time."""
-    stamp = time.strftime("%Y-%m-%d-%H%M%S")
+    stamp = time.strftime(STAMP_FORMAT)
     names = (stamp if n == 1 else f"{stamp}-{n}" for n in range(1, 1000))
     return next(folder / name / RUN_FILE for name in names if not (folder / name).exists())
 
@@ -60,8 +109,52 @@ def find_run_files(folder: Path) -> list[str]:
 
 
 def run_name(path: Path) -> str:
-    """Return the name of a run: the name of its file, or of its folder if the file has the standard name."""
-    return path.resolve().parent.name if path.name == RUN_FILE else path.stem
+    """Return a readable name of a run file: the time in the name of its folder, or the name of the folder or file."""
+    name = path.resolve().parent.name if path.name == RUN_FILE else path.stem
+    if not (stamp := _STAMP.fullmatch(name)):
+        return name
+    try:
+        moment = time.strptime(stamp[1], STAMP_FORMAT)
+    except ValueError:
+        return name
+    return f"{moment.tm_mday} {time.strftime('%b, %H:%M:%S', moment)}{stamp[2]}"
+
+
+def n_further(entry: ListedRun) -> int:
+    """Return the number of generations that are proposed to continue a run; 0 if it cannot be continued now."""
+    if not entry.run.path or (entry.live and not entry.live.is_over):
+        return 0
+    return entry.settings.algorithm.generations - entry.run.n_generations or DEFAULT_FURTHER
+
+
+def prepare_further_generations(
+    entry: ListedRun, n_generations: int, settings: Settings | None
+) -> tuple[PreparedRun, str]:
+    """Prepare a listed run to be continued, as ``wl.resume`` does.
+
+    Args:
+        entry: Run with a run file, which is not in progress.
+        n_generations: Number of further generations.
+        settings: Settings of the further generations, which begin a new stage; if None, those of the run.
+
+    Returns:
+        The prepared run, and the warnings as text.
+
+    Raises:
+        RunFileError: If the run file cannot be continued.
+        SettingsError: If one of the changed settings cannot change within a run.
+        ValueError: If the run has no file.
+    """
+    run = entry.run
+    if not run.path:
+        raise ValueError("This run has no file, so it cannot be continued.")
+    algorithm = (settings or entry.settings).algorithm
+    functions = {slot: getattr(algorithm, slot) for slot in user_functions(entry.settings)}
+    changes = find_changes(entry.settings, settings) if settings else {}
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        prepared = prepare_resume(run.path, run.n_generations + n_generations, functions | changes)
+    return prepared, "\n".join(str(warning.message) for warning in caught)
 
 
 def best_result(run: Run) -> str:

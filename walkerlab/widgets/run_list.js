@@ -27,7 +27,7 @@ function row(key, group, send) {
   const cancel = make("button", { type: "button", textContent: "Cancel" });
   const confirm = make("button", { type: "button", textContent: "Remove", onclick: () => send({ remove: key }) });
   const confirmation = make("span", { className: "confirmation", hidden: true, role: "group" },
-    "Remove from the list? The file is kept. ", confirm, cancel);
+    "Remove from list? The file is kept. ", confirm, cancel);
   const node = make("li", {}, view, shown, name, differs, best, state, remove, confirmation);
 
   const ask = (asked) => {

@@ -17,13 +17,15 @@ from walkerlab.view.plots.style import RUN_COLOURS
 from walkerlab.view.report.code import as_python, user_functions
 from walkerlab.view.snapshots import HasSnapshot
 from walkerlab.widgets.curve import Curve
-from walkerlab.widgets.drawer import Drawer
+from walkerlab.widgets.drawer import Drawer, EvolveFurther
 from walkerlab.widgets.drawing_thread import DrawingThread
+from walkerlab.widgets.generation_slider import GenerationSlider
 from walkerlab.widgets.run_folders import (
     ListedRun,
     best_result,
     describe_differences,
     find_run_files,
+    n_further,
     new_run_path,
     run_name,
 )
@@ -36,6 +38,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
     Attributes:
         entries: Runs by key; replaced by a new dict with every change.
         curve: Fitness curves.
+        generation: Slider that selects the generation of the selected run that is shown.
         run_list: List of the runs.
         drawer: Controls that export the selected run, show its code, and load other runs.
     """
@@ -43,7 +46,12 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
     title = "runs"
 
     def __init__(
-        self, folder: Path, drawing: DrawingThread, on_selected: Callable[[], None], on_settings: Callable[[], None]
+        self,
+        folder: Path,
+        drawing: DrawingThread,
+        on_selected: Callable[[], None],
+        on_settings: Callable[[], None],
+        on_further: EvolveFurther,
     ) -> None:
         """Create the area without runs.
 
@@ -52,6 +60,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
             drawing: Thread that draws the curve.
             on_selected: Called when another run is selected.
             on_settings: Called to copy the settings of the selected run to the form.
+            on_further: Called to continue the selected run.
         """
         self._folder = folder
         self._drawing = drawing
@@ -60,9 +69,10 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         self.entries: dict[str, ListedRun] = {}
         self.curve = Curve()
         self.run_list = RunList()
-        self.drawer = Drawer(self._load, self._export, on_settings)
+        self.generation = GenerationSlider()
+        self.drawer = Drawer(self._load, self._export, on_settings, on_further)
         self._list_files()
-        super().__init__([self.curve, self.run_list, self.drawer])
+        super().__init__([self.curve, self.generation, self.run_list, self.drawer])
         self.add_class("wl-runs")
         self.run_list.observe(self._selection_changed, "selected")
         self.run_list.observe(self._list_changed, "runs")
@@ -79,14 +89,31 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
     @property
     def selected(self) -> Run | None:
         """The completed generations of the selected run; None without runs."""
-        entry = self.entries.get(str(self.run_list.selected))
+        entry = self.selected_entry
         return entry.run if entry else None
 
+    @property
+    def visible(self) -> Run | None:
+        """The selected run; before generation 0 is complete, with those of its robots that have walked."""
+        entry = self.selected_entry
+        return entry.visible if entry else None
+
+    @property
+    def selected_entry(self) -> ListedRun | None:
+        """The selected run in the list; None without runs."""
+        return self.entries.get(str(self.run_list.selected))
+
     def add(self, entry: ListedRun, name: str) -> None:
-        """Add a run to the list and select it."""
+        """Add a run to the list, or replace the one with the same key, and select it.
+
+        Args:
+            entry: Run.
+            name: Name of the run; if empty, its name in the list remains.
+        """
         self.entries = {**self.entries, entry.key: entry}
         self.run_list.add(entry.key, name=name)
         self.run_list.selected = entry.key
+        self._list_files()
         self.redraw()
         self._on_selected()  # even if it was selected already: its file may have grown
 
@@ -111,9 +138,12 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         differences = describe_differences([entry.settings for entry in entries])
         for entry, differs in zip(entries, differences, strict=True):
             self.run_list.update(entry.key, differs=differs, best=best_result(entry.run), state=entry.state)
-        run = self.selected
+        entry = self.selected_entry
+        run = entry.run if entry else None
         has_generations = run is not None and bool(run.n_generations)
+        self.generation.n_generations = run.n_generations if run else 0
         self.drawer.can_export = has_generations
+        self.drawer.n_further = n_further(entry) if entry else 0
         self.drawer.code = _code(run) if run and has_generations else ""
 
     def _selection_changed(self, _change: object) -> None:
@@ -139,7 +169,9 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
     def _list_files(self) -> None:
         """Update the list of run files that can be loaded."""
         self._files = {display_path(Path(path)): path for path in find_run_files(self._folder)}
-        self.drawer.files = list(self._files)
+        self.drawer.files = [
+            {"path": path, "name": f"{run_name(Path(file))} ({path})"} for path, file in self._files.items()
+        ]
 
     def _load(self, name: str) -> None:
         try:
@@ -150,17 +182,14 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
             return
         file = run.path or absolute_path(path)
         self.add(ListedRun(str(file.resolve()), run.settings, run), run_name(file))
-        hint = (
-            ""
-            if run.n_generations
-            else f" No generation is done yet; resume it with wl.resume({display_path(file)!r})."
-        )
+        hint = "" if run.n_generations else " No generation is done yet; to evolve it, press Continue this run."
         self.drawer.words = f"Loaded {display_path(file)}.{hint}"
 
     def _export(self) -> None:
         """Write all outputs of the selected run into its folder, on a thread because it takes seconds."""
         if (run := self.selected) and run.n_generations:
             folder = run.path.parent if run.path else new_run_path(self._folder).parent
+            self.drawer.exported = []
             self.drawer.words = f"Writing into {display_path(folder)} …"
             threading.Thread(target=self._write, args=(run, folder), name="walkerlab export", daemon=True).start()
 
@@ -175,7 +204,8 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
             )
         else:
             self._list_files()
-            self.drawer.words = f"Exported into the folder {display_path(folder)}: {', '.join(outputs.OUTPUT_FILES)}."
+            self.drawer.words = f"Exported into the folder {display_path(folder)}:"
+            self.drawer.exported = [f"{display_path(folder)}/{name}" for name in outputs.OUTPUT_FILES]
 
 
 def _code(run: Run) -> str:

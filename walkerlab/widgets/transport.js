@@ -18,6 +18,27 @@ function icon(pathData) { // an SVG, because not every computer has characters f
   return svg;
 }
 
+// Conditions under which a run ends early: name, label, tooltip, smallest value.
+const CONDITIONS = [
+  ["minutes", "after minutes", "no generation begins after this time", 0],
+  ["target", "at fitness", "the run ends when a robot has this fitness", null],
+  ["patience", "after generations without a fitter robot", "the run ends when so many generations bring no fitter robot", 1],
+];
+
+function conditions(model) {
+  const fields = CONDITIONS.map(([name, label, title, min]) => {
+    const field = make("input", { type: "number", step: "any", title, ariaLabel: `end early ${label}`,
+      value: model.get("end_early")[name] ?? "", oninput: () => {
+        const { [name]: _, ...others } = model.get("end_early");
+        model.set("end_early", field.value === "" ? others : { ...others, [name]: field.valueAsNumber });
+        model.save_changes();
+      } });
+    if (min !== null) field.min = min;
+    return make("label", {}, `${label} `, field);
+  });
+  return make("details", { className: "conditions" }, make("summary", { textContent: "end early …" }), ...fields);
+}
+
 function render({ model, el }) {
   el.classList.add("wl-component", "wl-transport");
   const row = make("div", { className: "row" });
@@ -28,7 +49,7 @@ function render({ model, el }) {
     button.dataset.press = name;
     return { button, name, states };
   });
-  row.append(...buttons.map(({ button }) => button));
+  row.append(...buttons.map(({ button }) => button), conditions(model));
   el.append(row, make("div", { className: "status" }, bar, status, forecast));
 
   function update() {

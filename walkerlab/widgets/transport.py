@@ -1,12 +1,17 @@
 """The buttons that start, pause, step and stop a run, its progress, and the remaining time."""
 
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import traitlets
 
+from walkerlab.evolution.stopping import Stop, StopError
 from walkerlab.text.templates import Markup, render
 from walkerlab.widgets.component import Component, load_script, load_style
+
+_CONDITIONS = {"minutes": "after", "target": "target", "patience": "patience"}
+"""Arguments of ``Stop`` by the names of the fields."""
 
 
 class Transport(Component):
@@ -17,6 +22,7 @@ class Transport(Component):
         share: Completed share of the run, 0 to 1.
         words: Message on the run.
         forecast: Message on the next run, if one can be started.
+        end_early: Conditions under which a run ends early: any of ``minutes``, ``target`` and ``patience``.
         fault: Why no run can be started; empty if one can.
     """
 
@@ -28,6 +34,7 @@ class Transport(Component):
     words = traitlets.Unicode("").tag(sync=True)
     forecast = traitlets.Unicode("").tag(sync=True)
     fault = traitlets.Unicode("").tag(sync=True)
+    end_early = traitlets.Dict().tag(sync=True)
 
     def __init__(self, on_press: Callable[[str], None]) -> None:
         """Create the buttons.
@@ -38,6 +45,18 @@ class Transport(Component):
         super().__init__()
         self._on_press = on_press
         self.on_msg(self._handle_message)
+
+    @property
+    def stop(self) -> Stop | None:
+        """Conditions under which the next run ends early; None without any. Values that are not allowed are ignored."""
+        given: dict[str, Any] = {}
+        for name, value in self.end_early.items():
+            if name in _CONDITIONS and isinstance(value, int | float):
+                condition: dict[str, Any] = {_CONDITIONS[name]: 60 * value if name == "minutes" else value}
+                with suppress(StopError):
+                    Stop(**condition)
+                    given |= condition
+        return Stop(**given) if given else None
 
     def snapshot(self) -> Markup:
         """Return the messages as static HTML."""

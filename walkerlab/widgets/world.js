@@ -4,12 +4,15 @@ function render({ model, el }) {
   const another = make("button", { type: "button", textContent: "Another robot", onclick: () => model.send("another"),
     title: "show another random robot at the start" });
   el.classList.add("wl-component", "wl-world");
-  el.append(picture, another);
+  const note = make("span", { className: "note", textContent: "drawing …", attributes: { role: "status" } });
+  el.append(picture, note, another);
 
   const update = () => {
     picture.replaceChildren(parseSvg(model.get("picture")));
     another.hidden = !model.get("by_chance");
   };
+  const mark = () => el.classList.toggle("outdated", model.get("is_outdated"));
+  model.on("change:is_outdated", mark);
   for (const name of ["picture", "by_chance"]) model.on(`change:${name}`, update);
   update();
   return captureKeys(el);

@@ -1,6 +1,8 @@
 """A drawing of the world that settings describe, updated when a setting changes."""
 
 import threading
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import traitlets
@@ -23,6 +25,7 @@ class World(Component):
         genome: Genome of the robot at the start; None for a random one within the limits.
         number: Index of the random robot; index i gives robot i of generation 0 in a run with these settings.
         picture: Drawing, as SVG.
+        is_outdated: Whether another drawing was requested and is not finished.
         by_chance: Whether the robot is random, so that another one can be drawn.
     """
 
@@ -33,6 +36,7 @@ class World(Component):
     genome: Any = traitlets.Instance(Genome, allow_none=True)
     number = traitlets.Int(0)
     picture = traitlets.Unicode("").tag(sync=True)
+    is_outdated = traitlets.Bool(False).tag(sync=True)
     by_chance = traitlets.Bool(True).tag(sync=True)
 
     def __init__(self, settings: Settings | None = None, genome: Genome | str | None = None) -> None:
@@ -50,6 +54,15 @@ class World(Component):
         self.on_msg(self._handle_message)
         self._redraw()
 
+    def prepare(self, settings: Settings) -> Callable[[], None]:
+        """Mark the drawing as outdated and return a function that draws it.
+
+        Args:
+            settings: Settings of terrain and robot.
+        """
+        self.is_outdated = True
+        return partial(self.draw, settings)
+
     def draw(self, settings: Settings, genome: Genome | None = None) -> None:
         """Change settings and robot together and draw once; can be called from any thread.
 
@@ -57,9 +70,12 @@ class World(Component):
             settings: Settings of terrain and robot.
             genome: Genome of the robot; a random one if None.
         """
-        with self._lock, self.hold_trait_notifications():
-            self.settings = settings
-            self.genome = genome
+        try:
+            with self._lock, self.hold_trait_notifications():
+                self.settings = settings
+                self.genome = genome
+        finally:
+            self.is_outdated = False
 
     def snapshot(self) -> Markup:
         """Return the drawing as static HTML."""

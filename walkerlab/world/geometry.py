@@ -15,6 +15,7 @@ N_AROUND = 24  # vertices of round surfaces about their axis
 N_RINGS = 12  # rings of vertices of a sphere from pole to pole
 MAX_JUMP = 3.0  # m; a body that moves farther between two recorded poses (150 m/s) shows that the physics broke down
 PLANE_EXTENT = 60.0  # m to each side to which an infinite plane is drawn
+CAPSULE = int(mujoco.mjtGeom.mjGEOM_CAPSULE)
 ROPE_POINTS = 2  # points of a part that is drawn as a line
 MAX_OUTLINE_CORNERS = 48
 

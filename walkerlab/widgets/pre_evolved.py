@@ -1,0 +1,38 @@
+"""The walker with which the panel opens: evolved in advance by ``python -m walkerlab.commands.walker``."""
+
+import json
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from walkerlab.genome.genome import Genome
+from walkerlab.settings.settings import Settings
+
+FILE = Path("data") / "walker.json"
+
+
+@dataclass(frozen=True)
+class PreEvolvedWalker:
+    """A champion that was evolved with the default settings.
+
+    Attributes:
+        genome: Its genome.
+        settings: Settings of its run.
+        n_trials: Number of robots that walked in its run.
+        distance: Distance of its walk, m.
+    """
+
+    genome: Genome
+    settings: Settings
+    n_trials: int
+    distance: float
+
+
+@cache
+def load_pre_evolved_walker() -> PreEvolvedWalker:
+    """Read the walker from the installed package, or from the folder next to the package in a checkout."""
+    package = Path(__file__).parents[1]
+    path = next(path for path in (package / FILE, package.parent / FILE) if path.exists())
+    walker = json.loads(path.read_text(encoding="utf-8"))
+    settings = Settings().with_(**walker["settings"])
+    return PreEvolvedWalker(Genome.parse(walker["genome"]), settings, walker["n_trials"], walker["distance"])

@@ -1,0 +1,92 @@
+"""What the panel says about a run, and which of its robots it shows walking."""
+
+from walkerlab.errors import WalkerlabError
+from walkerlab.evolution.forecast import describe_duration, estimate_seconds, n_walks
+from walkerlab.evolution.live import LiveRun, State
+from walkerlab.runfile.records import find_champion
+from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import pluralize
+from walkerlab.simulation.fitness import name_and_unit
+from walkerlab.text.numbers import with_unit
+from walkerlab.widgets.pre_evolved import load_pre_evolved_walker
+from walkerlab.widgets.run_folders import ListedRun
+from walkerlab.widgets.walker_view import ShownWalker
+
+
+def describe_state(live: LiveRun) -> str:
+    """Describe the state and the progress of a live run in a sentence."""
+    total = live.settings.algorithm.generations
+    done = f"{live.n_generations} of {pluralize(total, 'generation')} done"
+    match live.state:
+        case State.running:
+            left = "" if live.seconds_left is None else f", {describe_duration(live.seconds_left)} left"
+            return f"Running: {done}{left}."
+        case State.failed:
+            return f"Failed: {done}. {error_text(live.error)}"
+        case State.finished if live.run.stop_reason:
+            return f"Finished: {done} in {live.seconds:.0f} s, because {live.run.stop_reason}."
+        case State.finished:
+            return f"Finished: {pluralize(total, 'generation')} in {live.seconds:.0f} s."
+        case state:
+            return f"{state.capitalize()}: {done} ({live.seconds:.0f} s)."
+
+
+def error_text(error: BaseException | None) -> str:
+    """Return the message of an error, with its type unless the message is written for users."""
+    return str(error) if isinstance(error, WalkerlabError) else f"{type(error).__name__}: {error}"
+
+
+def describe_forecast(settings: Settings, last: LiveRun | None) -> str:
+    """Describe how long a run would take: at the pace of the last run if that was in the same world.
+
+    Args:
+        settings: Settings of the run.
+        last: Last run of the panel.
+    """
+    algorithm = settings.algorithm
+    if last and last.seconds_per_walk and _world_of(last.settings) == _world_of(settings):
+        seconds = last.seconds_per_walk * n_walks(settings)
+    else:
+        seconds = estimate_seconds(settings)
+    run = f"{algorithm.generations} generations of {algorithm.population_size} robots"
+    return f"A new run: {run}, {describe_duration(seconds)}."
+
+
+def _world_of(settings: Settings) -> tuple[object, ...]:
+    """Return the domains of settings that a walk depends on."""
+    return settings.terrain, settings.robot, settings.simulation
+
+
+def best_walker(entry: ListedRun | None, generation: int | None) -> ShownWalker:
+    """Return the robot that the panel shows walking: the best of a run, or the pre-evolved one if there is none.
+
+    Args:
+        entry: Selected run; None without one.
+        generation: Generation whose best robot is shown; None for the best of the whole run.
+    """
+    run = entry.visible if entry else None
+    n_missing = entry.n_missing if entry else 0
+    if run is None or not run.n_generations:
+        walker = load_pre_evolved_walker()
+        seconds = walker.settings.simulation.duration
+        words = (
+            f"This walker evolved in {walker.n_trials:,} trials: {with_unit(walker.distance, 'm')} in {seconds:g} s. "
+            "Now evolve your own: press Start."
+        )
+        if entry and entry.live and not entry.live.is_over:
+            words = "Your first robots are starting to walk. Until then: a walker that evolved in advance."
+        return ShownWalker(walker.genome, walker.settings, "Pre-evolved walker", words)
+    records = run.records
+    best = find_champion(records if generation is None else records.loc[records.generation == generation])
+    name, unit = name_and_unit(run.settings.algorithm.fitness)
+    result = f"{name} {with_unit(best.fitness, unit)}" if best.verdict == "ok" else "no walk counted yet"
+    if n_missing:
+        which = f"Best of the first {len(records)} of {len(records) + n_missing} random robots"
+    else:
+        which = "Best so far" if generation is None else f"Best of generation {generation}"
+    robot = f"robot {best.individual}" if n_missing else f"robot {best.individual} of generation {best.generation}"
+    settings = run.settings
+    if generation is not None:
+        settings = [stage.settings for stage in run.stages if stage.first <= generation][-1]
+    words = f"{which}: {robot}, {result}.".replace(" m.", "\N{NO-BREAK SPACE}m.")
+    return ShownWalker(best.genome, settings, robot.capitalize(), words)
