@@ -68,6 +68,7 @@ _PUBLIC_NAMES = {
 """Public names, by the module that defines them."""
 
 _PUBLIC_MODULES = {
+    "analysis": "analysis",
     "fitness": "simulation.fitness",
     "ga": "ga",
     "plots": "view.plots",
@@ -79,6 +80,7 @@ _PUBLIC_MODULES = {
 _DEFINING_MODULE = {name: module for module, names in _PUBLIC_NAMES.items() for name in names}
 
 if TYPE_CHECKING:
+    from walkerlab import analysis as analysis
     from walkerlab import ga as ga
     from walkerlab import widgets as widgets
     from walkerlab.breeding import crossover_population as crossover_population

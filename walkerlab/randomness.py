@@ -6,7 +6,17 @@ order in which they finish can change a result.
 
 from numpy.random import Generator, SeedSequence, default_rng
 
-PURPOSES = ("population", "selection", "crossover", "mutation", "perturbation", "terrain", "check", "search")
+PURPOSES = (
+    "population",
+    "selection",
+    "crossover",
+    "mutation",
+    "perturbation",
+    "terrain",
+    "check",
+    "search",
+    "analysis",
+)
 """Purposes of random numbers. Results depend on their order: append, never reorder."""
 
 
