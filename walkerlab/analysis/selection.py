@@ -19,7 +19,7 @@ from walkerlab.breeding import check_user_operators, resolve_operators, slot_ent
 from walkerlab.ga.genes import Floats, Indices
 from walkerlab.ga.operators import select_in_turn
 from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
-from walkerlab.ga.slots import Select
+from walkerlab.ga.slots import Select, unbound_keywords
 from walkerlab.genome.features import build_genes
 from walkerlab.randomness import random_stream
 from walkerlab.settings.algorithm import Algorithm
@@ -30,7 +30,7 @@ from walkerlab.settings.values import function_name
 
 N_DRAWS = 20_000  # parents from which the probabilities of an operator without formula are estimated
 MIN_CALLS = 30  # minimum number of calls for an estimate, from which the standard error is computed
-MAX_CALLS = 500  # maximum number of calls for an estimate, which bounds its time
+MAX_CALLS = 300  # maximum number of calls for an estimate, which bounds its time
 MAX_TAKEOVER = 1000  # generations after which a takeover that is not complete is given up
 
 MEASURES = {
@@ -51,7 +51,7 @@ def selection_probabilities(
     """Return the probability of each individual to be selected as the next parent.
 
     It is exact for the operators of walkerlab with any parameters. For other functions, and for several operators in
-    turn, it is estimated from 30 to 500 calls, which select 20,000 parents or more if the population has 40 or more.
+    turn, it is estimated from 30 to 300 calls, which select 20,000 parents or more if the population has 67 or more.
 
     Args:
         fitness: Fitness of each individual, shape (n,); higher is better. Individuals with -inf do not count, and have
@@ -222,15 +222,17 @@ def _select_often(
     """Select parents several times, each time with other random numbers."""
     rng = random_stream(seed, "analysis", 0)
     if genomes is None:
-        genomes = _random_genomes(len(fitness), rng)
+        genomes = _random_genomes(operators, len(fitness), rng)
     return [
         select_in_turn(operators, fitness, n_parents, seed=int(each), generation=1, generations=2, genomes=genomes)
         for each in rng.integers(2**62, size=n_calls)
     ]
 
 
-def _random_genomes(n: int, rng: np.random.Generator) -> Floats:
-    """Return random genomes, shape (n, n_genes), for operators that also look at the genomes."""
+def _random_genomes(operators: Operators, n: int, rng: np.random.Generator) -> Floats | None:
+    """Return random genomes, shape (n, n_genes), if an operator also takes the genomes; None otherwise."""
+    if not any("genomes" in unbound_keywords(operator) for operator in operators):
+        return None
     genes = build_genes(Robot())
     return genes.low + (genes.high - genes.low) * rng.random((n, len(genes)))
 
@@ -275,13 +277,13 @@ def _takeover_shares(operators: Operators, n: int, trial: int, seed: int) -> Flo
     """Return the share of copies of the best individual in each generation, until it is 0 or 1."""
     rng = random_stream(seed, "analysis", 2, trial)
     fitness = rng.normal(size=n)
-    genomes = _random_genomes(n, rng)
+    genomes = _random_genomes(operators, n, rng)
     best = fitness.max()
     shares = [1 / n]
     while 0 < shares[-1] < 1 and len(shares) <= MAX_TAKEOVER:
         (selected,) = _select_often(operators, fitness, n, 1, int(rng.integers(2**62)), genomes)
         fitness = fitness[selected]
-        genomes = genomes[selected]
+        genomes = None if genomes is None else genomes[selected]
         shares.append(float((fitness == best).mean()))
     return np.array(shares)
 

@@ -150,7 +150,7 @@ def operator_credit(records: Any, ax: Axes | None = None) -> Axes:
     axes.barh(y, 100 * credit.better, height=0.6, color="#56B4E9", edgecolor=ink, linewidth=0.6)
     axes.errorbar(100 * credit.better, y, xerr=100 * credit.better_error, fmt="none", ecolor=ink, capsize=3)
     highest = float((100 * (credit.better + credit.better_error)).max()) if len(credit) else 1.0
-    for row, position in zip(credit.itertuples(), y, strict=True):
+    for position, row in enumerate(credit.itertuples()):
         end = 100 * (row.better + row.better_error) + 0.02 * highest
         gain = f"mean gain {format_value(row.mean_gain, unit)}" if np.isfinite(row.mean_gain) else "no walk counts"
         axes.text(end, position, f"{gain}\n{row.children} children", va="center", ha="left", size=8)
