@@ -85,6 +85,7 @@ MAKE = {
     widgets.Form: lambda run: widgets.Form(run.settings),
     widgets.Lab: panel,
     widgets.Population: lambda run: widgets.Population(run),
+    widgets.SelectionWheel: lambda run: widgets.SelectionWheel(run),
     widgets.World: lambda run: widgets.World(run.settings.with_(structure="rough")),
     Drawer: drawer,
     Frame: lambda run: wl.replay({EVIL: run.champion}, run.settings).widget,
@@ -129,7 +130,9 @@ def test_a_snapshot_is_self_contained_named_and_small(kind, done, monkeypatch, t
     widget.close()
 
 
-@pytest.mark.parametrize("kind", [widgets.Curve, widgets.Population, widgets.Editor, widgets.Form, widgets.World])
+@pytest.mark.parametrize(
+    "kind", [widgets.Curve, widgets.Population, widgets.Editor, widgets.Form, widgets.World, widgets.SelectionWheel]
+)
 def test_a_widget_without_content_has_a_snapshot(kind):
     html = snapshot_html(kind())
     assert "could not be drawn" not in html

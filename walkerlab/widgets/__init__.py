@@ -5,6 +5,7 @@ from walkerlab.widgets.editor import Editor as Editor
 from walkerlab.widgets.form import Form as Form
 from walkerlab.widgets.lab import Lab as Lab
 from walkerlab.widgets.population import Population as Population
+from walkerlab.widgets.selection_wheel import SelectionWheel as SelectionWheel
 from walkerlab.widgets.world import World as World
 
-__all__ = ["Curve", "Editor", "Form", "Lab", "Population", "World"]
+__all__ = ["Curve", "Editor", "Form", "Lab", "Population", "SelectionWheel", "World"]
