@@ -27,15 +27,15 @@ def softmax(fitness, n_parents, *, rng):
 def test_it_shows_the_selected_operator_and_its_pressure():
     wheel = SelectionWheel(FITNESS, [softmax])
     assert [option["name"] for option in wheel.options] == [*wl.Selection.__members__, "softmax"]
-    for name in wl.Selection.__members__:
+    for name in ("rank", "top_half"):
         wheel.selection = name
         assert chance_of_the_fittest(wheel) == expected(name)
     wheel.selection = "tournament"
     chances = []
-    for size in (1, 2, 6):
+    for size in (1, 6):
         wheel.parameters = {"tournament": size}
         chances.append(chance_of_the_fittest(wheel))
-    assert chances == [25.0, 43.8, pytest.approx(82.2)]
+    assert chances == [25.0, 82.2]
     wheel.selection = "softmax"
     assert "estimated" in wheel.picture
 
@@ -48,19 +48,19 @@ def test_a_spin_selects_as_many_parents_as_individuals():
     assert "share of the parents in this spin" in wheel.picture
     wheel.selection = "uniform"
     assert wheel.words == ""
-    words = set()
-    for _ in range(6):
+    pictures = set()
+    for _ in range(3):
         wheel.spin()
-        words.add(wheel.words)
-    assert len(words) > 1
+        pictures.add(re.sub(r"wheel\d+", "", wheel.picture))
+    assert len(pictures) == 3
 
 
-@pytest.mark.parametrize("message", [None, {}, "spin ", ["spin"], 7])
-def test_invalid_messages_and_values_are_ignored(message):
+def test_invalid_messages_and_values_are_ignored():
     wheel = SelectionWheel()
     picture = wheel.picture
-    wheel._handle_custom_msg(message, [])
-    assert wheel.picture == picture
+    for message in (None, {}, "spin ", ["spin"], 7):
+        wheel._handle_custom_msg(message, [])
+        assert wheel.picture == picture
     wheel.selection = "rank"
     wheel.parameters = {"rank": "high", "tournament": -3}
     assert wheel.picture

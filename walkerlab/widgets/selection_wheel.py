@@ -27,6 +27,8 @@ from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
 
 PICTURE_SIZE = (9.6, 4.9)  # inches
+WHEEL_POSITION = (0.01, 0.24, 0.38, 0.7)  # left, bottom, width, height; fixed, which is faster than a computed layout
+BARS_POSITION = (0.49, 0.32, 0.5, 0.6)
 EXAMPLE_SIZE = 20  # number of individuals of the example
 PARAMETERS: dict[str, dict[str, Any]] = {
     "tournament": {"keyword": "size", "label": "tournament size", "low": 1, "high": 12, "step": 1},
@@ -130,8 +132,8 @@ class SelectionWheel(Component):
         """
         table = selection_probabilities(self._fitness, self._operator())
         with walkerlab_style():
-            figure = StyledFigure(figsize=PICTURE_SIZE, layout="constrained", facecolor="white")
-            wheel, bars = figure.subplots(1, 2, width_ratios=(1, 1.35))
+            figure = StyledFigure(figsize=PICTURE_SIZE, facecolor="white")
+            wheel, bars = map(figure.add_axes, (WHEEL_POSITION, BARS_POSITION))
         plots.roulette_wheel(table, wheel)
         plots.selection_by_rank(table, bars)
         if copies is not None:
