@@ -117,8 +117,8 @@ def selection_by_rank(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     add_description(axes, "Probability of selection by rank", text)
     add_caption(
         axes,
-        "A bar above the dashed line is an individual that selection favours. The steeper the stairs, the stronger the "
-        f"selection. {text}",
+        "A bar above the dashed line is an individual that selection favours. The faster the bars fall, the stronger "
+        f"the selection. {text}",
     )
     return axes
 
