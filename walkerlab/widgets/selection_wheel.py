@@ -27,8 +27,8 @@ from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
 
 PICTURE_SIZE = (9.6, 4.9)  # inches
-WHEEL_POSITION = (0.01, 0.24, 0.38, 0.7)  # left, bottom, width, height; fixed, which is faster than a computed layout
-BARS_POSITION = (0.49, 0.32, 0.5, 0.6)
+WHEEL_POSITION = (0.01, 0.36, 0.45, 0.58)  # left, bottom, width, height; fixed, which is faster than a computed layout
+BARS_POSITION = (0.53, 0.36, 0.46, 0.56)
 EXAMPLE_SIZE = 20  # number of individuals of the example
 PARAMETERS: dict[str, dict[str, Any]] = {
     "tournament": {"keyword": "size", "label": "tournament size", "low": 1, "high": 12, "step": 1},
