@@ -139,6 +139,7 @@ class SelectionWheel(Component):
         if copies is not None:
             dots: dict[str, Any] = {"ls": "", "marker": "o", "ms": 5, "mfc": "white", "mec": "black", "zorder": 3}
             bars.plot(table["rank"], 100 * copies / copies.sum(), **dots, label="share of the parents in this spin")
+            bars.set_ylim(top=max(bars.get_ylim()[1], 125 * copies.max() / copies.sum()))
             bars.legend(frameon=False, fontsize=9, loc="upper right")
         file = io.StringIO()
         figure.savefig(file, format="svg")

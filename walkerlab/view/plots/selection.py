@@ -29,6 +29,8 @@ MIN_LABELLED = 0.045  # minimum probability of a slice with a label
 RING_WIDTH = 0.75  # of the radius; thin slices cannot be distinguished near the centre
 MAX_EDGED = 100  # maximum number of slices with a white edge
 
+LEGEND_SPACE = 1.25  # height of the axis as a multiple of the highest bar
+
 MEASURE_LABELS = {
     "intensity": "selection intensity [standard deviations of fitness]",
     "loss_of_diversity": "loss of diversity [share of the parents' places]",
@@ -109,7 +111,7 @@ def selection_by_rank(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     axes.set_ylabel("chance to be the next parent [%]")
     axes.xaxis.set_major_locator(integer_locator())
     axes.set_xlim(0.3, len(table) + 0.7)
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, LEGEND_SPACE * max(fair, float(percent.max())))
     style_axes(axes)
     axes.set_title(f"selection: {escape_label(_selection_of(table))}", fontsize=10, loc="left")
     axes.legend(frameon=False, fontsize=9, loc="upper right")
