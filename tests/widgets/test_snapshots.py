@@ -115,6 +115,7 @@ MAKE = {
     LandscapePicture: lambda run: landscape(run).plot,
     widgets.Microscope: lambda run: widgets.Microscope(run),
     widgets.Population: lambda run: widgets.Population(run),
+    widgets.SelectionWheel: lambda run: widgets.SelectionWheel(run),
     widgets.World: lambda run: widgets.World(run.settings.with_(structure="rough")),
     Drawer: drawer,
     GenerationSlider: generation_slider,
@@ -172,7 +173,9 @@ def test_a_snapshot_is_self_contained_named_and_small(kind, done, monkeypatch, t
     widget.close()
 
 
-@pytest.mark.parametrize("kind", [widgets.Curve, widgets.Population, widgets.Editor, widgets.Form, widgets.World])
+@pytest.mark.parametrize(
+    "kind", [widgets.Curve, widgets.Population, widgets.Editor, widgets.Form, widgets.World, widgets.SelectionWheel]
+)
 def test_a_widget_without_content_has_a_snapshot(kind):
     html = snapshot_html(kind())
     assert "could not be drawn" not in html

@@ -9,6 +9,19 @@ from walkerlab.widgets.microscope import Microscope as Microscope
 from walkerlab.widgets.plain import slider as slider
 from walkerlab.widgets.plain import sliders as sliders
 from walkerlab.widgets.population import Population as Population
+from walkerlab.widgets.selection_wheel import SelectionWheel as SelectionWheel
 from walkerlab.widgets.world import World as World
 
-__all__ = ["Curve", "Editor", "Form", "Lab", "Landscape", "Microscope", "Population", "World", "slider", "sliders"]
+__all__ = [
+    "Curve",
+    "Editor",
+    "Form",
+    "Lab",
+    "Landscape",
+    "Microscope",
+    "Population",
+    "SelectionWheel",
+    "World",
+    "slider",
+    "sliders",
+]

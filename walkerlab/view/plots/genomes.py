@@ -1,6 +1,7 @@
 """Plots of the genomes of a population: their diversity, and all genes of one generation."""
 
 import math
+from functools import partial
 from itertools import groupby
 from typing import Any
 
@@ -8,6 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from walkerlab.analysis.distance import aligned_diversity
 from walkerlab.ga.genes import Floats, Genes
 from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES, build_genes, is_expressed
 from walkerlab.genome.genome import Genome
@@ -31,13 +33,14 @@ from walkerlab.view.plots.tables import describe_change, require_table
 
 MAX_SAMPLE = 200  # maximum number of robots that represent a generation, evenly spaced in the table
 DIVERSITY_LABEL = "genetic diversity"
+ALIGNED_LABEL = "genetic diversity of aligned bodies"
 GENES_TITLE = "The genes of a population"
 VOID_COLOUR = "#A84300"  # colour of the line above the robots whose walks do not count
 POINTS_PER_INCH = 72
 
 
 @styled_plot
-def diversity(records: Any, ax: Axes | None = None, *, label: str = "") -> Axes:
+def diversity(records: Any, ax: Axes | None = None, *, label: str = "", aligned: bool = False) -> Axes:
     """Draw the genetic diversity of each generation: how much two robots typically differ in one gene.
 
     The difference in a gene is expressed as a fraction of the range of that gene in the gene table of the default
@@ -52,28 +55,32 @@ def diversity(records: Any, ax: Axes | None = None, *, label: str = "") -> Axes:
             experiment. For several runs, the median over the runs and their middle half are drawn.
         ax: Axes to draw on; if None, a new figure is created. Each run on the same Axes has its own colour and marker.
         label: Name of the run in the legend.
+        aligned: Whether to compare bodies segment by segment, as in ``wl.analysis.aligned_distances``: genes without
+            effect are left out, and those that only one of two robots has count fully.
 
     Returns:
         The Axes drawn on.
     """
     title = "Genetic diversity of each generation"
+    quantity = ALIGNED_LABEL if aligned else DIVERSITY_LABEL
+    compute = partial(diversity_by_generation, aligned=aligned)
     if (groups := read_groups(records)) is not None:
         axes = ax or new_axes()
         draw_groups(
             axes,
             groups,
-            diversity_by_generation,
+            compute,
             title=title,
-            what="genetic diversity, as a fraction of the ranges of the genes,",
-            quantity=DIVERSITY_LABEL,
+            what=f"{quantity}, as a fraction of the ranges of the genes,",
+            quantity=quantity,
             label=label,
         )
-        _format_diversity_axis(axes)
+        _format_diversity_axis(axes, quantity)
         return axes
     records = require_table(records, "genome")
     axes = ax or new_axes()
-    require_quantity(axes, DIVERSITY_LABEL)
-    values = diversity_by_generation(records)
+    require_quantity(axes, quantity)
+    values = compute(records)
     colour, marker = next_run_style(axes, title)
     markers: dict[str, Any] = {"marker": marker, "ms": 4, "markevery": marker_stride(len(values))}
     axes.plot(values.index, values, lw=2, color=colour, **markers, label=escape_label(label))
@@ -81,20 +88,20 @@ def diversity(records: Any, ax: Axes | None = None, *, label: str = "") -> Axes:
         annotate_no_data(axes, "no robot has walked yet")
         text = "No robot has walked yet."
     else:
-        name = f"{label}: genetic" if label else "Genetic"
+        name = f"{label}: {quantity}" if label else quantity.capitalize()
         definition = "how much two robots typically differ in one gene, as a fraction of that gene's range,"
         change = describe_change(values.round(3), "")
-        text = f"{name} diversity over {pluralize(len(values), 'generation')}: {definition} {change}."
-    add_description(axes, title, text, DIVERSITY_LABEL)
-    _format_diversity_axis(axes)
+        text = f"{name} over {pluralize(len(values), 'generation')}: {definition} {change}."
+    add_description(axes, title, text, quantity)
+    _format_diversity_axis(axes, quantity)
     format_generation_axis(axes, len(values))
     if label:
         add_legend(axes, count_plots(axes, title))
     return axes
 
 
-def _format_diversity_axis(axes: Axes) -> None:
-    axes.set_ylabel("genetic diversity: difference in one gene\n[fraction of the gene's range]")
+def _format_diversity_axis(axes: Axes, quantity: str) -> None:
+    axes.set_ylabel(f"{quantity}: difference in one gene\n[fraction of the gene's range]")
     axes.set_ylim(0, max(axes.get_ylim()[1], 0.1))
 
 
@@ -268,7 +275,7 @@ def _mean_square_distances(sample: Floats, ends: Floats, table: Genes) -> Floats
     return np.where(table.is_cyclic, chords, 2 * ((sample - low) / span).var(axis=0, ddof=1))
 
 
-def diversity_by_generation(records: pd.DataFrame) -> pd.Series:
+def diversity_by_generation(records: pd.DataFrame, *, aligned: bool = False) -> pd.Series:
     """Return the diversity of each generation, by its number; see ``diversity``."""
     diversities: dict[int, float] = {}
     if not records.empty:
@@ -277,6 +284,9 @@ def diversity_by_generation(records: pd.DataFrame) -> pd.Series:
         generations = records.generation.to_numpy()
         for generation in np.unique(generations).tolist():
             sample = values[generations == generation]
+            if aligned:
+                diversities[generation] = aligned_diversity(sample)
+                continue
             distances = _mean_square_distances(sample, np.stack([table.low, table.high]), table)
             diversities[generation] = math.sqrt(distances.mean())
     return pd.Series(diversities, dtype=np.float64).rename_axis("generation")

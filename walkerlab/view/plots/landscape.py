@@ -51,7 +51,7 @@ def spell(gene: str) -> str:
 
 
 def _draw_curve(axes: Axes, table: pd.DataFrame, names: list[str], labels: list[str], fitness: str) -> None:
-    walks = table[~table.is_centre]
+    walks: Any = table[~table.is_centre]
     centre: Any = table[table.is_centre].iloc[0]
     counts = (walks.verdict == "ok").to_numpy()
     x = walks[names[0]].to_numpy()
@@ -81,7 +81,7 @@ def _draw_curve(axes: Axes, table: pd.DataFrame, names: list[str], labels: list[
 
 
 def _draw_map(axes: Axes, table: pd.DataFrame, names: list[str], labels: list[str], fitness: str) -> None:
-    walks = table[~table.is_centre]
+    walks: Any = table[~table.is_centre]
     centre: Any = table[table.is_centre].iloc[0]
     x, y = (np.unique(walks[name].to_numpy()) for name in names)
     values = walks.fitness.where(walks.verdict == "ok").to_numpy().reshape(len(x), len(y)).T

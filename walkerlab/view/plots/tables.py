@@ -6,37 +6,21 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.runfile.records import RECORD_COLUMNS
+from walkerlab.runfile.tables import require_table as require_table
 from walkerlab.text.numbers import format_significant
 
 UNKNOWN_FITNESS = "fitness"  # name of the fitness if the table does not name its fitness function
 
 
-def require_table(records: Any, *columns: str) -> pd.DataFrame:
-    """Return the table of a run after checking that it can be drawn.
-
-    Args:
-        records: Table of a run, or the run.
-        *columns: Required columns besides ``generation``.
+def require_analysis(table: Any, source: str, *columns: str) -> pd.DataFrame:
+    """Return a table of ``wl.analysis`` after checking its columns.
 
     Raises:
-        TypeError: If ``records`` is neither.
-        ValueError: If the table lacks a column, or contains several runs.
+        ValueError: If it is not a table, or lacks a column; the message names the function that returns one.
     """
-    table = getattr(records, "records", records)
-    if not isinstance(table, pd.DataFrame):
-        raise TypeError(f"this plot needs the table of a run, run.records; got a {type(records).__name__}")
-    if missing := [name for name in ("generation", *columns) if name not in table]:
-        raise ValueError(
-            f"the table has no column {' and no column '.join(map(repr, missing))}, which this plot needs; it has "
-            f"{', '.join(map(str, table.columns)) or 'no columns'}. The complete table of a run is run.records."
-        )
-    if "individual" in table and (repeated := table.duplicated(["generation", "individual"])).any():
-        row = table.loc[repeated, :].iloc[0]
-        raise ValueError(
-            f"this table has robot {row.individual} of generation {row.generation} more than once, so it contains "
-            "several runs. Give the runs as a list instead: wl.plots.fitness_curve([run_a, run_b]), which draws their "
-            'median, or as a dict: wl.plots.fitness_curve({"a": run_a, "b": run_b}), which draws each of them'
-        )
+    if not isinstance(table, pd.DataFrame) or not {*columns} <= {*table.columns}:
+        found = f"the columns {', '.join(map(str, table.columns))}" if isinstance(table, pd.DataFrame) else type(table)
+        raise ValueError(f"this plot needs the table that wl.analysis.{source}(…) returns; got {found}")
     return table
 
 

@@ -1,0 +1,88 @@
+"""Distances between genomes of robots with different numbers of segments: the bodies are aligned at the front."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from walkerlab.ga.genes import Floats, Genes
+from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES, build_genes, is_expressed
+from walkerlab.genome.genome import Genome, read_genomes
+from walkerlab.settings.robot import Robot
+
+
+def aligned_distances(genomes: Iterable[Genome | str | ArrayLike]) -> Floats:
+    """Return the distance between each two genomes: how much two bodies typically differ in one gene.
+
+    The bodies are compared segment by segment, from the front. A gene that has an effect on both robots contributes the
+    difference of its values, as a fraction of the range of that gene in the gene table of the default limits; for a
+    cyclic gene, it is the chord between two points on a circle, as a fraction of the diameter. A gene that has an
+    effect on only one of them, such as those of a segment or of legs that the other lacks, contributes 1. Genes without
+    effect on either are left out. The distance is the root mean square over the genes, from 0 to 1.
+
+    Args:
+        genomes: Genomes or their texts; they may have different numbers of segments, grown or not.
+
+    Returns:
+        Distances, shape (n, n); symmetric, with zeros on the diagonal.
+
+    Raises:
+        GenomeError: If a text is not a valid genome.
+    """
+    values, genes = _align(read_genomes(genomes))
+    return np.sqrt(_mean_squares(values, genes))
+
+
+def aligned_diversity(genomes: Iterable[Genome | str | ArrayLike]) -> float:
+    """Return the diversity of a population: the root mean square of ``aligned_distances`` over all pairs.
+
+    Args:
+        genomes: Genomes or their texts; fewer than two have the diversity 0.
+    """
+    values, genes = _align(read_genomes(genomes))
+    n = len(values)
+    return float(np.sqrt(_mean_squares(values, genes).sum() / (n * (n - 1)))) if n > 1 else 0.0
+
+
+def _align(genomes: Sequence[Genome]) -> tuple[Floats, Genes]:
+    """Return the values of genomes with zeros for the segments that a genome lacks, and a gene table for all."""
+    n_parts = max((genome.n_parts for genome in genomes), default=1)
+    genes = build_genes(Robot(segments=(1, n_parts), legs=(2, 2 * n_parts)))
+    values = np.zeros((len(genomes), len(BODY_FEATURES) + n_parts * len(SEGMENT_FEATURES)))
+    for row, genome in zip(values, genomes, strict=True):
+        row[: len(genome.values)] = genome.values
+    return values, genes
+
+
+def _mean_squares(values: Floats, genes: Genes) -> Floats:
+    """Return the mean square difference over the genes that have an effect on at least one of each two robots.
+
+    Args:
+        values: Aligned genomes, shape (n, n_genes).
+        genes: Gene table; its ranges are the scale.
+
+    Returns:
+        Mean squares, shape (n, n).
+    """
+    expressed = is_expressed(values)
+    position = (values - genes.low) / np.where(genes.high > genes.low, genes.high - genes.low, 1)
+    return np.array(
+        [
+            _mean_squares_to(row, has_effect, position, expressed, genes.is_cyclic)
+            for row, has_effect in zip(position, expressed, strict=True)
+        ]
+    ).reshape(len(values), len(values))
+
+
+def _mean_squares_to(
+    row: Floats,
+    has_effect: NDArray[np.bool_],
+    position: Floats,
+    expressed: NDArray[np.bool_],
+    cyclic: NDArray[np.bool_],
+) -> Floats:
+    """Return the mean square difference between one robot and each of the others, shape (n,)."""
+    difference = position - row
+    squares = np.where(cyclic, np.sin(np.pi * difference) ** 2, np.minimum(difference**2, 1.0))
+    squares = np.where(expressed & has_effect, squares, expressed ^ has_effect)
+    return squares.sum(axis=1) / (expressed | has_effect).sum(axis=1)
