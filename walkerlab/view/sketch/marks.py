@@ -62,6 +62,16 @@ def _draw_numbers(scene: Scene, pose: Floats, projection: Projection) -> Iterato
         yield draw_text(str(number), x, y + 0.36 * size, fill=INK, font_weight=600, **style)
 
 
+def segment_tops(scene: Scene, pose: Floats) -> Floats:
+    """Return x and z [m] of the point above the middle of each segment, on its back, shape (n_segments, 2)."""
+    points = []
+    for number, segment in enumerate(scene.phenotype.segments, start=1):
+        front, orientation = _segment_placement(scene, pose, number)
+        back = np.array([-segment.length / 2, 0.0, _trunk_radius(scene, number)])
+        points.append((front + rotate(orientation[np.newaxis], back)[0])[[0, 2]])
+    return np.array(points)
+
+
 def _segment_placement(scene: Scene, pose: Floats, number: int) -> tuple[Floats, Floats]:
     """Return the front [m], shape (3,), and the orientation (unit quaternion) of a segment, counted from 1."""
     body = int(scene.model.geom(f"walker/trunk{number}").bodyid[0])
