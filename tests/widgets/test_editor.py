@@ -315,7 +315,7 @@ def test_in_a_browser_an_error_is_marked_and_disables_the_buttons(shown):
         {"fault": HOSTILE + wrong.fault, "fault_range": wrong.fault_range, "notes": [HOSTILE]},
     )
     assert shown.locator("mark").text_content() == "elbow"
-    assert HOSTILE in shown.get_by_role("status").text_content()
+    assert HOSTILE in shown.locator(".messages").text_content()
     assert text.get_attribute("aria-invalid") == "true"
     assert shown.get_by_role("button", name="Play its walk").is_disabled()
     mark, area = (shown.locator(one).bounding_box() for one in ("mark", "textarea"))

@@ -145,11 +145,11 @@ class Editor(Component):
             self.fault = ""
             self.fault_range = []
             self.notes = _shorten(describe_repairs(parsed, robot))
-            self.genome = parsed.within(robot)
-            self._given = parsed if parsed.n_parts == self.genome.n_parts else self.genome
-            self.values = self._given.values.tolist()
-            self.used = is_expressed(self.genome.values[np.newaxis])[0].tolist()
-            self.picture = sketch.draw_robot(self.genome, robot, size=PICTURE_SIZE)
+            self.genome = repaired = parsed.within(robot)
+            self._given = given = parsed if parsed.n_parts == repaired.n_parts else repaired
+            self.values = given.values.tolist()
+            self.used = is_expressed(repaired.values[np.newaxis])[0].tolist()
+            self.picture = sketch.draw_robot(repaired, robot, size=PICTURE_SIZE)
 
     def _set_gene(self, index: int, value: float) -> None:
         """Change one gene of a valid genome; all others keep the values in the text, even those beyond the limits."""

@@ -4,6 +4,8 @@ The page is K3D's snapshot of the plot with the player (player.js), which receiv
 
     meshes, walks, cameras, marks     moving meshes, facts about each walk, camera names, distance marks on the ground
     channels, resolution, duration    positions over time, encoded by ``tracks.pack_channels``
+    shadows                           meshes that must not darken each other
+    footprints, footprint_indices     a mesh for each walk with the times of its prints; vertex indices of each print
     camera                            camera at the start
 
 Because browsers limit the number of WebGL contexts, a notebook shows a preview image first; a click replaces it with
@@ -37,6 +39,7 @@ from walkerlab.text.html import data_url
 from walkerlab.text.numbers import with_unit
 from walkerlab.text.templates import Markup, render
 from walkerlab.view.replay.animation import Animation, Walk, build_animation
+from walkerlab.view.replay.meshes import DISC_CORNERS
 from walkerlab.view.replay.preview import draw_preview
 from walkerlab.view.replay.tracks import pack_channels
 from walkerlab.view.replay.walkers import simulate_walks
@@ -126,6 +129,11 @@ class Replay:
             "cameras": [{"name": camera.name, "up": animation.up_directions[camera]} for camera in Camera],
             "walks": [self._walk_facts(walk) for walk in self.walks],
             "marks": [{"position": mark, "text": f"{mark[0]:g} m"} for mark in animation.marks.tolist()],
+            "shadows": animation.shadow_ids,
+            "footprints": [
+                {"mesh": found.mesh.id, "times": found.times.round(3).tolist()} for found in animation.footprints
+            ],
+            "footprint_indices": 3 * DISC_CORNERS,
         }
 
     def _walk_facts(self, walk: Walk) -> dict[str, Any]:
