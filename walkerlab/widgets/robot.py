@@ -117,7 +117,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         is_new_selection = exists and number != self._selected
         self._selected = number
         is_edited = self.editor.is_edited
-        is_watched = bool(self.frame.is_open) and run.settings == self._shown[0]
+        is_watched = self.frame.is_watched and run.settings == self._shown[0]
         wanted = (run.settings, robot)
         if not is_new_selection and (wanted == self._shown or is_edited or is_watched):
             return
@@ -171,7 +171,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
             self.editor.result = {"fault": str(error)}
             return
         self.editor.result = compare_outcomes(after, before)
-        is_watched = bool(self.frame.is_open)
+        is_watched = self.frame.is_watched
         self._offer_race(genome)
         if is_watched:
             self.frame.play()

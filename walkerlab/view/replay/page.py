@@ -214,6 +214,8 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         """Show a replay, or nothing if None."""
         super().__init__()
         self._make: Callable[[], Replay] | None = None
+        self._is_opening = False
+        self.observe(self._opened, "is_open")
         self.on_msg(self._handle_message)
         if shown:
             walks = "; ".join(f"{walk.label}, {with_unit(walk.rollout.distance, 'm')} forward" for walk in shown.walks)
@@ -231,6 +233,7 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         """
         with self.hold_sync():
             self._make = make
+            self._is_opening = False
             self.page = b""
             self.alt = alt
             self.preview = picture
@@ -243,9 +246,19 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         """Return the preview image as static HTML."""
         return render("view/replay/frame.html", url=self.preview, alt=self.alt.removesuffix(PLAY_HINT))
 
+    @property
+    def is_watched(self) -> bool:
+        """Whether the page is displayed, or is being created to be displayed."""
+        return bool(self.is_open) or self._is_opening
+
     def play(self) -> None:
         """Open the page and play it."""
+        self._is_opening = True
         self.send({"play": True})
+
+    def _opened(self, change: Any) -> None:
+        if change.new:
+            self._is_opening = False
 
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
         make = self._make
