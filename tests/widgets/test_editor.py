@@ -15,7 +15,7 @@ from walkerlab.genome.features import is_expressed
 from walkerlab.genome.text import GenomeError
 from walkerlab.view import sketch
 from walkerlab.widgets.editor import MAX_NOTES, PICTURE_SIZE, Editor
-from walkerlab.widgets.outcomes import Outcome, compare_outcomes
+from walkerlab.widgets.outcomes import Outcome, compare_outcomes, simulate_outcome
 from walkerlab.widgets.repairs import describe_fault, describe_repairs, find_fault, format_genome
 
 G = wl.Genome.parse(GENOME)
@@ -228,6 +228,22 @@ def test_a_slider_changes_one_gene_in_the_text_and_undo_restores_it(index, share
     assert editor.genome == wl.Genome(expected).within(wl.Robot())
     editor._handle_custom_msg({"press": "undo"}, [])
     assert (editor.text, editor.values) == (before, editor.original)
+
+
+def test_after_an_edit_the_walk_is_compared_with_that_before_it():
+    settings = wl.Settings().with_(duration=1)
+    editor = Editor(G, settings)
+    editor._handle_custom_msg({"gene": 1, "value": 2.0}, [])
+    editor._handle_custom_msg({"press": "try"}, [])
+    before, after = (simulate_outcome(one, settings) for one in (G, editor.genome))
+    assert editor.result == compare_outcomes(after, before)
+    assert editor.result["distance"] in editor.snapshot()
+    editor.accept(Outcome(9.0, "ok", "", ""))
+    editor._handle_custom_msg({"press": "try"}, [])
+    assert editor.result["before"] == "before: 9 m"
+    assert not editor.result["is_better"]
+    editor.settings = settings.with_(gravity="moon")
+    assert editor.result == {}
 
 
 def test_an_invalid_message_of_a_slider_changes_nothing():

@@ -232,7 +232,6 @@ function render({ model, el }) {
     walk.disabled = resume.disabled = wrong;
     insert.disabled = wrong || !canInsert;
     insert.title = hint.textContent = insert.hidden || canInsert ? "" : model.get("insert_hint");
-    result.hidden = !buttons.includes("try");
     picture.classList.toggle("outdated", wrong);
     mark();
     if (wrong && document.activeElement !== area) scrollToError();

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import traitlets
 
+from walkerlab.errors import WalkerlabError
 from walkerlab.genome.features import is_expressed
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.text import GenomeError
@@ -18,6 +19,7 @@ from walkerlab.view import sketch
 from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.gene_controls import describe_genes
+from walkerlab.widgets.outcomes import Outcome, compare_outcomes, simulate_outcome
 from walkerlab.widgets.repairs import describe_fault, describe_repairs, find_fault, format_genome
 
 PICTURE_SIZE = (296, 148)  # pixels of the picture
@@ -82,8 +84,10 @@ class Editor(Component):
         self._callbacks: dict[str, list[OnGenome]] = {"try": [], "walk": [], "insert": [], "continue": []}
         self._given: Genome | None = None
         self._unedited_text = ""
+        self._before: Outcome | None = None  # of the genome before it was edited
         self.observe(self._parse, ["text", "settings"])
         self.observe(self._update_text, "genome")
+        self.observe(self._discard_result, "settings")
         self.on_msg(self._handle_message)
         if genome is None:
             rng = random_stream(self.settings.algorithm.seed, "population", 0, 0)
@@ -96,15 +100,20 @@ class Editor(Component):
         """Whether the text has been edited since the genome was set or accepted."""
         return self.text != self._unedited_text
 
-    def accept(self) -> None:
-        """Make the current genome the one with which edited ones are compared, and to which *undo* returns."""
+    def accept(self, before: Outcome | None = None) -> None:
+        """Make the current genome the one with which edited ones are compared, and to which *undo* returns.
+
+        Args:
+            before: Result of its walk; if None, it is simulated when it is needed.
+        """
         with self._lock, self.hold_sync():
             self._unedited_text = self.text
             self.original = self.values
+            self._before = before
             self.result = {}
 
     def on_try(self, callback: OnGenome) -> None:
-        """Register a function that is called with the genome after an edit, to set ``result``."""
+        """Register a function that is called with the genome after an edit, when its ``result`` has been set."""
         self._add_callback("try", callback)
 
     def on_continue(self, callback: OnGenome) -> None:
@@ -123,7 +132,8 @@ class Editor(Component):
         """Return the robot, its genome and the messages as static HTML."""
         notes = [self.fault] if self.fault else self.notes
         picture = svg_image_html(self.picture) if self.picture else ""
-        return render("widgets/editor.html", picture=picture, text=self.text, notes=notes)
+        result = [str(self.result[key]) for key in ("distance", "change", "before", "verdict") if self.result.get(key)]
+        return render("widgets/editor.html", picture=picture, text=self.text, notes=notes, result=result)
 
     def _add_callback(self, button: str, callback: OnGenome) -> None:
         self._callbacks[button].append(callback)
@@ -160,6 +170,21 @@ class Editor(Component):
             values[index] = value
             self.text = format_genome(Genome(values))
 
+    def _discard_result(self, _: object) -> None:
+        """Discard the results of walks in another world."""
+        self._before = None
+        self.result = {}
+
+    def _walk(self, genome: Genome) -> None:
+        """Simulate the walk of a genome, and set ``result`` to a comparison with the walk before the edit."""
+        try:
+            if self._before is None and self.original:
+                self._before = simulate_outcome(Genome(np.array(self.original)), self.settings)
+            after = simulate_outcome(genome, self.settings)
+            self.result = compare_outcomes(after, self._before or after)
+        except WalkerlabError as error:
+            self.result = {"fault": str(error)}
+
     def _undo(self) -> None:
         self.text = self._unedited_text
         self.result = {}
@@ -179,8 +204,11 @@ class Editor(Component):
             case {"press": "undo"}:
                 self._undo()
             case {"press": "try" | "walk" | "insert" | "continue" as button} if self.genome is not None:
+                genome = self.genome
+                if button == "try":
+                    self._walk(genome)
                 for callback in self._callbacks[button]:
-                    callback(self.genome)
+                    callback(genome)
             case _:
                 pass
 

@@ -6,7 +6,6 @@ from typing import Any
 
 import ipywidgets
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile.records import birth_rows
@@ -20,7 +19,7 @@ from walkerlab.view.snapshots import HasSnapshot
 from walkerlab.widgets.card import robot_card
 from walkerlab.widgets.component import answer_on_requested_thread
 from walkerlab.widgets.editor import Editor
-from walkerlab.widgets.outcomes import Outcome, compare_outcomes, recorded_outcome, simulate_outcome
+from walkerlab.widgets.outcomes import recorded_outcome
 
 POSTER_SIZE = (640, 360)  # pixels
 
@@ -72,7 +71,6 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._on_insert = on_insert
         self._shown: tuple[Settings | None, int] = None, -1  # settings and number of the robot; -1 for an edited genome
         self._original = ShownRobot("the random robot", self.editor.genome, {"the random robot": self.editor.genome})
-        self._before: Outcome | None = None  # of the original robot; None until it is needed
         self._selected = -1
         super().__init__([self.card, self.frame, self.editor])
         self.add_class("wl-robot")
@@ -80,7 +78,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         answer_on_requested_thread(self.frame)
         self._describe(render("widgets/robot_message.html"))
         self._offer_replay({"a random robot": self.editor.genome})
-        self.editor.on_try(self._try)
+        self.editor.on_try(self._replace_replay)
         self.editor.on_walk(self._play)
         self.editor.on_insert(self._insert)
         if on_continue:
@@ -98,9 +96,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
     def set_settings(self, settings: Settings) -> None:
         """Change the world in which edited genomes are simulated, and the limits of the editor."""
         self._settings = settings
-        self._before = None
         self.editor.settings = settings
-        self.editor.result = {}
 
     def show(self, run: Run, number: int) -> None:
         """Show a robot of a run.
@@ -130,9 +126,8 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._original = ShownRobot(name, genome, rivals)
         self._describe(robot_card(run.records, robot))
         self.set_settings(run.settings)
-        self._before = recorded_outcome(row, run.settings)
         self.editor.genome = genome
-        self.editor.accept()
+        self.editor.accept(recorded_outcome(row, run.settings))
         self._offer_replay({f"robot {robot} of generation {row.born}": genome})
 
     def _describe(self, description: Markup) -> None:
@@ -158,19 +153,8 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         edited = {f"edited {self._original.name}": genome} if self.editor.is_edited else {}
         self._offer_replay(edited | self._original.rivals)
 
-    def _try(self, genome: Genome) -> None:
-        """Simulate the walk of an edited genome and show its distance beside that before the edit.
-
-        If a replay is open, it is replaced with that of the edited robot.
-        """
-        try:
-            before = self._before or simulate_outcome(self._original.genome, self._settings)
-            self._before = before
-            after = simulate_outcome(genome, self._settings)
-        except WalkerlabError as error:
-            self.editor.result = {"fault": str(error)}
-            return
-        self.editor.result = compare_outcomes(after, before)
+    def _replace_replay(self, genome: Genome) -> None:
+        """Offer the replay of an edited robot; if a replay is open, play the new one in its place."""
         is_watched = self.frame.is_watched
         self._offer_race(genome)
         if is_watched:
