@@ -259,6 +259,7 @@ function render({ model, el }) {
   model.on("change:values", answered);
   model.on("change:genes", build);
   model.on("change:result", showResult);
+  model.on("msg:custom", ({ walked }) => { if (walked) showResult(); });
   model.on("change:picture", draw);
   write();
   build();

@@ -184,6 +184,7 @@ class Editor(Component):
             self.result = compare_outcomes(after, self._before or after)
         except WalkerlabError as error:
             self.result = {"fault": str(error)}
+        self.send({"walked": True})  # the result may be the same as before
 
     def _undo(self) -> None:
         self.text = self._unedited_text
