@@ -60,7 +60,7 @@ def test_the_genes_of_each_parent_have_its_letter():
     shown = describe_origins(births, 9)
     kinds = [gene["kind"] for group, genes in shown["groups"] if group == "segment 1" for gene in genes]
     assert kinds[:2] == ["p1", "p1"]
-    assert "2 of B" in shown["summary"]
+    assert "2 from B" in shown["summary"]
     assert shown["changes"] == []
 
 

@@ -15,6 +15,7 @@ from walkerlab.settings.robot import Robot
 from walkerlab.text.numbers import format_significant
 from walkerlab.view import sketch
 from walkerlab.view.plots.style import RUN_COLOURS
+from walkerlab.view.sketch.bodies import RGB
 from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.gene_controls import describe_genes
 
@@ -23,13 +24,16 @@ NEW = -1
 SHARED = -2
 """Origin of a gene that has the same value in all parents and in the child."""
 
+UNUSED = -3
+"""Instead of the origin of a gene that has no effect."""
+
 LETTERS = "ABCD"
 MAX_COLOURED_PARENTS = len(LETTERS)
 SHARED_COLOUR = "#999999"
 NEW_COLOUR = "#ffd23f"
 MAX_CHANGES = 6  # maximum number of changed genes that are listed
 SAME = 5e-4  # smaller differences come from rounding to the grid
-PICTURE_SIZE = (112, 66)  # pixels
+PICTURE_SIZE = (96, 58)  # pixels
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,7 @@ def describe_origins(births: pd.DataFrame, individual: int) -> dict[str, Any]:
     n_parts = child.n_parts
     genes = describe_genes(Robot(segments=(1, n_parts), legs=(2, 2 * n_parts)))
     counts = Counter(origins[used].tolist())
-    from_parents = [f"{counts[i]} of {LETTERS[i]}" for i in range(len(numbers)) if counts[i]]
+    from_parents = [f"{counts[i]} from {LETTERS[i]}" for i in range(len(numbers)) if counts[i]]
     shared = [f"{counts[SHARED]} the same in all"] if counts[SHARED] else []
     new = [f"{counts[NEW]} new"] if counts[NEW] else []
     changed = _list_changes(child.values, parents, genes, np.flatnonzero(used & (origins == NEW)))
@@ -104,7 +108,7 @@ def describe_origins(births: pd.DataFrame, individual: int) -> dict[str, Any]:
             for index, (number, genome) in enumerate(zip(numbers, genomes, strict=True))
         ],
         "child": {
-            "picture": _draw(child, np.where(used, origins, SHARED)),
+            "picture": _draw(child, np.where(used, origins, UNUSED)),
             "caption": f"robot {individual}",
         },
         "summary": "Genes with an effect: " + ", ".join(from_parents + shared + new) + ".",
@@ -150,16 +154,21 @@ def _list_changes(child: Floats, parents: Floats, genes: list[dict[str, Any]], c
 
 
 def _draw(genome: Genome, origins: Indices) -> Any:
-    """Draw a robot, each trunk and pair of legs in the colour of the parent from which most of its genes come."""
-    parts = origins[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)
+    """Draw a robot, each trunk and pair of legs in the colour of the parent from which most of its genes come.
+
+    Legs that repeat others have the colour of those in front.
+    """
     is_leg_gene = np.array([feature in LEG_FEATURES for feature in SEGMENT_FEATURES])
-    colours = [(_colour(part[~is_leg_gene]), _colour(part[is_leg_gene])) for part in parts]
+    colours: list[tuple[RGB, RGB]] = []
+    for part in origins[len(BODY_FEATURES) :].reshape(genome.n_parts, -1):
+        repeats = bool(colours) and (part[is_leg_gene] == UNUSED).all()
+        colours.append((_colour(part[~is_leg_gene]), colours[-1][1] if repeats else _colour(part[is_leg_gene])))
     return svg_image_html(sketch.draw_robot(genome, size=PICTURE_SIZE, colours=colours))
 
 
-def _colour(origins: Indices) -> tuple[float, float, float]:
+def _colour(origins: Indices) -> RGB:
     """Return the colour of the most frequent origin, apart from genes that all parents share."""
-    counted = Counter(origins[origins != SHARED].tolist()).most_common(1)
+    counted = Counter(origins[(origins != SHARED) & (origins != UNUSED)].tolist()).most_common(1)
     if not counted:
         return to_rgb(SHARED_COLOUR)
     origin = counted[0][0]
