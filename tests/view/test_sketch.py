@@ -19,8 +19,10 @@ from walkerlab.genome.text import GenomeError
 from walkerlab.settings.choices import Obstacle, Texture
 from walkerlab.view import sketch
 from walkerlab.view.sketch.description import describe_world
+from walkerlab.view.sketch.standing import standing_pose
 from walkerlab.view.sketch.svg import hex_colour
 from walkerlab.world.entities.walker import TRUNK_COLOUR
+from walkerlab.world.geometry import surface_points
 from walkerlab.world.heights import ground_height
 from walkerlab.world.placement import compute_layout
 
@@ -70,21 +72,49 @@ def genomes_with_limits(draw):
     return wl.Genome.random(robot, rng=np.random.default_rng(draw(st.integers(0, 2**32 - 1)))), robot
 
 
-@few_examples
+@settings(max_examples=8)
 @given(genomes_with_limits(), st.sampled_from([(110, 80), (300, 190), (60, 200)]), st.sampled_from([None, 0.5, 3.0]))
 def test_a_robot_fits_into_its_drawing_and_is_to_scale(genome_and_limits, size, span):
     genome, robot = genome_and_limits
     root = parse_drawing(sketch.draw_robot(genome, robot, size=size, span=span))
-    whole, trunk = robot_corners(root)
+    whole, _ = robot_corners(root)
     assert (whole >= -0.1).all()
     assert (whole <= np.add(size, 0.1)).all()
-    length = express(genome).body_length
-    scale = np.ptp(trunk[:, 0]) / length
-    assert span is None or scale <= size[0] / span * 1.05 + 0.2 / length
-    trunk_parts = [part for part in root.iter(f"{SVG}path") if part.get("fill") == TRUNK_HEX]
-    for segment in express(genome).segments:
-        tolerance = 0.35 + 0.01 * scale * segment.length
-        assert any(abs(np.ptp(path_corners(part)[:, 0]) - scale * segment.length) < tolerance for part in trunk_parts)
+    settings = wl.Settings(robot=robot).with_(duration=1, drag_weight=0)
+    rollout = wl.simulate(genome, settings)
+    parts = surface_points(wl.compile_scene(genome, settings), rollout.poses[0])
+    corners = np.concatenate([points for points, _ in parts]) @ [(1, 0), (-SHIFT, 0), (0, 1)]
+    scales = np.ptp(whole, axis=0) / np.ptp(corners, axis=0)
+    assert np.abs(scales * np.ptp(corners, axis=0) - scales.max() * np.ptp(corners, axis=0)).max() < 0.6
+    assert span is None or scales.max() <= size[0] / span * 1.01 + 0.2 / np.ptp(corners)
+    (ground,) = (part for part in root.iter(f"{SVG}path") if part.get("stroke") == "currentColor")
+    assert whole[:, 1].max() == pytest.approx(path_corners(ground)[0, 1], abs=0.1)
+
+
+def test_a_robot_stands_in_a_world_as_its_walk_begins():
+    genome = wl.Genome.random(wl.Robot(), rng=np.random.default_rng(3)).within(wl.Robot())
+    for world in (wl.Settings(), wl.Settings().with_(structure="incline", incline=10, duration=1)):
+        assert (standing_pose(genome, world) == wl.simulate(genome, world).poses[0]).all()
+    floating = wl.Settings().with_(gravity=(0, 0, 9))
+    assert (standing_pose(genome, floating) == wl.compile_scene(genome, floating).start).all()
+
+
+def test_left_legs_are_dark_and_the_front_is_marked_in_every_drawing():
+    """The drawn shade of each leg is that of the simulated world, whatever the order of drawing."""
+    scene = wl.compile_scene(GENOME, wl.Settings())
+    root = parse_drawing(sketch.draw_robot(GENOME, size=(300, 190)))
+    fills = [part.get("fill") for part in root.iter(f"{SVG}path")]
+    left, right = (hex_colour(scene.model.geom(f"walker/{side}_thigh1").rgba) for side in ("left", "right"))
+    assert max(i for i, fill in enumerate(fills) if fill == left) < min(
+        i for i, fill in enumerate(fills) if fill == right
+    )
+    assert [element.text for element in root.iter(f"{SVG}text")] == ["1", "2", "3"]
+    eye = float(next(root.iter(f"{SVG}circle")).get("cx"))
+    numbers = [float(element.get("x")) for element in root.iter(f"{SVG}text")]
+    assert eye > numbers[0] > numbers[1] > numbers[2]
+    painted = sketch.draw_robot(GENOME, colours=[None, ((0.5, 0, 0.5), (1, 0, 0))])
+    assert {"#800080", "#ff0000"} <= {part.get("fill") for part in parse_drawing(painted).iter(f"{SVG}path")}
+    assert sketch.draw_robot(GENOME, colours=[None, None]) == sketch.draw_robot(GENOME)
 
 
 def test_robots_drawn_with_the_same_span_have_the_same_scale():
@@ -105,7 +135,7 @@ def test_a_drawn_robot_is_repaired_and_carries_its_pack_but_drags_no_sledge():
     assert description(sketch.draw_robot(GENOME)) == "A robot: 3 segments, 6 legs, 6 kg, 0.78 m long."
 
 
-@few_examples
+@settings(max_examples=6)
 @given(genomes_with_limits(), terrains, st.sampled_from([0, 5, 100]), st.sampled_from([0, 5, 100]))
 def test_the_whole_robot_is_visible_in_every_world(genome_and_limits, terrain, carry_weight, drag_weight):
     genome, robot = genome_and_limits

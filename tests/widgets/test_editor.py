@@ -4,17 +4,19 @@ import json
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import walkerlab as wl
 from tests.strategies import genomes, robots
 from tests.text.test_html import HOSTILE
 from walkerlab.commands.worlds import WALKER_GENOME as GENOME
+from walkerlab.genome.features import is_expressed
 from walkerlab.genome.text import GenomeError
 from walkerlab.view import sketch
 from walkerlab.widgets.editor import MAX_NOTES, PICTURE_SIZE, Editor
-from walkerlab.widgets.repairs import describe_repairs, find_fault, format_genome
+from walkerlab.widgets.outcomes import Outcome, compare_outcomes, simulate_outcome
+from walkerlab.widgets.repairs import describe_fault, describe_repairs, find_fault, format_genome
 
 G = wl.Genome.parse(GENOME)
 WORDS = str(G).split()
@@ -90,6 +92,25 @@ def test_each_gene_beyond_the_limits_is_named_with_the_used_value(sentence):
     assert sentence in describe_repairs(wl.Genome.parse(text), wl.Robot())
 
 
+def test_a_value_beyond_a_limit_says_why_another_than_the_limit_is_used():
+    long = GENOME.replace("seg length=0.26", "seg length=1.386", 1)
+    limits = wl.Robot(segment_length=(0.2, 0.5), body_length=(0.6, 0.9))
+    (sentence,) = [one for one in describe_repairs(wl.Genome.parse(long), limits) if "1.386" in one]
+    used = wl.Genome.parse(long).within(limits).values[4]
+    assert used < 0.5, "precondition of this test"
+    assert sentence == (
+        "Segment 1: length 1.386 m is over the limit 0.5 m, and the body must be between 0.6 and 0.9 m long: "
+        f"{used:.4g} m is used."
+    )
+
+
+def test_an_error_names_the_line_and_the_word():
+    text = format_genome(G).replace("knee", "elbow", 1)
+    line = text[: text.index("elbow")].count("\n") + 1
+    assert describe_fault(fault_of(text), text) == f"Line {line}: expected 'knee', got 'elbow'."
+    assert describe_fault("it has too many characters\nmore", text) == "it has too many characters"
+
+
 def test_legs_that_repeat_others_have_no_repairs():
     wrong = GENOME.replace("own length=0.42", "own length=0.9")
     first, *others = wrong.split("own")
@@ -121,7 +142,7 @@ def test_the_initial_genome_is_random_or_given():
     assert Editor().genome == Editor().genome is not None
     assert Editor(G).genome == G.within(wl.Robot())
     assert Editor(GENOME).text == GENOME
-    assert Editor("no gene").fault.startswith("not a genome: at character 1")
+    assert Editor("no gene").fault == "Line 1: expected 'wl2', got 'no'."
 
 
 def test_a_changed_text_is_parsed_and_drawn():
@@ -177,6 +198,67 @@ def test_setting_the_genome_changes_the_text_once():
     assert len(texts) == 1
 
 
+def test_every_gene_has_a_slider_with_the_range_of_the_gene_table():
+    robot = wl.Robot(segments=(1, 2), legs=(2, 4))
+    editor = Editor(settings=wl.Settings(robot=robot))
+    table = wl.gene_table(robot)
+    assert [(one["name"], one["low"], one["high"], one["meaning"]) for one in editor.genes] == list(
+        table[["gene", "low", "high", "meaning"]].itertuples(index=False, name=None)
+    )
+    assert {(one["group"], one["section"]) for one in editor.genes} == {
+        *(("whole robot", section) for section in ("body", "gait")),
+        *((f"segment {i}", section) for i in (1, 2) for section in ("body", "legs", "gait")),
+    }
+    assert len(editor.values) == len(editor.used) == len(table)
+
+
+@settings(max_examples=10)
+@given(st.integers(0, 55), st.floats(0, 1))
+def test_a_slider_changes_one_gene_in_the_text_and_undo_restores_it(index, share):
+    editor = Editor(G.within(wl.Robot()))
+    gene = editor.genes[index]
+    value = round(gene["low"] + share * (gene["high"] - gene["low"]), 3)
+    before = editor.text
+    editor._handle_custom_msg({"gene": index, "value": value}, [])
+    expected = G.within(wl.Robot()).values.copy()
+    expected[index] = value
+    assert wl.Genome.parse(editor.text) == wl.Genome(expected)
+    assert editor.values == expected.tolist()
+    assert editor.used == is_expressed(editor.genome.values[np.newaxis])[0].tolist()
+    assert editor.genome == wl.Genome(expected).within(wl.Robot())
+    editor._handle_custom_msg({"press": "undo"}, [])
+    assert (editor.text, editor.values) == (before, editor.original)
+
+
+def test_after_an_edit_the_walk_is_compared_with_that_before_it():
+    settings = wl.Settings().with_(duration=1)
+    editor = Editor(G, settings)
+    editor._handle_custom_msg({"gene": 1, "value": 2.0}, [])
+    editor._handle_custom_msg({"press": "try"}, [])
+    before, after = (simulate_outcome(one, settings) for one in (G, editor.genome))
+    assert editor.result == compare_outcomes(after, before)
+    assert editor.result["distance"] in editor.snapshot()
+    editor.accept(Outcome(9.0, "ok", "", ""))
+    editor._handle_custom_msg({"press": "try"}, [])
+    assert editor.result["before"] == "before: 9 m"
+    assert not editor.result["is_better"]
+    editor.settings = settings.with_(gravity="moon")
+    assert editor.result == {}
+
+
+def test_an_invalid_message_of_a_slider_changes_nothing():
+    editor = Editor(G)
+    before = editor.text
+    for wrong in (
+        {"gene": 999, "value": 1},
+        {"gene": -1, "value": 1},
+        {"gene": 1, "value": float("nan")},
+        {"gene": "1"},
+    ):
+        editor._handle_custom_msg(wrong, [])
+    assert editor.text == before
+
+
 def test_the_buttons_pass_a_valid_genome_to_the_callbacks():
     editor = Editor(G)
     walked = []
@@ -218,20 +300,23 @@ MODEL = """async ([source, traits]) => {
 }"""
 
 
+WIDGET_TRAITS = ("layout", "tooltip", "tabbable", "comm", "keys", "log")
+
+
 @pytest.fixture
 def shown(page):
     """An editor in a browser; ``sent`` holds its messages to Python."""
     editor = Editor(G)
-    names = ("text", "fault", "fault_range", "notes", "picture", "can_insert", "buttons")
+    names = [name for name in editor.trait_names(sync=True) if not name.startswith("_") and name not in WIDGET_TRAITS]
     page.add_style_tag(content=Editor._css)
-    for register in (editor.on_walk, editor.on_insert):
+    for register in (editor.on_walk, editor.on_insert, editor.on_try):
         register(print)
     page.evaluate(MODEL, [Editor._esm, {name: getattr(editor, name) for name in names}])
     return page
 
 
 def test_in_a_browser_an_error_is_marked_and_disables_the_buttons(shown):
-    text = shown.get_by_label("Genome")
+    text = shown.get_by_label("Genome", exact=True)
     assert text.input_value() == format_genome(G)
     assert shown.get_by_role("img").get_attribute("aria-label").startswith("A robot: 3 segments")
     assert shown.get_by_role("button", name="Play its walk").is_enabled()
@@ -240,25 +325,47 @@ def test_in_a_browser_an_error_is_marked_and_disables_the_buttons(shown):
     wrong = Editor(format_genome(G).replace("knee", "elbow", 1))
     text.fill(wrong.text)
     shown.wait_for_function("sent.length")
-    assert shown.evaluate("sent") == [wrong.text]
+    assert shown.evaluate("sent[0]") == wrong.text
     shown.evaluate(
         "changes => model.update(changes)",
         {"fault": HOSTILE + wrong.fault, "fault_range": wrong.fault_range, "notes": [HOSTILE]},
     )
     assert shown.locator("mark").text_content() == "elbow"
-    assert HOSTILE in shown.get_by_role("status").text_content()
+    assert HOSTILE in shown.locator(".messages").text_content()
     assert text.get_attribute("aria-invalid") == "true"
     assert shown.get_by_role("button", name="Play its walk").is_disabled()
     mark, area = (shown.locator(one).bounding_box() for one in ("mark", "textarea"))
     assert area["x"] < mark["x"] < area["x"] + area["width"]
     shown.get_by_role("button", name="Show the error").click()
     shown.keyboard.type("knee")
-    shown.wait_for_function("sent.length == 2")
-    assert shown.evaluate("sent")[1] == format_genome(G)
+    texts = "sent.filter(one => typeof one === 'string')"
+    shown.wait_for_function(f"{texts}.length == 2")
+    assert shown.evaluate(texts)[1] == format_genome(G)
+
+
+def test_in_a_browser_a_dragged_slider_is_sent_and_the_result_is_shown(shown):
+    slider = shown.get_by_role("slider", name="length", exact=True).first
+    slider.fill("0.3")
+    shown.wait_for_function("sent.some(one => one.press === 'try')")
+    sent = shown.evaluate("sent")
+    assert {"gene": 4, "value": 0.3} in sent
+    assert sent[-1] == {"press": "try"}, "the robot walks after the last change"
+    edited = Editor(G)
+    edited._handle_custom_msg({"gene": 4, "value": 0.3}, [])
+    better = Outcome(2.9, "ok", "", "")
+    result = compare_outcomes(better, Outcome(2.68, "ok", "", ""))
+    shown.evaluate("changes => model.update(changes)", {"text": edited.text, "values": edited.values, "result": result})
+    assert shown.get_by_label("Genome", exact=True).input_value() == edited.text
+    assert shown.locator(".result").inner_text().split("\n")[:2] == ["2.9 m forward +0.22 m", "before: 2.68 m"]
+    assert shown.locator(".row.changed").inner_text().split("\n")[-1] == f"was {G.values[4]:g}"
+    assert shown.get_by_text("No run is in progress.").count() == 1
+    assert shown.locator(".row.unused").count() == 1, "only the first legs cannot repeat others"
+    shown.get_by_role("button", name="whole robot").click()
+    assert shown.get_by_role("slider", name="segments").input_value() == "3"
 
 
 def test_in_a_browser_the_current_text_is_sent_before_a_button_acts(shown):
-    shown.get_by_label("Genome").press("End")
+    shown.get_by_label("Genome", exact=True).press("End")
     shown.keyboard.type(" ")
     shown.get_by_role("button", name="Play its walk").click()
     sent = shown.evaluate("sent")

@@ -5,6 +5,7 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.view.replay.page import Frame
+from walkerlab.widgets.outcomes import compare_outcomes, recorded_outcome, simulate_outcome
 from walkerlab.widgets.robot import RobotArea
 
 
@@ -72,7 +73,40 @@ def test_an_edited_gene_is_played(area, monkeypatch):
     monkeypatch.setattr(Frame, "send", lambda _, message: sent.append(message))
     area.editor._handle_custom_msg({"press": "walk"}, [])
     assert sent == [{"play": True}]
-    assert "genome in the editor" in area.frame.alt
+    assert "the random robot" in area.frame.alt
+
+
+def test_an_edited_gene_shows_its_distance_beside_the_old_one(area, done):
+    number = done.records.individual.iloc[-1]
+    area.show(done, number)
+    area.editor._handle_custom_msg({"gene": 1, "value": 0.7}, [])
+    area.editor._handle_custom_msg({"press": "try"}, [])
+    row = done.records.set_index("individual").loc[number]
+    assert recorded_outcome(row, done.settings) == simulate_outcome(wl.Genome.parse(row.genome), done.settings)
+    after = simulate_outcome(area.editor.genome, done.settings)
+    assert area.editor.result == compare_outcomes(after, recorded_outcome(row, done.settings))
+    labels = [walk.label for walk in area.frame._make().walks]
+    champion = done.champion.individual
+    assert labels == [f"edited robot {number}", f"robot {number}"] + (
+        [f"robot {champion}, the champion"] if champion != number else []
+    )
+
+
+def test_a_watched_replay_is_replaced_after_an_edit(area, done, monkeypatch):
+    sent = []
+    monkeypatch.setattr(Frame, "send", lambda _, message: sent.append(message))
+    area.show(done, -1)
+    for is_open, n_plays in ((False, 0), (True, 1), (False, 2)):  # at last, the page is still being created
+        area.frame.is_open = is_open
+        area.editor._handle_custom_msg({"press": "try"}, [])
+        assert len(sent) == n_plays
+
+
+def test_continuing_is_offered_only_with_a_function(done):
+    assert "continue" not in RobotArea(done.settings, lambda _: "").editor.buttons
+    area = RobotArea(done.settings, lambda _: "", lambda genome: f"Continued with {genome.n_parts}.")
+    area.editor._handle_custom_msg({"press": "continue"}, [])
+    assert area.editor.notes == [f"Continued with {area.editor.genome.n_parts}."]
 
 
 def test_the_result_of_an_insertion_is_shown_below_the_gene(area):

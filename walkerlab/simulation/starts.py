@@ -7,7 +7,7 @@ import numpy as np
 
 from walkerlab.ga.genes import Floats
 from walkerlab.randomness import random_stream
-from walkerlab.simulation.stepping import STATE_PARTS, simulate_steps, warnings_counted_not_printed
+from walkerlab.simulation.stepping import STATE_PARTS, positions_in, simulate_steps, warnings_counted_not_printed
 from walkerlab.world.assembly import ROBOT_BODY, Sensor
 from walkerlab.world.scene import ROTATION, TRANSLATION, Scene
 
@@ -105,3 +105,17 @@ def count_settling_steps(scene: Scene) -> int:
         scene.place(data)
         _, settled, _ = settle(scene, data)
     return round(settled / SETTLE_CHUNK) * round(SETTLE_CHUNK / scene.settings.simulation.timestep)
+
+
+def settled_pose(scene: Scene) -> Floats:
+    """Return the pose in which the robot stands after settling and from which its walk begins, shape (nq,).
+
+    This is the first of the poses that ``simulate_walk`` records, computed in the same way; the pose in which the robot
+    starts to settle if the physics breaks down.
+    """
+    data = mujoco.MjData(scene.model)
+    with warnings_counted_not_printed():
+        scene.place(data)
+        state, _, _ = settle(scene, data)
+    pose = positions_in(scene.model, state)[0]
+    return pose.copy() if np.isfinite(pose).all() else scene.start

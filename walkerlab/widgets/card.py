@@ -1,4 +1,4 @@
-"""The description of one robot: its body, the verdict on its walk, and its ancestors."""
+"""The description of one robot: its body, the verdict on its walk, what it has from its parents, and its ancestors."""
 
 from typing import Any
 
@@ -10,6 +10,7 @@ from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.templates import Markup, render
 from walkerlab.view import summary
 from walkerlab.view.plots.tables import format_value
+from walkerlab.widgets.origins import describe_origins
 
 COUNTED = "ok"  # verdict on a walk that counts
 MAX_PARENTS = 4  # maximum number of parents that are listed
@@ -22,7 +23,8 @@ def robot_card(records: pd.DataFrame, individual: int) -> Markup:
         records: Table of the run.
         individual: Number of the robot.
     """
-    row: Any = birth_rows(records).loc[individual]
+    births = birth_rows(records)
+    row: Any = births.loc[individual]
     units = records.attrs.get("units", {})
     counts = row.verdict == COUNTED
     body = (
@@ -42,6 +44,7 @@ def robot_card(records: pd.DataFrame, individual: int) -> Markup:
         distance=format_value(row.distance, "m"),
         velocity=format_value(row.velocity, "m/s"),
         body=body,
+        origins=describe_origins(births, individual),
         ancestors=_ancestor_rows(records, individual),
     )
 

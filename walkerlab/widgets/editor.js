@@ -1,31 +1,180 @@
-// A text editor for a genome. Behind the text area is a transparent copy of its text, in which the error is marked.
+// Sliders for the genes of a robot, its genome as text, and the result of its walk. Sliders and text stay in step.
+// Behind the text area is a transparent copy of its text, in which the error is marked.
 const PAUSE = 150; // ms without a key press until the text is sent
+const SLIDER_INTERVAL = 60; // ms between two positions of a slider that are sent
+const MAX_WAIT = 600; // ms for which the next position waits until Python has answered the previous one
+const WALK_PAUSE = 250; // ms from the last change of a gene to the walk
+const DEGREES = 180 / Math.PI;
+const SLIDER_STEP = 0.001; // resolution of genomes
 
 let n_views = 0;
 
+const short = (value) => String(Number(value.toFixed(3)));
+
+function withUnit(gene, value) {
+  if (gene.kind === "count") return gene.high === 1 ? (value ? "yes" : "no") : short(value);
+  return `${short(value)} ${gene.unit}`.trim();
+}
+
+function describe(gene) { // a sentence with range and meaning
+  const range = gene.kind === "count" && gene.high === 1 ? "" : `, ${short(gene.low)} to ${withUnit(gene, gene.high)}`;
+  return `${gene.label}: ${gene.meaning}${range}`;
+}
+
+// A row with the controls of one gene. `change(value, isFinal)` is called when the user moves them.
+function geneRow(gene, id, change, help) {
+  const isSwitch = gene.kind === "count" && gene.high === 1;
+  const label = make("label", { htmlFor: id, textContent: gene.label });
+  const unit = make("span", { className: "unit quiet" });
+  const was = make("span", { className: "was" });
+  const row = make("div", { className: isSwitch ? "row switch" : "row", title: describe(gene) }, label);
+  let isHeld = false; // while the user drags, the slider does not follow Python
+  let slider, number;
+  if (isSwitch) {
+    slider = make("input", { type: "checkbox", id, onchange: () => change(Number(slider.checked), true) });
+    row.append(slider, unit, was);
+  } else {
+    const step = gene.kind === "count" ? 1 : SLIDER_STEP;
+    const limits = { min: gene.low, max: gene.high, step };
+    slider = make("input", { type: "range", id, ...limits,
+      oninput: () => { isHeld = true; number.value = slider.value; change(Number(slider.value), false); },
+      onchange: () => { isHeld = false; change(Number(slider.value), true); } });
+    number = make("input", { type: "number", step, ariaLabel: `${gene.label}, exact value`, onchange: () => {
+      if (number.value !== "") change(Number(number.value), true);
+    } });
+    row.append(slider, number, unit, was);
+  }
+  row.addEventListener("pointerenter", () => help(gene));
+  row.addEventListener("focusin", () => help(gene));
+
+  function show(value, original, isUsed, isValid) {
+    row.classList.toggle("unused", !isUsed);
+    row.title = isUsed ? describe(gene) : `${describe(gene)}. This gene has no effect in this robot.`;
+    const isChanged = isValid && original !== undefined && Math.abs(value - original) > SLIDER_STEP / 2;
+    row.classList.toggle("changed", isChanged);
+    was.textContent = isChanged ? `was ${isSwitch ? withUnit(gene, original) : short(original)}` : "";
+    slider.disabled = !isValid;
+    if (number) number.disabled = !isValid;
+    if (isHeld) return;
+    if (isSwitch) slider.checked = value > 0.5;
+    else {
+      slider.value = value;
+      if (document.activeElement !== number || Number(number.value) !== value) number.value = short(value);
+      slider.ariaValueText = withUnit(gene, value);
+    }
+    unit.textContent = gene.unit === "rad" ? `rad (${Math.round(value * DEGREES)}°)` : gene.unit;
+  }
+  return { row, show };
+}
+
 function render({ model, el }) {
   const id = `wl-editor-${n_views++}`;
-  const area = make("textarea", { id, spellcheck: false, autocapitalize: "off", autocomplete: "off", rows: 11,
+  const area = make("textarea", { id, spellcheck: false, autocapitalize: "off", autocomplete: "off", rows: 9,
     attributes: { "aria-describedby": `${id}-fault` } });
   const behind = make("div", { className: "behind", ariaHidden: "true" });
   const label = make("label", { htmlFor: id, textContent: "Genome" });
   const fault = make("span", { id: `${id}-fault` });
+  const scrollToError = () => {
+    const marked = behind.querySelector("mark");
+    if (marked) area.scrollTop = marked.offsetTop - area.clientHeight / 2;
+  };
   const show = make("button", { type: "button", textContent: "Show the error", onclick: () => {
     area.focus();
     area.setSelectionRange(...model.get("fault_range"));
-    area.scrollTop = behind.querySelector("mark").offsetTop - area.clientHeight / 2;
+    scrollToError();
   } });
   const notes = make("ul", { className: "notes" });
   const messages = make("div", { className: "messages", attributes: { role: "status" } },
     make("p", { className: "fault" }, fault, show), notes);
   const picture = make("div", { className: "picture" });
-  const walk = make("button", { type: "button", className: "main", textContent: "Play its walk", onclick: () => press("walk") });
-  const insert = make("button", { type: "button", textContent: "Insert into the next generation", onclick: () => press("insert") });
+  const result = make("div", { className: "result", attributes: { role: "status" } });
+  const press = (name, textContent, title, className = "") =>
+    make("button", { type: "button", className, textContent, title, onclick: () => { flushText(); model.send({ press: name }); } });
+  const walk = press("walk", "Play its walk", "in 3D, beside the unedited robot and the champion", "main");
+  const insert = press("insert", "Insert into the next generation", "");
+  const resume = press("continue", "Continue the run with it", "It replaces a child in the next generation.");
+  const undo = press("undo", "Undo all changes", "");
+  const hint = make("p", { className: "quiet hint" });
+  const tabs = make("div", { className: "groups", role: "group", ariaLabel: "genes of" });
+  const sections = make("div", { className: "sections" });
+  const helpLine = make("p", { className: "quiet help" });
   el.classList.add("wl-component", "wl-editor");
   el.append(
-    make("div", { className: "gene" }, label, make("div", { className: "sheet" }, behind, area), messages),
-    make("div", { className: "robot" }, picture, make("div", { className: "buttons" }, walk, insert)));
+    make("div", { className: "genes" }, tabs, sections, helpLine),
+    make("div", { className: "robot" }, picture, result, make("div", { className: "buttons" }, walk, undo, insert, resume), hint),
+    make("div", { className: "gene" }, label, make("div", { className: "sheet" }, behind, area), messages));
 
+  // --------------------------------------------------------------------------------------------------------- sliders
+  let rows = [];
+  let group = "";
+  let pending = null; // message with a slider's position that is not sent yet
+  let sliderTimer = 0;
+  let isWaiting = false; // for the answer to the last position
+  let walkTimer = 0;
+
+  const help = (gene) => { helpLine.textContent = `${describe(gene)}.`; };
+
+  function walkSoon() {
+    clearTimeout(walkTimer);
+    walkTimer = setTimeout(() => {
+      if (model.get("fault")) return;
+      result.classList.add("busy");
+      model.send({ press: "try" });
+    }, WALK_PAUSE);
+  }
+
+  function flushGene() {
+    clearTimeout(sliderTimer);
+    sliderTimer = 0;
+    if (!pending) return;
+    model.send(pending);
+    pending = null;
+    isWaiting = true;
+    setTimeout(() => { isWaiting = false; if (pending) flushGene(); }, MAX_WAIT);
+  }
+
+  function change(index, value, isFinal) {
+    pending = { gene: index, value };
+    result.classList.add("outdated");
+    clearTimeout(walkTimer);
+    if (isFinal) { flushGene(); walkSoon(); }
+    else if (!isWaiting) sliderTimer ||= setTimeout(flushGene, SLIDER_INTERVAL);
+  }
+
+  function build() {
+    const genes = model.get("genes");
+    const groups = [...new Set(genes.map((gene) => gene.group))];
+    if (!groups.includes(group)) group = groups[1] ?? groups[0] ?? "";
+    tabs.replaceChildren(...groups.map((name) => make("button", { type: "button", textContent: name, onclick: () => {
+      group = name;
+      choose();
+    } })));
+    rows = genes.map((gene, index) => geneRow(gene, `${id}-${index}`, (value, isFinal) => change(index, value, isFinal), help));
+    choose();
+  }
+
+  function choose() {
+    const genes = model.get("genes");
+    for (const tab of tabs.children) tab.ariaPressed = tab.textContent === group;
+    const members = genes.flatMap((gene, index) => gene.group === group ? [{ ...gene, index }] : []);
+    sections.replaceChildren(...[...new Set(members.map((gene) => gene.section))].map((section) =>
+      make("fieldset", {}, make("legend", { textContent: section }),
+        ...members.filter((gene) => gene.section === section).map((gene) => rows[gene.index].row))));
+    update();
+  }
+
+  function updateGenes() {
+    const [genes, values, used, original] = ["genes", "values", "used", "original"].map((name) => model.get(name));
+    if (values.length !== genes.length) return;
+    rows.forEach(({ show }, index) => show(values[index], original[index], used[index], !model.get("fault")));
+    for (const tab of tabs.children) {
+      const isUsed = genes.some((gene, index) => gene.group === tab.textContent && used[index]);
+      tab.classList.toggle("unused", !isUsed);
+      tab.title = isUsed ? "" : "This robot does not have this segment: its genes have no effect.";
+    }
+  }
+
+  // ------------------------------------------------------------------------------------------------------------ text
   let timer = 0;
 
   function send() {
@@ -33,11 +182,11 @@ function render({ model, el }) {
     timer = 0;
     model.set("text", area.value);
     model.save_changes();
+    walkSoon();
   }
 
-  function press(button) {
-    if (timer) send(); // so that the button acts on the current text
-    model.send({ press: button });
+  function flushText() { // so that a button acts on the current text
+    if (timer) { send(); clearTimeout(walkTimer); }
   }
 
   function mark() {
@@ -50,22 +199,50 @@ function render({ model, el }) {
 
   function write() {
     if (timer || area.value === model.get("text")) return;
+    const { scrollTop } = area;
     area.value = model.get("text");
+    area.scrollTop = scrollTop;
     mark();
+  }
+
+  // --------------------------------------------------------------------------------------------------------- results
+  function showResult() {
+    const { distance, change: gain, before, verdict, counts, is_better, others = [] } = model.get("result");
+    result.classList.remove("busy", "outdated");
+    result.classList.toggle("rejected", counts === false);
+    if (!distance) { result.replaceChildren(make("p", { className: "quiet", textContent: model.get("result").fault ?? "Move a slider: the robot walks when you release it." })); return; }
+    const sign = make("span", { className: is_better ? "gain better" : "gain", textContent: gain });
+    result.replaceChildren(
+      make("p", {}, make("b", { textContent: distance }), " forward ", sign, make("span", { className: "before", textContent: before })),
+      ...others.map((textContent) => make("p", { textContent })),
+      make("p", { className: counts ? "quiet" : "fault", textContent: verdict }));
   }
 
   function update() {
     const wrong = Boolean(model.get("fault"));
+    const buttons = model.get("buttons");
+    const canInsert = model.get("can_insert");
     fault.textContent = wrong ? `⚠ ${model.get("fault")}` : "";
     show.hidden = !model.get("fault_range").length;
     area.setAttribute("aria-invalid", wrong);
     notes.replaceChildren(...model.get("notes").map((textContent) => make("li", { textContent })));
-    walk.hidden = !model.get("buttons").includes("walk");
-    insert.hidden = !model.get("buttons").includes("insert");
-    walk.disabled = wrong;
-    insert.disabled = wrong || !model.get("can_insert");
+    walk.hidden = !buttons.includes("walk");
+    insert.hidden = !buttons.includes("insert");
+    resume.hidden = canInsert || !buttons.includes("continue");
+    walk.disabled = resume.disabled = wrong;
+    insert.disabled = wrong || !canInsert;
+    insert.title = hint.textContent = insert.hidden || canInsert ? "" : model.get("insert_hint");
     picture.classList.toggle("outdated", wrong);
     mark();
+    if (wrong && document.activeElement !== area) scrollToError();
+    updateGenes();
+    undo.disabled = !wrong && !sections.querySelector(".changed") && !rows.some(({ row }) => row.classList.contains("changed"));
+  }
+
+  function answered() {
+    isWaiting = false;
+    updateGenes();
+    if (pending && !sliderTimer) flushGene();
   }
 
   const draw = () => picture.replaceChildren(parseSvg(model.get("picture")));
@@ -73,16 +250,26 @@ function render({ model, el }) {
   area.oninput = () => {
     clearTimeout(timer);
     timer = setTimeout(send, PAUSE);
+    result.classList.add("outdated");
     mark();
   };
   area.onscroll = () => { behind.scrollTop = area.scrollTop; };
   model.on("change:text", write);
-  for (const name of ["fault", "fault_range", "notes", "can_insert", "buttons"]) model.on(`change:${name}`, update);
+  for (const name of ["fault", "fault_range", "notes", "can_insert", "insert_hint", "buttons", "original", "used", "values"]) model.on(`change:${name}`, update);
+  model.on("change:values", answered);
+  model.on("change:genes", build);
+  model.on("change:result", showResult);
+  model.on("msg:custom", ({ walked }) => { if (walked) showResult(); });
   model.on("change:picture", draw);
   write();
-  update();
+  build();
+  showResult();
   if (model.get("picture")) draw();
   const releaseKeys = captureKeys(el);
-  return () => { releaseKeys(); if (timer) send(); };
+  return () => {
+    releaseKeys();
+    if (timer) send();
+    for (const one of [walkTimer, sliderTimer]) clearTimeout(one);
+  };
 }
 export default { render };

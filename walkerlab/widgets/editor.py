@@ -1,11 +1,15 @@
-"""A text editor for one genome, with a picture of its robot and messages on what is wrong."""
+"""An editor for one genome: sliders and text, a picture of its robot, messages, and the result of its walk."""
 
+import math
 import threading
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import traitlets
 
+from walkerlab.errors import WalkerlabError
+from walkerlab.genome.features import is_expressed
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.text import GenomeError
 from walkerlab.randomness import random_stream
@@ -14,16 +18,20 @@ from walkerlab.text.templates import Markup, render
 from walkerlab.view import sketch
 from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
-from walkerlab.widgets.repairs import describe_repairs, find_fault, format_genome
+from walkerlab.widgets.gene_controls import describe_genes
+from walkerlab.widgets.outcomes import Outcome, compare_outcomes, simulate_outcome
+from walkerlab.widgets.repairs import describe_fault, describe_repairs, find_fault, format_genome
 
-PICTURE_SIZE = (300, 190)  # pixels of the picture
+PICTURE_SIZE = (296, 148)  # pixels of the picture
 MAX_NOTES = 5  # maximum number of changes to the genome that are listed
+
+NO_RUN = "No run is in progress. Start a run, or continue one, to insert this robot into its next generation."
 
 OnGenome = Callable[[Genome], object]
 
 
 class Editor(Component):
-    """A genome as editable text, and the robot that it describes.
+    """A genome as sliders and as editable text, which stay in step, and the robot that it describes.
 
     Attributes:
         text: Text in the editor.
@@ -34,7 +42,14 @@ class Editor(Component):
         fault_range: Start and exclusive end of the wrong characters of the text; empty if they are unknown.
         notes: Sentences on the genes that were beyond the limits and the values that are used instead.
         picture: Picture of the robot, as SVG; while the text is not valid, the picture of the last valid genome.
+        genes: Description of each gene, as ``describe_genes`` returns it.
+        values: Value of each gene in the text, even beyond the limits; the last valid ones if the text is not valid.
+        used: Whether each gene has an effect on the robot.
+        original: Values of the genome before it was edited.
+        result: Result of the last walk, as plain data for the browser: ``distance``, ``change``, ``before``,
+            ``verdict``, ``counts``, ``is_better`` and ``others``, a list of further lines; or ``fault``.
         can_insert: Whether the genome can be inserted into a later generation.
+        insert_hint: Why it cannot, and what to do.
         buttons: Names of the visible buttons: those with a callback.
     """
 
@@ -48,7 +63,13 @@ class Editor(Component):
     fault_range = traitlets.List(traitlets.Int()).tag(sync=True)
     notes = traitlets.List(traitlets.Unicode()).tag(sync=True)
     picture = traitlets.Unicode("").tag(sync=True)
+    genes = traitlets.List().tag(sync=True)
+    values = traitlets.List(traitlets.Float()).tag(sync=True)
+    used = traitlets.List(traitlets.Bool()).tag(sync=True)
+    original = traitlets.List(traitlets.Float()).tag(sync=True)
+    result = traitlets.Dict().tag(sync=True)
     can_insert = traitlets.Bool(False).tag(sync=True)
+    insert_hint = traitlets.Unicode(NO_RUN).tag(sync=True)
     buttons = traitlets.List(traitlets.Unicode()).tag(sync=True)
 
     def __init__(self, genome: Genome | str | None = None, settings: Settings | None = None) -> None:
@@ -60,14 +81,44 @@ class Editor(Component):
         """
         super().__init__(settings=settings or Settings())
         self._lock = threading.RLock()
-        self._callbacks: dict[str, list[OnGenome]] = {"walk": [], "insert": []}
+        self._callbacks: dict[str, list[OnGenome]] = {"try": [], "walk": [], "insert": [], "continue": []}
+        self._given: Genome | None = None
+        self._unedited_text = ""
+        self._before: Outcome | None = None  # of the genome before it was edited
         self.observe(self._parse, ["text", "settings"])
         self.observe(self._update_text, "genome")
+        self.observe(self._discard_result, "settings")
         self.on_msg(self._handle_message)
         if genome is None:
             rng = random_stream(self.settings.algorithm.seed, "population", 0, 0)
             genome = Genome.random(self.settings.robot, rng=rng)
         self.text = genome if isinstance(genome, str) else format_genome(genome)
+        self.accept()
+
+    @property
+    def is_edited(self) -> bool:
+        """Whether the text has been edited since the genome was set or accepted."""
+        return self.text != self._unedited_text
+
+    def accept(self, before: Outcome | None = None) -> None:
+        """Make the current genome the one with which edited ones are compared, and to which *undo* returns.
+
+        Args:
+            before: Result of its walk; if None, it is simulated when it is needed.
+        """
+        with self._lock, self.hold_sync():
+            self._unedited_text = self.text
+            self.original = self.values
+            self._before = before
+            self.result = {}
+
+    def on_try(self, callback: OnGenome) -> None:
+        """Register a function that is called with the genome after an edit, when its ``result`` has been set."""
+        self._add_callback("try", callback)
+
+    def on_continue(self, callback: OnGenome) -> None:
+        """Register a function that continues a run which is over, with the genome in its next generation."""
+        self._add_callback("continue", callback)
 
     def on_walk(self, callback: OnGenome) -> None:
         """Register a function that is called with the genome when its walk is to be played."""
@@ -81,42 +132,84 @@ class Editor(Component):
         """Return the robot, its genome and the messages as static HTML."""
         notes = [self.fault] if self.fault else self.notes
         picture = svg_image_html(self.picture) if self.picture else ""
-        return render("widgets/editor.html", picture=picture, text=self.text, notes=notes)
+        result = [str(self.result[key]) for key in ("distance", "change", "before", "verdict") if self.result.get(key)]
+        return render("widgets/editor.html", picture=picture, text=self.text, notes=notes, result=result)
 
     def _add_callback(self, button: str, callback: OnGenome) -> None:
         self._callbacks[button].append(callback)
         self.buttons = [name for name, callbacks in self._callbacks.items() if callbacks]
 
     def _parse(self, _: object = None) -> None:
-        """Update the genome and the picture from the text, or report why the text is not valid."""
+        """Update the genome, the sliders and the picture from the text, or report why the text is not valid."""
         with self._lock, self.hold_sync():
             robot = self.settings.robot
+            self.genes = describe_genes(robot)
             try:
                 parsed = Genome.parse(self.text)
             except GenomeError as error:
-                self.fault = str(error).partition("\n")[0]
-                self.fault_range = find_fault(self.fault, self.text) or []
+                self.fault = describe_fault(str(error), self.text)
+                self.fault_range = find_fault(str(error), self.text) or []
                 self.genome = None
                 self.notes = []
                 return
             self.fault = ""
             self.fault_range = []
             self.notes = _shorten(describe_repairs(parsed, robot))
-            self.genome = parsed.within(robot)
-            self.picture = sketch.draw_robot(self.genome, robot, size=PICTURE_SIZE)
+            self.genome = repaired = parsed.within(robot)
+            self._given = given = parsed if parsed.n_parts == repaired.n_parts else repaired
+            self.values = given.values.tolist()
+            self.used = is_expressed(repaired.values[np.newaxis])[0].tolist()
+            self.picture = sketch.draw_robot(repaired, robot, size=PICTURE_SIZE)
+
+    def _set_gene(self, index: int, value: float) -> None:
+        """Change one gene of a valid genome; all others keep the values in the text, even those beyond the limits."""
+        with self._lock:
+            if self._given is None or self.genome is None or not 0 <= index < self._given.values.size:
+                return
+            values = self._given.values.copy()
+            values[index] = value
+            self.text = format_genome(Genome(values))
+
+    def _discard_result(self, _: object) -> None:
+        """Discard the results of walks in another world."""
+        self._before = None
+        self.result = {}
+
+    def _walk(self, genome: Genome) -> None:
+        """Simulate the walk of a genome, and set ``result`` to a comparison with the walk before the edit."""
+        try:
+            if self._before is None and self.original:
+                self._before = simulate_outcome(Genome(np.array(self.original)), self.settings)
+            after = simulate_outcome(genome, self.settings)
+            self.result = compare_outcomes(after, self._before or after)
+        except WalkerlabError as error:
+            self.result = {"fault": str(error)}
+        self.send({"walked": True})  # the result may be the same as before
+
+    def _undo(self) -> None:
+        self.text = self._unedited_text
+        self.result = {}
 
     def _update_text(self, change: Any) -> None:
         """Replace the text with the text of a genome that was set from outside."""
         with self._lock:
             if change.new is not None and change.new != _parse_within(self.text, self.settings):
                 self.text = format_genome(change.new)
+                self.accept()
 
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
-        """Call the callbacks of the pressed button, if the text is a valid genome."""
+        """Change a gene, or call the callbacks of the pressed button if the text is a valid genome."""
         match message:
-            case {"press": "walk" | "insert" as button} if self.genome is not None:
+            case {"gene": int(index), "value": int() | float() as value} if math.isfinite(value):
+                self._set_gene(index, float(value))
+            case {"press": "undo"}:
+                self._undo()
+            case {"press": "try" | "walk" | "insert" | "continue" as button} if self.genome is not None:
+                genome = self.genome
+                if button == "try":
+                    self._walk(genome)
                 for callback in self._callbacks[button]:
-                    callback(self.genome)
+                    callback(genome)
             case _:
                 pass
 

@@ -55,6 +55,16 @@ def find_fault(fault: str, text: str) -> Span | None:
     return Span(_utf16_length(text[:start]), _utf16_length(text[: word.end() if word else start]))
 
 
+def describe_fault(fault: str, text: str) -> str:
+    """Return the first line of the message of a ``GenomeError`` with the line of the text instead of the character."""
+    first_line = fault.partition("\n")[0]
+    found = re.fullmatch(r"not a genome: at character (\d+) (expected .*)", first_line)
+    if not found:
+        return first_line
+    line = text.count("\n", 0, int(found[1]) - 1) + 1
+    return f"Line {line}: {found[2]}."
+
+
 def _utf16_length(text: str) -> int:
     return len(text.encode("utf-16-le", "surrogatepass")) // 2
 
@@ -112,24 +122,40 @@ def _describe_gene(
         return
     low, high = limits
     given_text, low_text, high_text, used_text = (_with_unit(value, feature) for value in (given, low, high, used))
+    beyond = high_text if given > high else low_text if given < low else ""
+    other = _other_constraint(feature, robot, weight)
     if feature in CYCLIC_FEATURES:
         why = "is not within one turn"
-    elif given > high:
-        why = f"is over the limit {high_text}"
-    elif given < low:
-        why = f"is under the limit {low_text}"
-    elif feature == Feature.length:
-        why = f"does not fit, because the body must be {_format_range(robot.body_length)} m long"
-    elif feature == Feature.mass:
-        at_limit = min(abs(weight - limit) for limit in robot.weight) < 10 * ROUNDING_TOLERANCE
-        weight_text = f"the robot must weigh {_format_range(robot.weight)} kg"
-        density_text = f"the density of a segment of this size must be {_format_range(DENSITY_RANGE)} kg/m³"
-        why = f"does not fit, because {weight_text if at_limit else density_text}"
-    elif feature == Feature.legs and given in (0, 1):
-        why = f"does not fit, because the robot must have {_format_range(robot.legs)} legs"
+    elif beyond:
+        why = f"is {'over' if given > high else 'under'} the limit {beyond}"
+        if other and used_text != beyond:
+            why += f", and {other}"
+    elif other and (feature != Feature.legs or given in (0, 1)):
+        why = f"does not fit, because {other}"
     else:
         why = "is not a whole number"
     yield f"{feature.name.replace('_', ' ')} {given_text} {why}: {used_text} is used."
+
+
+def _other_constraint(feature: Feature, robot: Robot, weight: float) -> str:
+    """Return what limits a gene together with other genes; empty if nothing does.
+
+    Args:
+        feature: Feature that the gene describes.
+        robot: Limits of the robot.
+        weight: Weight of the robot after the repair [kg].
+    """
+    match feature:
+        case Feature.length:
+            return f"the body must be {_format_range(robot.body_length)} m long"
+        case Feature.mass:
+            if min(abs(weight - limit) for limit in robot.weight) < 10 * ROUNDING_TOLERANCE:
+                return f"the robot must weigh {_format_range(robot.weight)} kg"
+            return f"the density of a segment of this size must be {_format_range(DENSITY_RANGE)} kg/m³"
+        case Feature.legs:
+            return f"the robot must have {_format_range(robot.legs)} legs"
+        case _:
+            return ""
 
 
 def _with_unit(value: float, feature: Feature) -> str:

@@ -1,6 +1,7 @@
 """The robot area of a panel: the description of one robot, its genome in an editor, and the replay of its walk."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import ipywidgets
@@ -18,8 +19,24 @@ from walkerlab.view.snapshots import HasSnapshot
 from walkerlab.widgets.card import robot_card
 from walkerlab.widgets.component import answer_on_requested_thread
 from walkerlab.widgets.editor import Editor
+from walkerlab.widgets.outcomes import recorded_outcome
 
 POSTER_SIZE = (640, 360)  # pixels
+
+
+@dataclass(frozen=True)
+class ShownRobot:
+    """The robot whose genome is edited.
+
+    Attributes:
+        name: Name in texts for users, such as "robot 12".
+        genome: Genome before it was edited.
+        rivals: Genomes by name of the robots beside which the edited robot is played: the robot itself, the champion.
+    """
+
+    name: str
+    genome: Genome
+    rivals: dict[str, Genome]
 
 
 class RobotArea(HasSnapshot, ipywidgets.Box):
@@ -33,12 +50,19 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
 
     title = "robot"
 
-    def __init__(self, settings: Settings, on_insert: Callable[[Genome], str]) -> None:
+    def __init__(
+        self,
+        settings: Settings,
+        on_insert: Callable[[Genome], str],
+        on_continue: Callable[[Genome], str] | None = None,
+    ) -> None:
         """Create the area with a random robot.
 
         Args:
             settings: Settings of the world in which edited genomes are simulated before there is a run.
             on_insert: Inserts a genome into the next generation, and returns a message on the result.
+            on_continue: Continues a run that is over, with the genome in its next generation, and returns a message on
+                the result; if None, this is not offered.
         """
         self.card = ipywidgets.HTML()
         self.frame = Frame()
@@ -46,16 +70,19 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._settings = settings
         self._on_insert = on_insert
         self._shown: tuple[Settings | None, int] = None, -1  # settings and number of the robot; -1 for an edited genome
-        self._unedited_text = self.editor.text
+        self._original = ShownRobot("the random robot", self.editor.genome, {"the random robot": self.editor.genome})
         self._selected = -1
         super().__init__([self.card, self.frame, self.editor])
         self.add_class("wl-robot")
         self.frame.add_class("wl-frame")
         answer_on_requested_thread(self.frame)
-        self._describe(render("widgets/robot_message.html", is_edited=False))
-        self._offer_replay(self.editor.genome, "a random robot")
+        self._describe(render("widgets/robot_message.html"))
+        self._offer_replay({"a random robot": self.editor.genome})
+        self.editor.on_try(self._replace_replay)
         self.editor.on_walk(self._play)
         self.editor.on_insert(self._insert)
+        if on_continue:
+            self.editor.on_continue(lambda genome: self._report(on_continue(genome)))
 
     def snapshot(self) -> Markup:
         """Return the description, the picture and the genome of the robot as static HTML."""
@@ -85,41 +112,65 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         robot = number if exists else run.champion.individual
         is_new_selection = exists and number != self._selected
         self._selected = number
-        is_edited = self.editor.text != self._unedited_text
-        is_watched = bool(self.frame.is_open) and run.settings == self._shown[0]
+        is_edited = self.editor.is_edited
+        is_watched = self.frame.is_watched and run.settings == self._shown[0]
         wanted = (run.settings, robot)
         if not is_new_selection and (wanted == self._shown or is_edited or is_watched):
             return
         self._shown = wanted
         row: Any = birth_rows(run.records).loc[robot]
         genome = Genome.parse(row.genome)
+        champion = run.champion
+        name = f"robot {robot}"
+        rivals = {name: genome} | ({} if champion.individual == robot else {_champion_name(run): champion.genome})
+        self._original = ShownRobot(name, genome, rivals)
         self._describe(robot_card(run.records, robot))
         self.set_settings(run.settings)
         self.editor.genome = genome
-        self._unedited_text = self.editor.text
-        self._offer_replay(genome, f"robot {robot} of generation {row.born}")
+        self.editor.accept(recorded_outcome(row, run.settings))
+        self._offer_replay({f"robot {robot} of generation {row.born}": genome})
 
     def _describe(self, description: Markup) -> None:
         """Show a description; it is kept for the snapshot, because a browser may change the value of the card."""
         self._description = description
         self.card.value = description
 
-    def _offer_replay(self, genome: Genome, name: str) -> None:
-        """Show a picture of a robot; its walk is simulated when the user plays it."""
+    def _offer_replay(self, walkers: dict[str, Genome]) -> None:
+        """Show a picture of the first of some robots; their walks are simulated when the user plays them."""
+        name, genome = next(iter(walkers.items()))
         svg = sketch.draw_robot(genome, self._settings.robot, size=POSTER_SIZE)
         picture = data_url("image/svg+xml", svg.encode())
+        others = f", beside {' and '.join(list(walkers)[1:])}" if len(walkers) > 1 else ""
 
         def walk() -> Replay:  # reads the settings when the replay is played
-            return replay({name: genome}, self._settings)
+            return replay(walkers, self._settings)
 
-        self.frame.set_replay(walk, picture, f"Replay of {name}. Press to play.")
+        self.frame.set_replay(walk, picture, f"Replay of {name}{others}. Press to play.")
+
+    def _offer_race(self, genome: Genome) -> None:
+        """Show an edited robot, to be played beside the unedited one and the champion."""
+        self._shown = self._shown[0], -1
+        edited = {f"edited {self._original.name}": genome} if self.editor.is_edited else {}
+        self._offer_replay(edited | self._original.rivals)
+
+    def _replace_replay(self, genome: Genome) -> None:
+        """Offer the replay of an edited robot; if a replay is open, play the new one in its place."""
+        is_watched = self.frame.is_watched
+        self._offer_race(genome)
+        if is_watched:
+            self.frame.play()
 
     def _play(self, genome: Genome) -> None:
-        """Play the walk of an edited genome."""
-        self._shown = self._shown[0], -1
-        self._describe(render("widgets/robot_message.html", is_edited=True))
-        self._offer_replay(genome, "the genome in the editor")
+        """Play the walk of the genome in the editor."""
+        self._offer_race(genome)
         self.frame.play()
 
     def _insert(self, genome: Genome) -> None:
-        self.editor.notes = [self._on_insert(genome)]
+        self._report(self._on_insert(genome))
+
+    def _report(self, message: str) -> None:
+        self.editor.notes = [message]
+
+
+def _champion_name(run: Run) -> str:
+    return f"robot {run.champion.individual}, the champion"

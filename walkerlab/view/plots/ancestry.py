@@ -11,7 +11,7 @@ from walkerlab.runfile.records import find_champion, fitter_line, parent_numbers
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
-from walkerlab.view.plots.bodies import DEPTH_SHIFT, BodyParts, add_body, resting_scene
+from walkerlab.view.plots.bodies import DEPTH_SHIFT, BodyParts, add_body, resting_scene, standing_parts
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description, annotate_no_data, escape_label
 from walkerlab.view.plots.tables import UNKNOWN_FITNESS, require_table, unit_of
 from walkerlab.view.plots.tree_nodes import (
@@ -23,7 +23,6 @@ from walkerlab.view.plots.tree_nodes import (
     format_fitness,
     place_nodes,
 )
-from walkerlab.world.geometry import surface_points
 
 MAX_COMPLETE_LINE = 16  # maximum number of robots in a line of descent that is drawn without gaps
 N_DRAWN_OF_LONG_LINE = 12  # number of robots drawn of a longer line
@@ -74,7 +73,7 @@ def family_tree(
     members = [line[i] for i in drawn]
     other_parents = _find_other_parents(births, line, drawn)
     scenes = {one: resting_scene(births.genome[one], settings) for one in [*members, *other_parents.values()]}
-    parts: dict[int, BodyParts] = {one: surface_points(scene, scene.start) for one, scene in scenes.items()}
+    parts: dict[int, BodyParts] = {one: standing_parts(scene) for one, scene in scenes.items()}
     nodes, body_width, body_height = place_nodes(births, members, other_parents, parts)
 
     text_width = TEXT_WIDTH / BODY_WIDTH * body_width

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
+from matplotlib.patches import Circle
 
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.genome import Genome
@@ -18,6 +19,9 @@ from walkerlab.simulation.fitness import poorest_walk
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description
 from walkerlab.view.plots.tables import format_value
+from walkerlab.view.sketch.marks import PUPIL_RADIUS, eye_circle
+from walkerlab.view.sketch.projection import DEPTH_SHIFT
+from walkerlab.view.sketch.standing import standing_pose
 from walkerlab.world.geometry import ROPE_POINTS, convex_outline, surface_points, valid_poses
 from walkerlab.world.heights import ground_height
 from walkerlab.world.scene import Scene, compile_scene, scene_of
@@ -28,7 +32,6 @@ MAX_BODIES = 5  # maximum number of times that a robot is drawn along its walk
 MIN_SPACING = 1.3  # body lengths between two of them
 MIN_ARROW = 0.05  # m; a shorter distance has no arrow
 MAX_SIDE_DISTANCE = 1.0  # m; loose obstacles within this distance to either side of the robot are drawn
-DEPTH_SHIFT = 0.35  # shift to the right for each metre of depth, which keeps the far legs visible
 
 BodyParts = Sequence[tuple[Floats, Floats]]
 """Bodies, legs and loads as ``surface_points`` returns them: points [m], shape (k, 3), and RGBA colour of each."""
@@ -36,9 +39,9 @@ BodyParts = Sequence[tuple[Floats, Floats]]
 
 @styled_plot
 def body(genome: Genome | str, ax: Axes | None = None, settings: Settings | None = None) -> Axes:
-    """Draw a robot from the side in its rest pose, to scale, with its dimensions; it walks to the right.
+    """Draw a robot from the side as it stands when its walk begins, to scale, with its dimensions; it faces right.
 
-    The legs of its right side, which are nearer, are light; those of its left side are dark.
+    The legs of its right side, which are nearer, are light; those of its left side are dark. An eye marks segment 1.
 
     Args:
         genome: Genome, or its text.
@@ -53,7 +56,8 @@ def body(genome: Genome | str, ax: Axes | None = None, settings: Settings | None
     """
     axes = ax or new_axes(4.2, 2.8)
     scene = resting_scene(genome, settings)
-    left, right, _, top = add_body(axes, surface_points(scene, scene.start), slant=DEPTH_SHIFT)
+    left, right, _, top = add_body(axes, standing_parts(scene), slant=DEPTH_SHIFT)
+    add_eye(axes, scene, standing_pose(scene.genome, scene.settings), slant=DEPTH_SHIFT)
     width = right - left
     ground_ends = [left - 0.05 * width, right + 0.05 * width]
     axes.plot(ground_ends, [0, 0], color=foreground_colour(axes, 0.5), lw=1)
@@ -68,7 +72,7 @@ def body(genome: Genome | str, ax: Axes | None = None, settings: Settings | None
     axes.set_axis_off()
     dimensions = describe_body(scene.phenotype)
     axes.set_title(dimensions, fontsize=9)
-    add_description(axes, "A robot", f"Side view of a robot in its rest pose: {dimensions}.")
+    add_description(axes, "A robot", f"Side view of a robot as it stands when its walk begins: {dimensions}.")
     return axes
 
 
@@ -103,8 +107,11 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
     x = np.linspace(points_x.min() - GROUND_MARGIN, points_x.max() + GROUND_MARGIN, 400)
     bodies[-1] += _visible_obstacles(scene, poses[-1], (x[0], x[-1]), com[-1, 1])
     strengths = np.linspace(0.25, 1.0, n_bodies).tolist() if n_bodies > 1 else [1.0]
-    extents = [add_body(axes, parts, strength=strength) for strength, parts in zip(strengths, bodies, strict=True)]
-    top = max(extent_top for *_, extent_top in extents)
+    top = -math.inf
+    for strength, parts, moment in zip(strengths, bodies, moments, strict=True):
+        at = (-DEPTH_SHIFT * float(com[moment, 1]), 0.0)  # only the depth of parts relative to the body is drawn
+        top = max(top, add_body(axes, parts, at=at, strength=strength, slant=DEPTH_SHIFT)[3])
+        add_eye(axes, scene, poses[moment], at=at, strength=strength, slant=DEPTH_SHIFT)
     ground = ground_height(settings.terrain, x)
     bottom = ground.min() - GROUND_DEPTH
     axes.fill_between(x, ground, bottom, color=foreground_colour(axes, 0.2), lw=0)
@@ -175,10 +182,32 @@ def describe_body(robot: Phenotype) -> str:
 
 
 def resting_scene(genome: Genome | str, settings: Settings | None = None) -> Scene:
-    """Compile a robot and the loads of the settings on bare, level ground; ``Scene.start`` is its rest pose."""
+    """Compile a robot and the loads of the settings on bare, level ground; see ``standing_parts``."""
     if settings is None:
         return scene_of(Genome.of(genome), Settings())
     return compile_scene(genome, Settings(robot=require_settings(settings).robot))
+
+
+def standing_parts(scene: Scene) -> list[tuple[Floats, Floats]]:
+    """Return the parts of a robot and its loads in the pose in which its walk begins, as ``surface_points`` does."""
+    return surface_points(scene, standing_pose(scene.genome, scene.settings))
+
+
+def add_eye(
+    axes: Axes,
+    scene: Scene,
+    pose: Floats,
+    at: tuple[float, float] = (0.0, 0.0),
+    strength: float = 1.0,
+    slant: float = 0.0,
+) -> None:
+    """Mark the front of segment 1 of a robot with an eye; for ``at``, ``strength`` and ``slant`` see ``add_body``."""
+    centre, radius = eye_circle(scene, pose)
+    place = centre @ _side_view(slant) + at
+    background = np.array(foreground_colour(axes, 0))
+    white, ink = (background + strength * (shade - background) for shade in (1.0, 0.1))
+    for size, colour in ((radius, white), (PUPIL_RADIUS * radius, ink)):
+        axes.add_patch(Circle((place[0], place[1]), size, fc=colour.tolist(), lw=0))
 
 
 def add_body(
@@ -205,8 +234,7 @@ def add_body(
         The left, right, bottom and top of the body, in data coordinates.
     """
     far_first = sorted(parts, key=lambda part: -part[0][:, 1].mean())
-    view = np.array([(1.0, 0.0), (slant, 0.0), (0.0, 1.0)])
-    outlines = [convex_outline(points @ view) * scale + at for points, _ in far_first]
+    outlines = [convex_outline(points @ _side_view(slant)) * scale + at for points, _ in far_first]
     background = np.array(foreground_colour(axes, 0))
     fills = [background + strength * (colour[:3] - background) for _, colour in far_first]
     is_rope = [len(points) == ROPE_POINTS for points, _ in far_first]
@@ -218,6 +246,11 @@ def add_body(
     left, bottom = corners.min(axis=0).tolist()
     right, top = corners.max(axis=0).tolist()
     return left, right, bottom, top
+
+
+def _side_view(slant: float) -> Floats:
+    """Return how far right and up a unit along x, y and z is drawn, shape (3, 2); ``slant`` is that of ``add_body``."""
+    return np.array([(1.0, 0.0), (slant, 0.0), (0.0, 1.0)])
 
 
 def _round_down(length: float) -> float:

@@ -11,6 +11,7 @@ from walkerlab.simulation.footfalls import find_footfalls, foot_names
 from walkerlab.simulation.rollout import Rollout
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
+from walkerlab.view.plots.bodies import add_body, add_eye, resting_scene
 from walkerlab.view.plots.style import (
     RUN_COLOURS,
     SECONDARY_STRENGTH,
@@ -24,13 +25,20 @@ from walkerlab.view.plots.style import (
     style_axes,
 )
 from walkerlab.view.plots.tables import format_value
-from walkerlab.world.scene import compile_scene
+from walkerlab.view.sketch.marks import segment_tops
+from walkerlab.view.sketch.projection import DEPTH_SHIFT
+from walkerlab.view.sketch.standing import standing_pose
+from walkerlab.world.entities.walker import LEG_COLOURS
+from walkerlab.world.geometry import surface_points
+from walkerlab.world.scene import Scene, compile_scene
 
 DISTANCE_LABEL = "distance of the centre of mass [m]"
 MAX_GAIT_SECONDS = 10.0  # maximum duration in a gait diagram, so that single steps remain visible
 LINE_STYLES = ("-", (0, (6, 2)), (0, (2, 1.5)), (0, (6, 2, 1, 2)), (0, (1, 1)), (0, (8, 2, 2, 2, 2, 2)))
 """Line styles of successive walks, which distinguish them in black and white."""
 N_LEGEND_COLUMNS = 3
+BODY_ROWS = 2.4  # height of the small drawing of the robot in a gait diagram, in rows
+SMALL_BODY_WIDTH = 0.42  # maximum width of the drawing, as a share of the width of the diagram
 
 
 @styled_plot
@@ -88,8 +96,9 @@ def distance_over_time(rollout: Rollout, ax: Axes | None = None, *, label: str =
 def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Axes:
     """Draw the gait diagram of a robot after Hildebrand: a row for each foot, a bar while it is on the ground.
 
-    The number at the right of each row is the duty factor: the share of the whole walk during which the foot is on
-    the ground or on an obstacle. A long walk is limited to its last ten seconds.
+    A small drawing of the robot above the rows has the numbers of the segments. Bars have the colours of the legs: dark
+    for left, light for right. The number at the right of each row is the duty factor: the share of the whole walk
+    during which the foot is on the ground or on an obstacle. A long walk is limited to its last ten seconds.
     If there are several starts, the walk with the lowest fitness is drawn, because it counts.
 
     Args:
@@ -109,7 +118,7 @@ def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Ax
     footfalls = find_footfalls(scene, rollout.poses)
     duty_factors = footfalls.mean(axis=0)
     sample_ends = np.append(rollout.time[1:], rollout.time[-1])
-    axes = ax or new_axes(height=1.3 + 0.32 * len(names))
+    axes = ax or new_axes(height=1.3 + 0.32 * (len(names) + BODY_ROWS))
     for row in range(2, len(names), 4):  # every second pair of legs is shaded
         axes.axhspan(row - 0.5, row + 1.5, color=foreground_colour(axes, 0.07), lw=0)
     for row, on_ground in enumerate(footfalls.T):
@@ -117,9 +126,10 @@ def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Ax
         start = rollout.time[edges[::2]]
         end = sample_ends[edges[1::2] - 1]
         bars = list(zip(start, end - start, strict=True))
-        axes.broken_barh(bars, (row - 0.36, 0.72), fc=foreground_colour(axes), lw=0, gid=names[row])
+        fill = LEG_COLOURS[names[row].partition(" ")[0]]
+        axes.broken_barh(bars, (row - 0.36, 0.72), fc=fill, ec=foreground_colour(axes), lw=0.5, gid=names[row])
     axes.set_yticks(range(len(names)), [_row_label(name) for name in names])
-    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.set_ylim(len(names) - 0.5, -0.5 - BODY_ROWS)
     duration = float(rollout.time[-1])
     axes.set_xlim(max(0.0, duration - MAX_GAIT_SECONDS), duration)
     axes.set_xlabel("time [s]")
@@ -130,6 +140,7 @@ def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Ax
     right.set_ylabel("time on the ground", fontsize=9, color=foreground_colour(axes, SECONDARY_STRENGTH))
     axes.spines[["top", "right", "left"]].set_visible(False)
     axes.tick_params(axis="y", length=0)
+    _add_small_body(axes, scene, len(names))
     problem = "" if rollout.counts else f"; this walk does not count: {rollout.verdict}"
     axes.set_title(f"bars: foot on the ground{problem}", loc="left", fontsize=9)
     shares = ", ".join(f"{name} {share:.0%}" for name, share in zip(names, duty_factors, strict=True))
@@ -144,7 +155,28 @@ def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Ax
     return axes
 
 
+def _add_small_body(axes: Axes, scene: Scene, n_rows: int) -> None:
+    """Draw the robot above the rows of its feet, with the numbers of its segments."""
+    height = BODY_ROWS / (n_rows + BODY_ROWS)
+    inset = axes.inset_axes((0.0, 1 - 0.95 * height, SMALL_BODY_WIDTH, 0.9 * height))
+    inset.set_axis_off()
+    inset.set_aspect("equal", anchor="SW")
+    robot = resting_scene(scene.genome, Settings(robot=scene.settings.robot.model_copy(update={"drag_weight": 0.0})))
+    pose = standing_pose(robot.genome, robot.settings)
+    left, right, bottom, top = add_body(inset, surface_points(robot, pose), slant=DEPTH_SHIFT)
+    add_eye(inset, robot, pose, slant=DEPTH_SHIFT)
+    for number, (x, z) in enumerate(segment_tops(robot, pose), start=1):
+        inset.annotate(str(number), (x, z), (0, 1), textcoords="offset points", ha="center", va="bottom", fontsize=8)
+    inset.set_xlim(left, right)
+    inset.set_ylim(bottom, top + 0.35 * (top - bottom))
+    place = (right + 0.08 * (right - left), (bottom + top) / 2)
+    colour = foreground_colour(axes, SECONDARY_STRENGTH)
+    inset.annotate(
+        "left legs dark,\nright legs light", place, va="center", fontsize=8, color=colour, annotation_clip=False
+    )
+
+
 def _row_label(foot: str) -> str:
-    """Return the label of a row; the label of a left foot, which begins a pair, names the segment."""
+    """Return the label of a row: the segment and the side of the foot."""
     side, _, number = foot.partition(" ")
-    return f"segment {number}, {side}" if side == "left" else side
+    return f"segment {number}, {side}"

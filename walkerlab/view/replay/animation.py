@@ -1,9 +1,8 @@
 """The animation of recorded walks: a K3D plot with all meshes, and how its meshes and cameras move over time."""
 
-import math
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -13,12 +12,14 @@ from walkerlab.ga.genes import Floats
 from walkerlab.settings.choices import Camera
 from walkerlab.simulation.rollout import Rollout
 from walkerlab.view.replay import meshes
+from walkerlab.view.replay.footprints import Footprints, make_footprints
+from walkerlab.view.replay.shadows import bone_ends, shadow_transforms
 from walkerlab.view.replay.tracks import TRANSFORM_RESOLUTION, Tracks, frame_times, track_bodies
 from walkerlab.world.assembly import ROBOT_BODY
 from walkerlab.world.cameras import aim_camera
-from walkerlab.world.geometry import PLANE_EXTENT, Surface, rotate, visible_surfaces
+from walkerlab.world.geometry import PLANE_EXTENT, Surface, visible_surfaces
 from walkerlab.world.heights import ground_height, slope
-from walkerlab.world.scene import ORIENTATION, POSITION, Scene
+from walkerlab.world.scene import Scene
 
 MIN_MARKED_DISTANCE = 10  # m
 MARKED_BEYOND_WALKS = 5  # m of ground ahead of the farthest walk that also have marks
@@ -62,6 +63,8 @@ class Animation:
         up_directions: Direction that is up in the picture of each camera.
         duration: Duration of the longest walk [s].
         marks: Positions of the distance marks on the ground, on the right side of all lanes [m], shape (k, 3).
+        shadow_ids: K3D's identifiers of the shadows, which must not darken each other.
+        footprints: Meshes of footprints, and the time of each print.
     """
 
     plot: Any
@@ -71,6 +74,8 @@ class Animation:
     up_directions: dict[Camera, tuple[float, float, float]]
     duration: float
     marks: Floats
+    shadow_ids: list[int] = field(default_factory=list[int])
+    footprints: list[Footprints] = field(default_factory=list[Footprints])
 
     def close(self) -> None:
         """Close the plot and its meshes, which are widgets; a notebook would keep them in memory."""
@@ -106,6 +111,8 @@ def build_animation(walks: list[Walk], name: str) -> Animation:
     plot += meshes.line_mesh(terrain, extent, distances[:1], meshes.START_LINE)
     plot += meshes.line_mesh(terrain, extent, distances[1:], meshes.METRE_LINE)
     mesh_ids: list[int] = []
+    shadow_ids: list[int] = []
+    footprints: list[Footprints] = []
     channels: list[Floats] = []
     for walk, track in zip(walks, tracks, strict=True):
         for mesh, transforms in _walk_meshes(walk, track):
@@ -114,6 +121,11 @@ def build_animation(walks: list[Walk], name: str) -> Animation:
                 mesh_ids.append(mesh.id)
                 channels.append(_match_length(transforms, len(time)).T)
                 channels[-1][1] += walk.lane
+                if mesh.name == meshes.SHADOW_NAME:
+                    shadow_ids.append(mesh.id)
+        if found := make_footprints(walk.scene, walk.rollout, walk.lane, walk.colour):
+            plot += found.mesh
+            footprints.append(found)
     size = max(walk.scene.phenotype.body_length for walk in walks)
     followed = np.array([*paths, *load_paths])
     camera_tracks = {camera: aim_camera(camera, time, followed, size, slope(terrain)) for camera in Camera}
@@ -133,6 +145,8 @@ def build_animation(walks: list[Walk], name: str) -> Animation:
         marks=np.stack(
             [distances, mark_y, ground_height(terrain, distances, mark_y) + meshes.GROUND_CLEARANCE], axis=1
         ),
+        shadow_ids=shadow_ids,
+        footprints=footprints,
     )
 
 
@@ -173,39 +187,10 @@ def _walk_meshes(walk: Walk, tracks: Tracks) -> Iterator[tuple[Any, Floats | Non
             yield mesh, tracks.transforms[tracks.moving_bodies.index(body)]
         else:
             yield meshes.place_mesh(mesh, tracks.start[body]), None
-    for number, segment in enumerate(walk.scene.phenotype.segments, start=1):
-        trunk = tracks.moving_bodies.index(int(model.geom(f"walker/trunk{number}").bodyid[0]))
-        transforms = shadow_transforms(walk.scene, tracks.transforms[trunk], segment.length)
-        yield meshes.shadow_mesh(segment.length), transforms
+    for geom, ends in bone_ends(walk.scene, tracks):
+        yield meshes.bone_shadow_mesh(float(model.geom_size[geom, 0])), shadow_transforms(walk.scene, ends, geom)
     if len(tracks.rope):
         yield meshes.rope_mesh(walk.scene), tracks.rope
-
-
-def shadow_transforms(scene: Scene, trunk: Floats, length: float) -> Floats:
-    """Compute the transforms of a segment's shadow: on the ground below the segment's middle, parallel to the slope.
-
-    Args:
-        scene: Compiled scene.
-        trunk: Transforms of the segment's body, shape (n, 8).
-        length: Length of the segment [m].
-
-    Returns:
-        Transforms of the shadow, shape (n, 8).
-    """
-    terrain = scene.settings.terrain
-    orientations = trunk[:, ORIENTATION]
-    x, y, _ = (trunk[:, POSITION] + rotate(orientations, np.array([-length / 2, 0, 0]))).T
-    forward = rotate(orientations, np.array([1.0, 0, 0]))
-    half_yaw = np.arctan2(forward[:, 1], forward[:, 0]) / 2
-    half_pitch = -slope(terrain) / 2
-    quaternion = [
-        math.cos(half_pitch) * np.cos(half_yaw),
-        math.sin(half_pitch) * np.sin(half_yaw),
-        math.sin(half_pitch) * np.cos(half_yaw),
-        math.cos(half_pitch) * np.sin(half_yaw),
-    ]
-    z = ground_height(terrain, x, y) + meshes.GROUND_CLEARANCE
-    return np.stack([x, y, z, *quaternion, np.ones_like(x)], axis=1)
 
 
 def _match_length(track: Floats, n_times: int) -> Floats:

@@ -43,7 +43,7 @@ function render({ model, el }) {
     frame.style.cssText = "display: block; width: 100%; height: 460px; border: 0";
     const closeButton = Object.assign(document.createElement("button"), { type: "button", textContent: "✕",
       title: "Close the replay", ariaLabel: "Close the replay", onclick: close });
-    closeButton.style.cssText = `position: absolute; left: 8px; top: 8px; width: 26px; height: 26px; border: 0; border-radius: 50%;
+    closeButton.style.cssText = `position: absolute; right: 6px; top: 2px; width: 26px; height: 26px; border: 0; border-radius: 50%;
       background: #ffffffd0; color: #222; cursor: pointer`;
     box.replaceChildren(frame, closeButton);
     setIsOpen(true);

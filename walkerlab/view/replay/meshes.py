@@ -24,11 +24,16 @@ RGB = tuple[float, float, float]
 
 BALL_BRIGHTNESS = (1.0, 0.62)  # brightness of the two kinds of patches on a ball, which make its rolling visible
 MAX_TEXTURE_COLOURS = 32  # small, to keep the file small
-LIMB_LIGHTENING = 0.45  # share of white that is mixed into the colour of a racer's limbs
+LIMB_LIGHTENING = 0.45  # share of white that is mixed into the colour of a racer's right legs
+LIMB_DARKENING = 0.4  # share of black that is mixed into the colour of its left legs
+MIN_RIGHT_RED = 0.2  # red component that distinguishes the natural colour of right legs from that of left legs
 ROPE_RADIUS = 0.006  # m
 ROPE_SIDES = 8
 SHADOW_OPACITY = 0.28
 SHADOW_CORNERS = 24
+SHADOW_NAME = "shadow"
+DISC_CORNERS = 12  # corners, and triangles, of a footprint
+DISC_OPACITY = 0.75
 GROUND_CLEARANCE = 0.004  # m between the ground and a shadow or a line on it
 LINE_OVERHANG = 0.15  # m by which a line on the ground extends beyond the lanes, at each end
 LINE_POINTS = 24  # number of points along each line, which follow the ground
@@ -47,7 +52,7 @@ class LineStyle(NamedTuple):
 
 
 START_LINE = LineStyle(0.02, 0.85)
-METRE_LINE = LineStyle(0.006, 0.4)
+METRE_LINE = LineStyle(0.01, 0.6)
 
 
 def create_plot(scene: Scene, name: str) -> Any:
@@ -112,9 +117,15 @@ def tint_surface(surface: Surface, colour: RGB) -> Surface:
 
 
 def race_colour(natural: Floats, colour: RGB) -> Floats:
-    """Return the colour in a race of a surface whose natural RGBA colour, (4,), is given; blue limbs become lighter."""
+    """Return the colour in a race of a surface whose natural RGBA colour, (4,), is given.
+
+    As in the natural colours, the legs of the right side become lighter and those of the left side darker.
+    """
     red, _, blue, alpha = natural
-    white = LIMB_LIGHTENING if blue > red else 0.0
+    is_limb = blue > red
+    if is_limb and red < MIN_RIGHT_RED:
+        return np.array([*(np.array(colour) * (1 - LIMB_DARKENING)), alpha])
+    white = LIMB_LIGHTENING if is_limb else 0.0
     return np.array([*(np.array(colour) * (1 - white) + white), alpha])
 
 
@@ -138,6 +149,40 @@ def shadow_mesh(length: float) -> Any:
     corner = np.arange(1, SHADOW_CORNERS - 1)
     triangles = np.stack([0 * corner, corner, corner + 1], axis=1)
     return _create_mesh(rim, triangles, color=0x000000, opacity=SHADOW_OPACITY, side="double")
+
+
+def bone_shadow_mesh(radius: float) -> Any:
+    """Create the shadow of a bone of this radius [m], which lies along z with length 1 and is scaled to its length."""
+    angle = np.linspace(0, math.tau, SHADOW_CORNERS, endpoint=False)
+    across, along = (np.sign(wave) * np.sqrt(np.abs(wave)) for wave in (np.sin(angle), np.cos(angle)))
+    rim = np.stack([0 * angle, radius * across, along / 2], axis=1)
+    corner = np.arange(1, SHADOW_CORNERS - 1)
+    triangles = np.stack([0 * corner, corner, corner + 1], axis=1)
+    return _create_mesh(rim, triangles, color=0x000000, opacity=SHADOW_OPACITY, side="double", name=SHADOW_NAME)
+
+
+def disc_mesh(centres: Floats, radii: Floats, colours: Floats) -> Any:
+    """Create one mesh of level discs, in the given order.
+
+    Args:
+        centres: Centres [m], shape (n, 3).
+        radii: Radii [m], shape (n,).
+        colours: Colours, shape (n, 3) or (n, 4).
+    """
+    angle = np.linspace(0, math.tau, DISC_CORNERS, endpoint=False)
+    ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    corners = np.concatenate([np.zeros((1, 3)), ring])
+    points = centres[:, np.newaxis] + radii[:, np.newaxis, np.newaxis] * corners
+    i = np.arange(DISC_CORNERS)
+    triangles = np.stack([0 * i, i + 1, (i + 1) % DISC_CORNERS + 1], axis=1)
+    starts = len(corners) * np.arange(len(centres))
+    return _create_mesh(
+        points.reshape(-1, 3),
+        (starts[:, np.newaxis, np.newaxis] + triangles).reshape(-1, 3),
+        colors=_pack_colours(np.repeat(colours[:, :3], len(corners), axis=0)),
+        opacity=DISC_OPACITY,
+        side="double",
+    )
 
 
 def line_mesh(terrain: Terrain, extent: tuple[float, float], distances: NDArray[Any], style: LineStyle) -> Any:

@@ -4,6 +4,8 @@ The page is K3D's snapshot of the plot with the player (player.js), which receiv
 
     meshes, walks, cameras, marks     moving meshes, facts about each walk, camera names, distance marks on the ground
     channels, resolution, duration    positions over time, encoded by ``tracks.pack_channels``
+    shadows                           meshes that must not darken each other
+    footprints, footprint_indices     a mesh for each walk with the times of its prints; vertex indices of each print
     camera                            camera at the start
 
 Because browsers limit the number of WebGL contexts, a notebook shows a preview image first; a click replaces it with
@@ -37,6 +39,7 @@ from walkerlab.text.html import data_url
 from walkerlab.text.numbers import with_unit
 from walkerlab.text.templates import Markup, render
 from walkerlab.view.replay.animation import Animation, Walk, build_animation
+from walkerlab.view.replay.meshes import DISC_CORNERS
 from walkerlab.view.replay.preview import draw_preview
 from walkerlab.view.replay.tracks import pack_channels
 from walkerlab.view.replay.walkers import simulate_walks
@@ -126,6 +129,11 @@ class Replay:
             "cameras": [{"name": camera.name, "up": animation.up_directions[camera]} for camera in Camera],
             "walks": [self._walk_facts(walk) for walk in self.walks],
             "marks": [{"position": mark, "text": f"{mark[0]:g} m"} for mark in animation.marks.tolist()],
+            "shadows": animation.shadow_ids,
+            "footprints": [
+                {"mesh": found.mesh.id, "times": found.times.round(3).tolist()} for found in animation.footprints
+            ],
+            "footprint_indices": 3 * DISC_CORNERS,
         }
 
     def _walk_facts(self, walk: Walk) -> dict[str, Any]:
@@ -206,6 +214,8 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         """Show a replay, or nothing if None."""
         super().__init__()
         self._make: Callable[[], Replay] | None = None
+        self._is_opening = False
+        self.observe(self._opened, "is_open")
         self.on_msg(self._handle_message)
         if shown:
             walks = "; ".join(f"{walk.label}, {with_unit(walk.rollout.distance, 'm')} forward" for walk in shown.walks)
@@ -223,6 +233,7 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         """
         with self.hold_sync():
             self._make = make
+            self._is_opening = False
             self.page = b""
             self.alt = alt
             self.preview = picture
@@ -235,9 +246,19 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         """Return the preview image as static HTML."""
         return render("view/replay/frame.html", url=self.preview, alt=self.alt.removesuffix(PLAY_HINT))
 
+    @property
+    def is_watched(self) -> bool:
+        """Whether the page is displayed, or is being created to be displayed."""
+        return bool(self.is_open) or self._is_opening
+
     def play(self) -> None:
         """Open the page and play it."""
+        self._is_opening = True
         self.send({"play": True})
+
+    def _opened(self, change: Any) -> None:
+        if change.new:
+            self._is_opening = False
 
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
         make = self._make

@@ -5,8 +5,11 @@
   const CAMERA_CHANNELS = 6; // per camera: eye, target
   const POINT_CHANNELS = 3; // per centre of mass
   const MIN_MARK_SPACING = 28; // pixels between two marks
-  const MAX_NAME_TAGS = 8; // maximum number of tags with names; with more walks they are dots, which do not hide the robots
-  const TAG_HEIGHT = 0.35; // m above the centre of mass
+  const MAX_NAME_TAGS = 8; // maximum number of walks with a name above the picture
+  const TAG_HEIGHT = 0.25; // m from the centre of mass to the lower end of the line to its name
+  const TAG_ROW = 22; // pixels between two rows of names
+  const TAG_GAP = 6; // pixels between two names in a row
+  const NOT_EQUAL = 517, REPLACE = 7681; // three.js constants for stencils
   const MIN_ASPECT = 4 / 3; // width over height; in a narrower window the camera moves back until all is visible
   const MAX_FRAME_TIME = 0.2; // s; maximum advance of the time in a frame, for instance after the browser was paused
   const KEY_STEP = 0.1; // s, for the arrow keys
@@ -18,6 +21,13 @@
   const firstPathChannel = firstCameraChannel + CAMERA_CHANNELS * recording.cameras.length;
   const meshes = recording.meshes.map((id) => world.ObjectsById[id]);
   meshes.forEach((mesh) => { mesh.matrixAutoUpdate = false; mesh.frustumCulled = false; });
+
+  // A pixel that one shadow has darkened is marked in the stencil, so that no other shadow darkens it again.
+  for (const id of recording.shadows) {
+    const { material } = world.ObjectsById[id];
+    Object.assign(material, { stencilWrite: true, stencilRef: 1, stencilFunc: NOT_EQUAL, stencilZPass: REPLACE, depthWrite: false });
+  }
+  const footprints = recording.footprints.map(({ mesh, times }) => ({ geometry: world.ObjectsById[mesh].geometry, times }));
 
   const state = { time: 0, playing: false, speed: 1, loop: true, camera: recording.camera, lastPoint: null };
 
@@ -85,6 +95,10 @@
   function draw() {
     meshes.forEach((mesh, number) =>
       placeMesh(mesh, interpolateAll(TRANSFORM_CHANNELS * number, TRANSFORM_CHANNELS, state.time)));
+    for (const { geometry, times } of footprints) {
+      const after = times.findIndex((time) => time > state.time);
+      geometry.setDrawRange(0, recording.footprint_indices * (after < 0 ? times.length : after));
+    }
     aimCamera();
     K3D.render();
     updateControls();
@@ -102,13 +116,14 @@
     return node;
   };
 
+  const hasTags = recording.walks.length > 1 && recording.walks.length <= MAX_NAME_TAGS;
   const tags = recording.walks.map((walk) => {
-    const tag = make("div", { className: recording.walks.length > MAX_NAME_TAGS ? "tag small" : "tag" }, walk.label);
+    const tag = make("div", { className: "tag" }, make("span", { textContent: walk.label }));
     tag.style.setProperty("--colour", walk.colour);
     return tag;
   });
   const marks = recording.marks.map(({ text }) => make("div", { className: "mark", textContent: text }));
-  const overlay = make("div", { className: "overlay", ariaHidden: "true" }, ...marks, ...(tags.length > 1 ? tags : []));
+  const overlay = make("div", { className: "overlay", ariaHidden: "true" }, ...marks, ...(hasTags ? tags : []));
 
   const distances = recording.walks.map(() => make("b", { className: "distance", title: "Distance forward of the centre of " +
     "mass. The marks on the ground are distances from the foremost point of the robot at the start." }));
@@ -120,7 +135,7 @@
     const verdict = make("p", { className: walk.counts ? "verdict" : "verdict rejected", textContent: walk.verdict });
     const head = make("summary", {}, dot, make("span", { className: "name", textContent: walk.label }), distances[number],
       make("span", { className: "sign", textContent: walk.counts ? "✓" : "✗", title: walk.verdict }));
-    return make("details", { open: recording.walks.length === 1 && innerWidth > 620 }, head, verdict, facts);
+    return make("details", { open: recording.walks.length === 1 && innerWidth > 620, ontoggle: () => fitPicture() }, head, verdict, facts);
   });
   const walkList = make("section", { className: "walks", ariaLabel: "Walks" }, ...entries);
 
@@ -153,11 +168,29 @@
   function updateLabels() {
     world.camera.updateMatrixWorld();
     marks.reduce((last, node, number) => placeLabel(node, recording.marks[number].position, last), null);
-    if (tags.length === 1) return;
-    tags.forEach((tag, number) => {
+    if (hasTags) placeTags();
+  }
+
+  // Writes the names at the top of the picture, above the robots, with a line down to each robot; names never overlap.
+  function placeTags() {
+    const places = tags.map((tag, number) => {
       const [x, y, z] = centreOfMass(number, state.time);
-      placeLabel(tag, [x, y, z + TAG_HEIGHT]);
-    });
+      const point = world.camera.position.clone().set(x, y, z + TAG_HEIGHT).project(world.camera);
+      const isVisible = Math.abs(point.x) < 1 && point.y < 1.2 && point.z < 1;
+      tag.style.display = isVisible ? "" : "none";
+      return { tag, isVisible, x: (point.x + 1) / 2 * target.clientWidth, y: (1 - point.y) / 2 * target.clientHeight };
+    }).filter(({ isVisible }) => isVisible);
+    const rowEnds = [];
+    for (const { tag, x, y } of places.sort((one, other) => one.x - other.x)) {
+      const width = tag.firstChild.offsetWidth;
+      const left = Math.max(0, Math.min(x - width / 2, target.clientWidth - width));
+      let row = rowEnds.findIndex((end) => end + TAG_GAP <= left);
+      if (row < 0) row = rowEnds.length;
+      rowEnds[row] = left + width;
+      tag.style.translate = `${left}px ${row * TAG_ROW}px`;
+      tag.style.setProperty("--x", `${x - left}px`);
+      tag.style.setProperty("--length", `${Math.max(0, y - row * TAG_ROW - TAG_ROW + 2)}px`);
+    }
   }
 
   function updateControls() {
@@ -233,7 +266,15 @@
   });
   addEventListener("resize", () => requestAnimationFrame(draw));
 
+  // Places the picture below the list of walks, which therefore never covers a robot.
+  function fitPicture() {
+    document.body.style.setProperty("--list-height", `${walkList.offsetHeight}px`);
+    K3D.resizeHelper();
+    requestAnimationFrame(draw);
+  }
+
   document.body.append(overlay, walkList, controls);
+  new ResizeObserver(fitPicture).observe(walkList);
   window.walkerlab = { K3D, state, play, pause, seek, setCamera, close: () => { pause(); K3D.disable(); } };
   draw();
   if (!matchMedia("(prefers-reduced-motion: reduce)").matches) play();

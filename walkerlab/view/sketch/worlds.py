@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -13,17 +12,18 @@ from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.view.sketch.description import describe_world, unusual_forces
 from walkerlab.view.sketch.grounds import draw_ground
+from walkerlab.view.sketch.marks import draw_marks
 from walkerlab.view.sketch.pieces import draw_obstacles, draw_pieces, draw_shadow
 from walkerlab.view.sketch.projection import RAISED_VIEW
 from walkerlab.view.sketch.sky import FORCE_ROW_HEIGHT, draw_force_arrows, draw_sky
 from walkerlab.view.sketch.solids import draw_solids
+from walkerlab.view.sketch.standing import standing_scene
 from walkerlab.view.sketch.svg import TEXT_COLOUR, draw_path, draw_text, make_element, write_image
 from walkerlab.view.sketch.window import DrawnItem, Window, back_to_front, ground_points
 from walkerlab.world.assembly import ROPE_LENGTH
 from walkerlab.world.entities.load import half_sledge_length
 from walkerlab.world.geometry import surface_points
 from walkerlab.world.heights import LANDING_LENGTH, ground_height
-from walkerlab.world.scene import Scene, scene_of
 
 SCALE_HEIGHT = 22.0  # pixels below the picture, for the distance scale
 TICK_SPACINGS = (0.1, 0.2, 0.5, 1, 2, 5, 10)  # m
@@ -60,8 +60,8 @@ def draw_world(
     Raises:
         GenomeError: If ``genome`` is text but not a valid genome.
     """
-    scene = None if genome is None else _scene_without_obstacles(Genome.of(genome), settings)
-    parts = surface_points(scene, scene.start) if scene else []
+    standing = None if genome is None else standing_scene(Genome.of(genome).within(settings.robot), settings)
+    parts = surface_points(*standing) if standing else []
     window = _choose_window(settings, parts, (size[0], size[1] - SCALE_HEIGHT), width_m)
     terrain = settings.terrain
     items: list[DrawnItem] = [
@@ -70,9 +70,10 @@ def draw_world(
         *draw_obstacles(terrain, window),
         (window.y_range[1], _draw_start_line(settings, window)),
     ]
-    if parts:
+    if standing:
         shadows = make_element("g", *(draw_shadow(terrain, points, window) for points, _ in parts))
-        robot = make_element("g", shadows, draw_solids(parts, window.projection))
+        marks = draw_marks(*standing, window.projection)
+        robot = make_element("g", shadows, draw_solids(parts, window.projection), marks)
         items.append((min(float(points[:, 1].min()) for points, _ in parts), robot))
     picture_width, picture_height = window.size
     picture = make_element(
@@ -84,14 +85,8 @@ def draw_world(
         height=picture_height,
         aria_hidden="true",
     )
-    label = describe_world(settings, scene.phenotype if scene else None)
+    label = describe_world(settings, standing[0].phenotype if standing else None)
     return write_image(size, label, picture, _draw_distance_scale(window), font_family="system-ui, sans-serif")
-
-
-def _scene_without_obstacles(genome: Genome, settings: Settings) -> Scene:
-    """Build a robot on level ground without obstacles, which would take long to compile."""
-    level = scene_of(genome.within(settings.robot), Settings(robot=settings.robot))
-    return replace(level, settings=settings)
 
 
 def _choose_window(settings: Settings, parts: RobotParts, size: tuple[float, float], width_m: float | None) -> Window:
