@@ -515,6 +515,18 @@ def test_a_stopped_and_a_loaded_run_are_continued(lab):
     assert lab.runs.run_list.runs[0]["name"] == run_name(path)
 
 
+def test_an_edited_genome_continues_a_run_that_is_over(lab):
+    genome = wl.Genome.random(SMALL.robot, rng=np.random.default_rng(5))
+    assert lab._continue_with(genome) == "The selected run cannot be continued now."
+    step(lab)
+    press(lab, "stop")
+    wait_for_drawings(lab)
+    assert lab._continue_with(genome) == "The genome will be in generation 1, in place of a child. It is marked with ✎."
+    wait_until(lambda: lab.transport.state == "finished")
+    inserted = lab.run.records[(lab.run.records.born == 1) & (lab.run.records.parents == "")]
+    assert inserted.genome.tolist() == [str(genome.within(SMALL.robot))]
+
+
 def test_a_setting_that_cannot_change_is_named_and_the_run_is_unchanged(lab):
     step(lab)
     press(lab, "stop")

@@ -93,6 +93,7 @@ class LiveRun(ReadOnlyProperties):
             "stop": stop,
         }
         self._evolution = None if self._prepared else Evolution(settings, path, **self._options)
+        self._waiting_genomes: list[Genome] = []  # inserted before the stored run was prepared
         self._may_continue = threading.Event()
         self._pause_at = settings.algorithm.generations  # number of generations at which the run pauses
         self._resumed_at = 0.0  # s, of the monotonic clock
@@ -182,9 +183,11 @@ class LiveRun(ReadOnlyProperties):
         """
         if self.is_over:
             raise ValueError("this run is over; start another run and insert the genome there")
-        if not self._evolution:
-            raise ValueError("the last generation is being simulated again; insert the genome in a moment")
-        return self._evolution.insert(genome)
+        with self._lock:
+            if self._evolution:
+                return self._evolution.insert(genome)
+            self._waiting_genomes.append(Genome.of(genome))
+            return self.n_generations
 
     @property
     def seconds(self) -> float:
@@ -244,7 +247,11 @@ class LiveRun(ReadOnlyProperties):
         try:
             if not self._evolution:
                 assert self._prepared
-                self._evolution = self._prepared.create_evolution(**self._options)
+                evolution = self._prepared.create_evolution(**self._options)
+                with self._lock:
+                    for genome in self._waiting_genomes:
+                        evolution.insert(genome)
+                    self._evolution = evolution
                 self._prepared = None
             for generation in self._evolution:
                 self.first_robots = {}

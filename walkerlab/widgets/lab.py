@@ -76,7 +76,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         self.walker = WalkerView()
         self.runs = RunsArea(self._folder, self._drawing, self._run_selected, self._copy_settings, self._evolve_further)
         self.population = Population()
-        self.robot = RobotArea(settings, self._insert)
+        self.robot = RobotArea(settings, self._insert, self._continue_with)
         columns = (
             ("wide", [self.transport]),
             ("left", [self.world, self.form]),
@@ -132,8 +132,6 @@ class Lab(HasSnapshot, ipywidgets.Box):
             component.close()
         super().close()
 
-    # ----------------------------------------------------------------------------------------- settings and forecast
-
     def _form_changed(self, _change: object = None) -> None:
         """Draw the new world, and show the forecast of a run or why none can start."""
         settings = self.settings
@@ -150,28 +148,23 @@ class Lab(HasSnapshot, ipywidgets.Box):
         if (settings := self.settings) and not self._is_running():
             self.transport.forecast = describe_forecast(settings, self._active)
 
-    # ------------------------------------------------------------------------------------------------------ live runs
-
     def _press(self, button: str) -> None:
         """Carry out the action of a button; presses from several threads are processed one after the other."""
         with self._button_lock:
-            self._carry_out(button)
-
-    def _carry_out(self, button: str) -> None:
-        live = self._active if self._is_in_progress else None
-        match button:
-            case "start" | "step" if not live and self.settings:
-                self._start(self.settings, 1 if button == "step" else None)
-            case "step" if live:
-                live.resume(1)
-            case "continue" if live:
-                live.resume()
-            case "pause" if live:
-                live.pause()
-            case "stop" if live:
-                live.stop()
-            case _:
-                pass
+            live = self._active if self._is_in_progress else None
+            match button:
+                case "start" | "step" if not live and self.settings:
+                    self._start(self.settings, 1 if button == "step" else None)
+                case "step" if live:
+                    live.resume(1)
+                case "continue" if live:
+                    live.resume()
+                case "pause" if live:
+                    live.pause()
+                case "stop" if live:
+                    live.stop()
+                case _:
+                    pass
 
     def _start(self, settings: Settings, generations: int | None) -> None:
         """Start a run, which pauses after a number of generations unless this is None."""
@@ -240,8 +233,6 @@ class Lab(HasSnapshot, ipywidgets.Box):
         if live.loss_note:
             self.runs.drawer.words = live.loss_note
 
-    # ------------------------------------------------------------------------------------------- the selected run
-
     def _run_selected(self) -> None:
         self.population.selected = -1
         self.runs.generation.selected = LATEST
@@ -287,6 +278,13 @@ class Lab(HasSnapshot, ipywidgets.Box):
         except ValueError as error:
             return str(error)
         return f"The genome will be in generation {generation}, in place of a child. It is marked with ✎."
+
+    def _continue_with(self, genome: Genome) -> str:
+        """Continue the selected run with a genome in its next generation; return a message on the result."""
+        if not self.runs.drawer.n_further:
+            return "The selected run cannot be continued now."
+        self._evolve_further(self.runs.drawer.n_further, with_form=False)
+        return self._insert(genome)
 
     @property
     def _is_in_progress(self) -> bool:
