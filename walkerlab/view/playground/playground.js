@@ -1,0 +1,248 @@
+// Loads MuJoCo and runs the page: time, the player's buttons and the results.
+const MAX_FRAME_TIME = 0.1; // s of simulated time per frame; a slow computer shows slow motion instead of stopping
+const LEVEL_STEPS = 40; // steps per frame of the walk on level ground that the verdict may require
+const VERDICT_INTERVAL = 0.25; // s between two verdicts during a walk
+const EDGE = 110; // m from the start at which the drawn ground ends, and the walk starts again
+const PLAY_PATH = "M5 3 L17 10 L5 17 Z", PAUSE_PATH = "M5 3 H8.5 V17 H5 Z M11.5 3 H15 V17 H11.5 Z";
+
+async function decompress(base64) {
+  const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Response(stream).arrayBuffer();
+}
+
+async function loadMujoco(files) {
+  const text = new TextDecoder().decode(await decompress(files["mujoco.js"]));
+  const script = text.replace(/export default \w+;/, "").replaceAll("import.meta.url", "document.baseURI"); // not in a module
+  const load = new Function(`${script}\nreturn loadMujoco;`)();
+  return load({ wasmBinary: await decompress(files["mujoco.wasm"]), printErr: () => {} });
+}
+
+async function startPlayground(K3D, data, files) {
+  const message = document.querySelector(".message");
+  try {
+    if (typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined") {
+      throw new Error("This browser cannot run the page, because it lacks DecompressionStream or WebAssembly. Open the page in a current " +
+        "Chrome, Edge, Firefox (113 or newer) or Safari (16.4 or newer).");
+    }
+    const page = JSON.parse(new TextDecoder().decode(await decompress(data)));
+    const mj = await loadMujoco(files);
+    window.walkerlab = new Playground(K3D, page, mj);
+    message.textContent = "";
+  } catch (error) {
+    message.textContent = error.message;
+    message.classList.add("failed");
+    throw error;
+  }
+}
+
+class Playground {
+  constructor(K3D, page, mj) {
+    Object.assign(this, { K3D, page, mj, isPlaying: false, speed: 1, pending: new Set(), listeners: [] });
+    this.state = { world: page.world, genomes: page.robots.map(({ genome }) => genome), selected: 0 };
+    this.walks = this.state.genomes.map((_, number) => this.newWalk(number));
+    this.view = new View(K3D, page);
+    this.view.slope = page.world.slope;
+    this.walks.forEach((walk, number) => this.view.setRobot(number, walk));
+    this.pusher = new Pusher(this.view, () => this.walks);
+    this.controls = new Controls(page, this.state, (what, detail) => this.handleChange(what, detail));
+    this.addScores();
+    this.addPlayer();
+    this.draw(0);
+    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.play();
+  }
+
+  newWalk(number) {
+    return new Walk(this.mj, this.page, expressRobot(this.page, this.state.genomes[number]), this.state.world);
+  }
+
+  // --------------------------------------------------------------------------------------------------------- changes
+
+  handleChange(what, detail) {
+    if (what === "message") { this.showMessage(detail); return; }
+    if (what === "world" && "slope" in detail) what = "slope";
+    this.pending.add(what); // done before the next frame: a slider may move several times in between
+    if (!this.isPlaying) requestAnimationFrame(() => { this.applyChanges(); this.draw(0); });
+    if (what !== "world" && what !== "slope") for (const listener of this.listeners) listener(this.genome);
+  }
+
+  applyChanges() {
+    const changes = this.pending;
+    this.pending = new Set();
+    const { selected, world } = this.state;
+    if (changes.has("slope")) {
+      this.view.setSlope(world.slope);
+      this.walks.forEach((_, number) => this.replaceWalk(number));
+      return;
+    }
+    if (changes.has("world")) for (const walk of this.walks) walk.setWorld(world);
+    if (changes.has("body")) this.replaceWalk(selected);
+    else if (changes.has("strength")) this.changeStrength(selected);
+    else if (changes.has("gait")) this.walks[selected].setGait(expressRobot(this.page, this.state.genomes[selected]));
+    if (changes.size) this.view.setRobot(selected, this.walks[selected]);
+  }
+
+  replaceWalk(number) { // a new body starts from the beginning
+    this.walks[number].delete();
+    this.walks[number] = this.newWalk(number);
+    this.view.setRobot(number, this.walks[number]);
+    this.scores[number].isDone = false;
+  }
+
+  changeStrength(number) { // the walk continues with stronger or weaker servos
+    const old = this.walks[number];
+    const walk = this.newWalk(number);
+    for (const name of ["qpos", "qvel", "ctrl", "qacc_warmstart"]) walk.data[name].set(old.data[name]);
+    for (const name of ["steps", "phase", "trace", "restTime", "strideShift", "verdict", "targets", "comAtMiddle"]) walk[name] = old[name];
+    walk.isChanged = old.phase === "walking";
+    if (old.phase === "settling") walk.restart();
+    this.walks[number] = walk;
+    old.delete();
+  }
+
+  get genome() { return formatGenome(this.page, this.state.genomes[this.state.selected]); }
+
+  setGenome(text) { this.controls.use(text); } // for a notebook
+
+  onGenome(listener) { this.listeners.push(listener); }
+
+  // ------------------------------------------------------------------------------------------------------------ time
+
+  play() {
+    if (this.isPlaying) return;
+    this.isPlaying = true;
+    this.lastFrame = null;
+    this.showPlayer();
+    requestAnimationFrame((now) => this.advance(now));
+  }
+
+  pause() { this.isPlaying = false; this.showPlayer(); }
+
+  restart() {
+    this.applyChanges();
+    this.walks.forEach((walk, number) => { walk.restart(); this.scores[number].isDone = false; });
+    this.view.smooth = null;
+    this.draw(0);
+    this.play();
+  }
+
+  close() { this.pause(); this.K3D.disable(); } // releases the WebGL context
+
+  advance(now) {
+    if (!this.isPlaying) return;
+    const elapsed = this.lastFrame === null ? 0 : Math.min((now - this.lastFrame) / 1000, MAX_FRAME_TIME) * this.speed;
+    this.lastFrame = now;
+    this.applyChanges();
+    this.simulate(elapsed);
+    this.draw(elapsed);
+    requestAnimationFrame((later) => this.advance(later));
+  }
+
+  simulate(seconds) {
+    this.debt = (this.debt ?? 0) + seconds;
+    const { timestep } = this.walks[0];
+    for (; this.debt >= timestep; this.debt -= timestep) {
+      this.walks.forEach((walk, number) => { this.pusher.apply(walk, number); walk.step(); });
+    }
+    for (const walk of this.walks) walk.stepLevelWalk(LEVEL_STEPS);
+    if (this.walks.some(({ data }) => !(Math.hypot(data.qpos[0], data.qpos[1]) < EDGE))) this.restart();
+  }
+
+  draw(elapsed) {
+    this.view.draw(this.walks, elapsed);
+    this.pusher.draw();
+    this.showScores();
+  }
+
+  // ---------------------------------------------------------------------------------------------------------- player
+
+  addPlayer() {
+    const find = (name) => document.querySelector(`.transport .${name}`);
+    this.playButton = find("play");
+    this.playButton.onclick = () => (this.isPlaying ? this.pause() : this.play());
+    find("restart").onclick = () => this.restart();
+    find("push").onclick = () => this.pusher.push(this.state.selected);
+    for (const button of document.querySelectorAll(".transport button")) button.disabled = false;
+    const speeds = [[0.1, "0.1×"], [0.25, "¼×"], [0.5, "½×"], [1, "1×"], [2, "2×"], [4, "4×"]];
+    const speedMenu = find("speed");
+    speedMenu.append(...speeds.map(([value, text]) => make("option", { value, textContent: text, selected: value === 1 })));
+    speedMenu.onchange = () => { this.speed = Number(speedMenu.value); };
+    const cameraMenu = find("camera");
+    cameraMenu.append(...[...Object.keys(this.page.drawing.cameras), "free"].map((name) => make("option", { value: name, textContent: name })));
+    cameraMenu.value = this.page.camera;
+    const setCamera = (name) => { cameraMenu.value = name; this.view.setCamera(name); this.draw(0); };
+    cameraMenu.onchange = () => setCamera(cameraMenu.value);
+    this.view.target.addEventListener("pointerdown", () => this.view.camera === "free" || setCamera("free"));
+    this.view.target.addEventListener("wheel", () => this.view.camera === "free" || setCamera("free"), { capture: true, passive: true });
+    document.addEventListener("keydown", (event) => {
+      const isOnControl = ["SELECT", "BUTTON", "SUMMARY", "INPUT", "TEXTAREA"].includes(event.target.tagName);
+      if (event.key !== " " || isOnControl) return;
+      event.preventDefault();
+      this.playButton.onclick();
+    });
+    addEventListener("resize", () => requestAnimationFrame(() => this.draw(0)));
+    this.showPlayer();
+  }
+
+  showPlayer() {
+    this.playButton.querySelector("path").setAttribute("d", this.isPlaying ? PAUSE_PATH : PLAY_PATH);
+    this.playButton.ariaLabel = this.playButton.title = this.isPlaying ? "Pause (space)" : "Play (space)";
+  }
+
+  showMessage(text) { document.querySelector(".message").textContent = text; }
+
+  // --------------------------------------------------------------------------------------------------------- results
+
+  addScores() {
+    this.scores = this.page.robots.map(({ label, colour }) => {
+      const dot = make("span", { className: "dot" });
+      dot.style.setProperty("--colour", colour);
+      const distance = make("b", { className: "distance", title: "Distance forward of the centre of mass, since the gait began" });
+      const clock = make("span", { className: "clock" });
+      const verdict = make("p", { className: "verdict" });
+      document.querySelector(".score").append(make("div", { className: "robot" },
+        make("p", { className: "name" }, dot, make("span", { textContent: label }), distance, clock), verdict));
+      return { distance, clock, verdict, nextVerdict: 0, isDone: false };
+    });
+  }
+
+  showScores() {
+    this.walks.forEach((walk, number) => {
+      const score = this.scores[number];
+      if (walk.phase === "settling") {
+        score.distance.textContent = "0.00 m";
+        score.clock.textContent = "0.0 s";
+        this.showVerdict(score, "It comes to rest before the gait begins.", "");
+        score.nextVerdict = 0;
+        return;
+      }
+      const start = walk.trace.com[0];
+      const distance = start ? walk.reading("com")[0] - start[0] : 0;
+      score.distance.textContent = `${distance.toFixed(2).replace(/^-(0\.00)$/, "$1")} m`;
+      score.clock.textContent = `${walk.time.toFixed(1)} s`;
+      if (walk.verdict) { this.showResult(score, walk); return; }
+      if (walk.trace.time.length < 3 || walk.time < score.nextVerdict) return;
+      score.nextVerdict = walk.time + VERDICT_INTERVAL;
+      walk.trace.warnings = walk.countWarnings();
+      const { name, reason } = judge(this.page, walk.trace, walk);
+      if (walk.isChanged) this.showVerdict(score, "Changed during the walk. Restart to measure it.", "");
+      else if (name === "ok") this.showVerdict(score, `${walk.velocity.toFixed(2)} m/s. The walk counts so far.`, "");
+      else this.showVerdict(score, `Does not count: ${name}, ${reason}.`, "rejected");
+    });
+  }
+
+  showResult(score, walk) {
+    if (score.isDone) return;
+    const result = `In ${walk.duration} s: ${walk.distance.toFixed(2)} m, ${walk.velocity.toFixed(2)} m/s.`;
+    if (walk.isChanged) this.showVerdict(score, `${result} It was changed or pushed: restart to measure it.`, "");
+    else if (walk.needsLevelWalk) this.showVerdict(score, `${result} Does it walk on level ground, too? …`, "");
+    else if (walk.verdict.name === "ok") this.showVerdict(score, `${result} ${this.page.verdicts.ok}`, "counts");
+    else this.showVerdict(score, `${result} Does not count: ${walk.verdict.name}, ${walk.verdict.reason}.`, "rejected");
+    score.isDone = !walk.needsLevelWalk;
+  }
+
+  showVerdict({ verdict }, text, kind) {
+    if (verdict.textContent !== text) verdict.textContent = text;
+    verdict.className = `verdict ${kind}`;
+  }
+}
