@@ -2,10 +2,10 @@
 const DEGREES = 180 / Math.PI;
 const GAIT_FEATURES = ["hip_amplitude", "hip_phase", "hip_offset", "knee_amplitude", "knee_phase", "knee_offset", "stride"];
 const FEATURE_LABELS = {
-  segments: "segments", frequency: "stride frequency", lag: "lag of legs behind", duty: "share of push", length: "length", mass: "mass",
-  legs: "legs", repeat: "repeat legs in front", leg_length: "leg length", leg_force: "servo torque", hip_amplitude: "hip swing",
+  segments: "segments", frequency: "stride frequency", lag: "lag per segment", duty: "share of push", length: "length", mass: "mass",
+  legs: "legs", repeat: "repeat front legs", leg_length: "leg length", leg_force: "servo torque", hip_amplitude: "hip swing",
   hip_phase: "hip phase", hip_offset: "hip angle", knee_amplitude: "knee swing", knee_phase: "knee phase", knee_offset: "knee angle",
-  stride: "right leg behind left",
+  stride: "lag of right leg",
 };
 
 function make(name, properties = {}, ...children) {

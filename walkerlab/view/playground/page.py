@@ -56,12 +56,13 @@ def build_page(walkers: Any, settings: Settings, camera: Camera | None = None) -
         "drawing": drawing.data,
     }
     scripts = [(SCRIPT_FOLDER / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS]
-    files = {name: encoded_file(name) for name in FILES}
     # base64 contains no "<", and the scripts contain no text from outside, so that nothing can close the script element
-    code = f"startPlayground(K3DInstance, {json.dumps(_compress(page))}, {json.dumps(files)});"
+    code = f"startPlayground(K3DInstance, {json.dumps(_compress(page))}, loading);"
     html: str = plot.get_snapshot(additional_js_code=code)
     drawing.close(plot)
-    script = "\n".join([physics_script(), *scripts])
+    files = json.dumps({name: encoded_file(name) for name in FILES})
+    start = f"const loading = loadMujoco({files});"  # at the same time as K3D
+    script = "\n".join([physics_script(), *scripts, start])
     head = render("view/playground/head.html", title=title)
     html = re.sub(r"<title>.*?</title>", lambda _: head, html, count=1, flags=re.DOTALL)
     body = render("view/playground/playground.html", title=title)

@@ -1,5 +1,6 @@
 // Loads MuJoCo and runs the page: time, the player's buttons and the results.
-const MAX_FRAME_TIME = 0.1; // s of simulated time per frame; a slow computer shows slow motion instead of stopping
+const MAX_FRAME_TIME = 0.5; // s; greatest time that a frame makes up for, for instance after the browser was paused
+const MAX_COMPUTE_TIME = 0.1; // s of computing per frame; a slow computer shows slow motion instead of stopping
 const LEVEL_STEPS = 40; // steps per frame of the walk on level ground that the verdict may require
 const VERDICT_INTERVAL = 0.25; // s between two verdicts during a walk
 const EDGE = 110; // m from the start at which the drawn ground ends, and the walk starts again
@@ -12,21 +13,22 @@ async function decompress(base64) {
 }
 
 async function loadMujoco(files) {
+  if (typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined") return null;
   const text = new TextDecoder().decode(await decompress(files["mujoco.js"]));
   const script = text.replace(/export default \w+;/, "").replaceAll("import.meta.url", "document.baseURI"); // not in a module
   const load = new Function(`${script}\nreturn loadMujoco;`)();
   return load({ wasmBinary: await decompress(files["mujoco.wasm"]), printErr: () => {} });
 }
 
-async function startPlayground(K3D, data, files) {
+async function startPlayground(K3D, data, loading) { // loading: promise of MuJoCo
   const message = document.querySelector(".message");
   try {
-    if (typeof DecompressionStream === "undefined" || typeof WebAssembly === "undefined") {
+    if (!await loading) {
       throw new Error("This browser cannot run the page, because it lacks DecompressionStream or WebAssembly. Open the page in a current " +
         "Chrome, Edge, Firefox (113 or newer) or Safari (16.4 or newer).");
     }
     const page = JSON.parse(new TextDecoder().decode(await decompress(data)));
-    const mj = await loadMujoco(files);
+    const mj = await loading;
     window.walkerlab = new Playground(K3D, page, mj);
     message.textContent = "";
   } catch (error) {
@@ -53,7 +55,9 @@ class Playground {
   }
 
   newWalk(number) {
-    return new Walk(this.mj, this.page, expressRobot(this.page, this.state.genomes[number]), this.state.world);
+    const walk = new Walk(this.mj, this.page, expressRobot(this.page, this.state.genomes[number]), this.state.world);
+    walk.settleNow();
+    return walk;
   }
 
   // --------------------------------------------------------------------------------------------------------- changes
@@ -91,11 +95,10 @@ class Playground {
 
   changeStrength(number) { // the walk continues with stronger or weaker servos
     const old = this.walks[number];
-    const walk = this.newWalk(number);
+    const walk = new Walk(this.mj, this.page, expressRobot(this.page, this.state.genomes[number]), this.state.world);
     for (const name of ["qpos", "qvel", "ctrl", "qacc_warmstart"]) walk.data[name].set(old.data[name]);
     for (const name of ["steps", "phase", "trace", "restTime", "strideShift", "verdict", "targets", "comAtMiddle"]) walk[name] = old[name];
-    walk.isChanged = old.phase === "walking";
-    if (old.phase === "settling") walk.restart();
+    walk.isChanged = true;
     this.walks[number] = walk;
     old.delete();
   }
@@ -120,7 +123,11 @@ class Playground {
 
   restart() {
     this.applyChanges();
-    this.walks.forEach((walk, number) => { walk.restart(); this.scores[number].isDone = false; });
+    this.walks.forEach((walk, number) => {
+      walk.restart();
+      walk.settleNow();
+      this.scores[number].isDone = false;
+    });
     this.view.smooth = null;
     this.draw(0);
     this.play();
@@ -141,11 +148,17 @@ class Playground {
   simulate(seconds) {
     this.debt = (this.debt ?? 0) + seconds;
     const { timestep } = this.walks[0];
-    for (; this.debt >= timestep; this.debt -= timestep) {
-      this.walks.forEach((walk, number) => { this.pusher.apply(walk, number); walk.step(); });
+    const end = performance.now() + 1000 * MAX_COMPUTE_TIME;
+    for (; this.debt >= timestep && performance.now() < end; this.debt -= timestep) {
+      this.walks.forEach((walk, number) => {
+        if (walk.isBroken) return;
+        this.pusher.apply(walk, number);
+        walk.step();
+      });
     }
+    this.debt = Math.min(this.debt, timestep);
     for (const walk of this.walks) walk.stepLevelWalk(LEVEL_STEPS);
-    if (this.walks.some(({ data }) => !(Math.hypot(data.qpos[0], data.qpos[1]) < EDGE))) this.restart();
+    if (this.walks.some(({ data }) => Math.hypot(data.qpos[0], data.qpos[1]) > EDGE)) this.restart();
   }
 
   draw(elapsed) {
@@ -209,19 +222,15 @@ class Playground {
   showScores() {
     this.walks.forEach((walk, number) => {
       const score = this.scores[number];
-      if (walk.phase === "settling") {
-        score.distance.textContent = "0.00 m";
-        score.clock.textContent = "0.0 s";
-        this.showVerdict(score, "It comes to rest before the gait begins.", "");
-        score.nextVerdict = 0;
-        return;
-      }
+      if (walk.time === 0) Object.assign(score, { nextVerdict: 0, isDone: false });
+      if (walk.isBroken) { this.showResult(score, walk); return; }
       const start = walk.trace.com[0];
       const distance = start ? walk.reading("com")[0] - start[0] : 0;
       score.distance.textContent = `${distance.toFixed(2).replace(/^-(0\.00)$/, "$1")} m`;
       score.clock.textContent = `${walk.time.toFixed(1)} s`;
       if (walk.verdict) { this.showResult(score, walk); return; }
-      if (walk.trace.time.length < 3 || walk.time < score.nextVerdict) return;
+      if (walk.trace.time.length < 3) { this.showVerdict(score, `The measured walk takes ${walk.duration} s.`, ""); return; }
+      if (walk.time < score.nextVerdict) return;
       score.nextVerdict = walk.time + VERDICT_INTERVAL;
       walk.trace.warnings = walk.countWarnings();
       const { name, reason } = judge(this.page, walk.trace, walk);

@@ -146,18 +146,23 @@ class View {
 
   followedPoints({ data, sledgeBody }, lane) {
     const at = (array, index) => [array[3 * index], array[3 * index + 1] + lane, array[3 * index + 2]];
-    const robot = at(data.xpos, this.page.robot_body);
+    const robot = at(data.subtree_com, this.page.robot_body);
     return sledgeBody > 0 ? [robot, at(data.xpos, sledgeBody)] : [robot];
   }
 
-  // Follows the robots as aim_camera in world/cameras.py, with a filter of the past.
+  // Follows the robots as aim_camera in world/cameras.py does. The filter knows only the past; it predicts a steady walk without lag.
   aim(points, size, elapsed) {
     const constants = this.drawing.camera_constants;
     const ends = [Math.min, Math.max].map((end) => [0, 1, 2].map((axis) => end(...points.map((point) => point[axis]))));
     const spread = Math.max(...[0, 1, 2].map((axis) => ends[1][axis] - ends[0][axis]));
     const wanted = [...[0, 1, 2].map((axis) => (ends[0][axis] + ends[1][axis]) / 2), spread, ends[1][1] - ends[0][1]];
-    const share = this.smooth ? 1 - Math.exp(-elapsed / constants.smoothing_time) : 1;
-    this.smooth = wanted.map((value, i) => (this.smooth ? this.smooth[i] + share * (value - this.smooth[i]) : value));
+    const memory = Math.exp(-elapsed / constants.smoothing_time);
+    if (!this.smooth) Object.assign(this, { smooth: wanted, trend: wanted.map(() => 0) });
+    else if (elapsed > 0) {
+      const errors = wanted.map((value, i) => value - this.smooth[i] - this.trend[i] * elapsed);
+      this.smooth = this.smooth.map((value, i) => value + this.trend[i] * elapsed + (1 - memory ** 2) * errors[i]);
+      this.trend = this.trend.map((value, i) => value + (1 - memory) ** 2 * errors[i] / elapsed);
+    }
     const target = this.smooth.slice(0, 3);
     if (this.camera === "free") { this.moveFreeCamera(target); return; }
     this.lastTarget = null;

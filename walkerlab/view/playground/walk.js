@@ -75,7 +75,7 @@ const modulo = (value, base) => ((value % base) + base) % base;
 // -------------------------------------------------------------------------------------------------------------- walk
 
 class Walk {
-  // Places a robot at the start. `step` then simulates: first the body settles, then it walks.
+  // Places a robot at the start. `step` then simulates one step: first the body settles, then it walks.
   constructor(mj, page, robot, world) {
     Object.assign(this, { mj, page, robot, world });
     this.model = compileModel(mj, page, robot, world);
@@ -103,7 +103,11 @@ class Walk {
     this.isChanged = false; // whether robot or world changed during the walk
     this.strideShift = 0; // so that a new frequency continues the stride
     this.verdict = null;
+    this.isBroken = false; // whether the simulation diverged
   }
+
+  // Simulates until the gait can begin, which takes at most some seconds of simulated time.
+  settleNow() { while (this.phase === "settling") this.step(); }
 
   get time() { return this.phase === "settling" ? 0 : this.steps * this.timestep; } // s since the gait began
 
@@ -257,7 +261,8 @@ class Walk {
       }
     }
     this.steps += 1;
-    if (isLast) this.finish();
+    this.isBroken = this.isControlStep && (this.countWarnings() > 0 || !Number.isFinite(this.data.qpos[0]));
+    if ((isLast || this.isBroken) && !this.verdict) this.finish();
   }
 
   finish() {
@@ -314,7 +319,6 @@ class Walk {
     this.robot = robot;
     this.gait = gaitOf(robot);
     this.rest = this.gait.map(({ offset }) => offset);
-    if (this.phase === "settling") { this.restart(); return; }
     this.isChanged = true;
   }
 
