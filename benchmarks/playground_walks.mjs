@@ -1,12 +1,13 @@
-// Simulates the walks of a file in Node, with the scripts of a playground page, and prints one JSON object a line.
+// Simulates walks in Node with the scripts of a playground page, and prints one JSON object a line; see playground.py.
 //
 //     node benchmarks/playground_walks.mjs PHYSICS_SCRIPT MUJOCO_JS MUJOCO_WASM TASKS
-import { readFileSync } from "node:fs";
-import { createRequire } from "node:module";
+import { copyFileSync, readFileSync } from "node:fs";
+import { pathToFileURL } from "node:url";
 
-globalThis.require = createRequire(import.meta.url);
 const [script, library, binary, tasks] = process.argv.slice(2);
-const loadMujoco = new Function(`${readFileSync(library, "utf8")}\nreturn loadMujoco;`)();
+const module = `${library.replace(/\.js$/, "")}.mjs`; // Node reads the type of a module from its name
+copyFileSync(library, module);
+const { default: loadMujoco } = await import(pathToFileURL(module));
 const { Walk, expressRobot, parseGenome } = new Function(`${readFileSync(script, "utf8")}
 return { Walk, expressRobot, parseGenome };`)();
 const mj = await loadMujoco({ wasmBinary: readFileSync(binary) });

@@ -8,12 +8,12 @@ import gzip
 import json
 import re
 from base64 import b64encode
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from matplotlib.colors import to_hex
 
-from walkerlab.settings.choices import Camera
 from walkerlab.settings.settings import Settings
 from walkerlab.system.files import file_path, replace_atomically
 from walkerlab.text.templates import render
@@ -31,14 +31,13 @@ SCRIPTS = ("view", "push", "controls", "playground")
 MAX_ROBOTS = 4
 
 
-def build_page(walkers: Any, settings: Settings, camera: Camera | None = None) -> str:
-    """Return the page of one robot, or of a race of several, as HTML.
+def prepare_walks(walkers: Any, settings: Settings) -> tuple[Walk, ...]:
+    """Return the robots of a playground, with labels, colours, lanes, and the walks that Python simulates.
 
     Args:
         walkers: Genome, its text, an individual, or a run (its champion); or up to four of these, as a list or a dict
             with labels as keys.
         settings: Settings of terrain, robot and simulation.
-        camera: Camera at the start; if None, the camera in the settings.
 
     Raises:
         GenomeError: If a text is not a valid genome.
@@ -48,11 +47,21 @@ def build_page(walkers: Any, settings: Settings, camera: Camera | None = None) -
     walks = simulate_walks(walkers, settings)
     if len(walks) > MAX_ROBOTS:
         raise ValueError(f"a playground shows at most {MAX_ROBOTS} robots; got {len(walks)}")
+    return walks
+
+
+def build_page(walks: Sequence[Walk], settings: Settings) -> str:
+    """Return the page of one robot, or of a race of several, as HTML.
+
+    Args:
+        walks: Robots, from ``prepare_walks``.
+        settings: Settings of terrain, robot and simulation.
+    """
     title = f"{walks[0].label}, live" if len(walks) == 1 else f"Race of {len(walks)} robots, live"
     plot, drawing = draw_robots(walks, title)
     page = page_data([walk.scene.genome for walk in walks], settings) | {
         "robots": [_describe_robot(walk) for walk in walks],
-        "camera": (settings.simulation.camera if camera is None else camera).name,
+        "camera": settings.simulation.camera.name,
         "drawing": drawing.data,
     }
     scripts = [(SCRIPT_FOLDER / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS]
@@ -71,11 +80,11 @@ def build_page(walkers: Any, settings: Settings, camera: Camera | None = None) -
     return html.replace("<html>", '<html lang="en">', 1)
 
 
-def write_page(page: str, path: str | Path) -> Path:
+def write_page(make_page: Callable[[], str], path: str | Path) -> Path:
     """Write a page to a file, which opens in a browser without a server.
 
     Args:
-        page: Page, as HTML.
+        make_page: Function that returns the page; called once the path is checked.
         path: File to write, whose name ends in ``.html``; an existing file is replaced.
 
     Raises:
@@ -86,7 +95,7 @@ def write_page(page: str, path: str | Path) -> Path:
     if path.suffix.lower() not in (".html", ".htm"):
         raise ValueError(f"path is {str(path)!r}; it must end in .html, because a playground is a page for a browser")
     with replace_atomically(path) as part:
-        part.write_text(page, encoding="utf-8")
+        part.write_text(make_page(), encoding="utf-8")
     return path
 
 

@@ -67,13 +67,13 @@ def page_data(genomes: list[Genome], settings: Settings) -> dict[str, Any]:
 
 def _models(genomes: list[Genome], settings: Settings) -> dict[str, str]:
     """Return the MJCF of each body plan on this ground, in the sizes of any robot: those of the genomes first."""
-    models = {_plan_name(express(genome).plan): format_mjcf(genome, settings, "walker", scenery=False) for genome in genomes}
+    models = {_plan_name(express(genome).plan): format_mjcf(genome, settings, "walker", only_physics=True) for genome in genomes}
     plans = list(_possible_plans(settings.robot))
     if len(plans) > MAX_PLANS or len(plans) * max(map(len, models.values())) > MAX_MODELS_SIZE:
         return models
     for plan in plans:
         if _plan_name(plan) not in models:
-            models[_plan_name(plan)] = format_mjcf(_with_plan(genomes[0], plan), settings, "walker", scenery=False)
+            models[_plan_name(plan)] = format_mjcf(_with_plan(genomes[0], plan), settings, "walker", only_physics=True)
     return models
 
 

@@ -2,7 +2,10 @@
 const MAX_FRAME_TIME = 0.5; // s; greatest time that a frame makes up for, for instance after the browser was paused
 const MAX_COMPUTE_TIME = 0.1; // s of computing per frame; a slow computer shows slow motion instead of stopping
 const LEVEL_STEPS = 40; // steps per frame of the walk on level ground that the verdict may require
-const VERDICT_INTERVAL = 0.25; // s between two verdicts during a walk
+const VERDICT_INTERVAL = 0.5; // s between two verdicts during a walk
+const SLOW_FRAME = 0.06; // s between two frames
+const MAX_SLOW_FRAMES = 4; // in a row, before the resolution is lowered
+const MIN_PIXEL_RATIO = 0.5;
 const EDGE = 110; // m from the start at which the drawn ground ends, and the walk starts again
 const PLAY_PATH = "M5 3 L17 10 L5 17 Z", PAUSE_PATH = "M5 3 H8.5 V17 H5 Z M11.5 3 H15 V17 H11.5 Z";
 
@@ -138,6 +141,7 @@ class Playground {
   advance(now) {
     if (!this.isPlaying) return;
     const elapsed = this.lastFrame === null ? 0 : Math.min((now - this.lastFrame) / 1000, MAX_FRAME_TIME) * this.speed;
+    if (this.lastFrame !== null) this.adaptResolution((now - this.lastFrame) / 1000);
     this.lastFrame = now;
     this.applyChanges();
     this.simulate(elapsed);
@@ -200,6 +204,14 @@ class Playground {
   showPlayer() {
     this.playButton.querySelector("path").setAttribute("d", this.isPlaying ? PAUSE_PATH : PLAY_PATH);
     this.playButton.ariaLabel = this.playButton.title = this.isPlaying ? "Pause (space)" : "Play (space)";
+  }
+
+  adaptResolution(frameTime) { // lowers the resolution on computers that draw slowly, such as those without a graphics card
+    this.slowFrames = frameTime > SLOW_FRAME ? (this.slowFrames ?? 0) + 1 : 0;
+    const { renderer } = this.K3D.getWorld();
+    if (this.slowFrames < MAX_SLOW_FRAMES || renderer.getPixelRatio() <= MIN_PIXEL_RATIO) return;
+    this.slowFrames = 0;
+    renderer.setPixelRatio(Math.max(MIN_PIXEL_RATIO, 0.7 * renderer.getPixelRatio()));
   }
 
   showMessage(text) { document.querySelector(".message").textContent = text; }
