@@ -57,7 +57,11 @@ def compare_walk(genome, settings, page_walk):
         for name, values in page_walk["model"].items()
     ]
     com = np.array(page_walk["com"], dtype=float)
-    row = {"model": max(errors), "verdict": page_walk["verdict"] == walk.verdict, "reason": page_walk["reason"] == walk.reason}
+    row = {
+        "model": max(errors),
+        "verdict": page_walk["verdict"] == walk.verdict,
+        "reason": page_walk["reason"] == walk.reason,
+    }
     row |= {"python": walk.verdict, "page": page_walk["verdict"], "seconds": page_walk["seconds"]}
     for time in TIMES:
         at = int(np.searchsorted(walk.time, time))
@@ -77,7 +81,10 @@ def main():
         genomes = draw_genomes(arguments.robots, settings)
         page = page_data(genomes[:1], settings)
         walks = walk_on_pages([{"page": page, "genomes": list(map(str, genomes))}])
-        rows += [{"ground": ground} | compare_walk(*pair) for pair in zip(genomes, [settings] * len(genomes), walks, strict=True)]
+        rows += [
+            {"ground": ground} | compare_walk(*pair)
+            for pair in zip(genomes, [settings] * len(genomes), walks, strict=True)
+        ]
     table = pd.DataFrame(rows)
     figures = table.groupby("ground", sort=False).agg(
         robots=("model", "size"),

@@ -24,8 +24,8 @@ class Playground(Component):
     The page of about 5 MB is built and sent to the browser when the widget is opened.
 
     Attributes:
-        gene_text: Text of the genes of the robot that is selected on the page; a valid text that is set here changes the
-            robot on the page.
+        gene_text: Text of the genes of the robot that is selected on the page; a valid text that is set here changes
+            the robot on the page.
         preview: Data URL of a picture of the robot, which is shown until the page is opened.
         alt: Alternative text of the picture.
         is_open: Whether the page is displayed.

@@ -111,6 +111,7 @@ class Controls {
     menu.onchange = () => {
       state.selected = Number(menu.value);
       this.showGenes();
+      this.change("selected");
     };
   }
 

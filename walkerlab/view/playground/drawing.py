@@ -54,7 +54,8 @@ def draw_robots(walks: Sequence[Walk], title: str) -> tuple[Any, Drawing]:
         return mesh.id
 
     ground = [
-        add(mesh) for mesh in meshes.ground_meshes(scene, visible_surfaces(scene.model, bodies=False, far=GROUND_EXTENT))
+        add(mesh)
+        for mesh in meshes.ground_meshes(scene, visible_surfaces(scene.model, bodies=False, far=GROUND_EXTENT))
     ]
     extent = lateral_extent(list(walks))
     distances = np.arange(0.0, MARKED_DISTANCE + 1)

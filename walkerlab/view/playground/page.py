@@ -12,8 +12,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from matplotlib.colors import to_hex
-
 from walkerlab.settings.settings import Settings
 from walkerlab.system.files import file_path, replace_atomically
 from walkerlab.text.templates import render
@@ -21,6 +19,7 @@ from walkerlab.view.playground.drawing import draw_robots
 from walkerlab.view.playground.payload import page_data, physics_script
 from walkerlab.view.playground.vendor import FILES, encoded_file
 from walkerlab.view.replay.animation import Walk
+from walkerlab.view.replay.meshes import RGB
 from walkerlab.view.replay.page import TRUNK_COLOUR
 from walkerlab.view.replay.walkers import simulate_walks
 
@@ -102,10 +101,15 @@ def write_page(make_page: Callable[[], str], path: str | Path) -> Path:
 def _describe_robot(walk: Walk) -> dict[str, Any]:
     return {
         "label": walk.label,
-        "colour": to_hex(walk.colour) if walk.colour else TRUNK_COLOUR,
+        "colour": _hex_colour(walk.colour) if walk.colour else TRUNK_COLOUR,
         "genome": walk.scene.genome.values.tolist(),
         "lane": walk.lane,
     }
+
+
+def _hex_colour(colour: RGB) -> str:
+    """Return a colour, each part from 0 to 1, as ``#rrggbb``."""
+    return "#" + "".join(f"{round(255 * part):02x}" for part in colour)
 
 
 def _compress(data: dict[str, Any]) -> str:

@@ -38,7 +38,9 @@ CONTACT_SENSORS = ("ground_contact", "ground_distance", "any_contact", "self_con
 
 def physics_script() -> str:
     """Return the JavaScript that simulates walks with MuJoCo, without any display."""
-    parts = [(SCRIPT_FOLDER / f"{name}.js").read_text(encoding="utf-8") for name in ("python", "genome", "walk", "verdict")]
+    parts = [
+        (SCRIPT_FOLDER / f"{name}.js").read_text(encoding="utf-8") for name in ("python", "genome", "walk", "verdict")
+    ]
     return "\n".join([parts[0], translate([assembly.write_individual]), *parts[1:]])
 
 
@@ -67,7 +69,10 @@ def page_data(genomes: list[Genome], settings: Settings) -> dict[str, Any]:
 
 def _models(genomes: list[Genome], settings: Settings) -> dict[str, str]:
     """Return the MJCF of each body plan on this ground, in the sizes of any robot: those of the genomes first."""
-    models = {_plan_name(express(genome).plan): format_mjcf(genome, settings, "walker", only_physics=True) for genome in genomes}
+    models = {
+        _plan_name(express(genome).plan): format_mjcf(genome, settings, "walker", only_physics=True)
+        for genome in genomes
+    }
     plans = list(_possible_plans(settings.robot))
     if len(plans) > MAX_PLANS or len(plans) * max(map(len, models.values())) > MAX_MODELS_SIZE:
         return models
@@ -165,7 +170,10 @@ def _ground(terrain: Terrain) -> dict[str, Any]:
 
 def _guards(settings: Settings) -> dict[str, Any]:
     """Return the limits of all guards; an infinite one is None."""
-    arena = [[value if math.isfinite(value) else None for value in row] for row in heights.arena_bounds(settings.terrain).tolist()]
+    arena = [
+        [value if math.isfinite(value) else None for value in row]
+        for row in heights.arena_bounds(settings.terrain).tolist()
+    ]
     return {
         "max_start_overlap": validity.MAX_START_OVERLAP,
         "max_rest_speed": validity.MAX_REST_SPEED,
@@ -192,7 +200,8 @@ def _genes(robot: Robot) -> dict[str, Any]:
         "body_features": [feature.name for feature in BODY_FEATURES],
         "segment_features": [feature.name for feature in SEGMENT_FEATURES],
         "genes": {
-            feature.name: dict(zip(("low", "high", "unit", "kind"), ranges[feature], strict=True)) | {"about": feature.about}
+            feature.name: dict(zip(("low", "high", "unit", "kind"), ranges[feature], strict=True))
+            | {"about": feature.about}
             for feature in (*BODY_FEATURES, *SEGMENT_FEATURES)
         },
     }

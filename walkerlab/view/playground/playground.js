@@ -23,20 +23,23 @@ async function loadMujoco(files) {
   return load({ wasmBinary: await decompress(files["mujoco.wasm"]), printErr: () => {} });
 }
 
+const UNSUPPORTED = "This browser cannot run the page, because it lacks DecompressionStream or WebAssembly. Open the page in a current " +
+  "Chrome, Edge, Firefox (113 or newer) or Safari (16.4 or newer).";
+
 async function startPlayground(K3D, data, loading) { // loading: promise of MuJoCo
   const message = document.querySelector(".message");
-  try {
-    if (!await loading) {
-      throw new Error("This browser cannot run the page, because it lacks DecompressionStream or WebAssembly. Open the page in a current " +
-        "Chrome, Edge, Firefox (113 or newer) or Safari (16.4 or newer).");
-    }
-    const page = JSON.parse(new TextDecoder().decode(await decompress(data)));
-    const mj = await loading;
-    window.walkerlab = new Playground(K3D, page, mj);
-    message.textContent = "";
-  } catch (error) {
-    message.textContent = error.message;
+  const showFailure = (text) => {
+    message.textContent = text;
     message.classList.add("failed");
+  };
+  try {
+    const mj = await loading;
+    if (!mj) { showFailure(UNSUPPORTED); return; }
+    const page = JSON.parse(new TextDecoder().decode(await decompress(data)));
+    message.textContent = "";
+    window.walkerlab = new Playground(K3D, page, mj);
+  } catch (error) {
+    showFailure(`The page could not start: ${error.message}`);
     throw error;
   }
 }
@@ -70,7 +73,7 @@ class Playground {
     if (what === "world" && "slope" in detail) what = "slope";
     this.pending.add(what); // done before the next frame: a slider may move several times in between
     if (!this.isPlaying) requestAnimationFrame(() => { this.applyChanges(); this.draw(0); });
-    if (what !== "world" && what !== "slope") for (const listener of this.listeners) listener(this.genome);
+    if (what !== "world" && what !== "slope") this.listeners.forEach((listener) => listener(this.genome));
   }
 
   applyChanges() {

@@ -1,8 +1,8 @@
 """Translation of pure Python functions to JavaScript, so that the arithmetic of a page exists only once.
 
-The functions must consist of plain arithmetic: assignments, loops, conditions, comprehensions, and calls of ``math``, of
-some builtins and of each other. Anything else raises a ``SyntaxError`` with its line. The functions and constants that
-they use are translated with them.
+The functions must consist of plain arithmetic: assignments, loops, conditions, comprehensions, and calls of ``math``,
+of some builtins and of each other. Anything else raises a ``SyntaxError`` with its line. The functions and constants
+that they use are translated with them.
 """
 
 import ast
@@ -163,8 +163,9 @@ class _Translator:
                 return " + ".join(['""', *map(self._value, values)])
             case ast.FormattedValue(value=value, conversion=-1, format_spec=None):
                 return f"String({self._value(value)})"
-            case ast.GeneratorExp(elt=element, generators=[generator]) | ast.ListComp(
-                elt=element, generators=[generator]
+            case (
+                ast.GeneratorExp(elt=element, generators=[generator])
+                | ast.ListComp(elt=element, generators=[generator])
             ):
                 return self._comprehension(element, generator)
             case ast.Call(func=function, args=arguments, keywords=keywords):

@@ -36,7 +36,9 @@ def decompressed_file(name: str) -> bytes:
 def renew() -> None:
     """Download the package and replace the files of this one."""
     with tempfile.TemporaryDirectory() as folder:
-        pack = subprocess.run(["npm", "pack", f"{PACKAGE}@{VERSION}"], cwd=folder, check=True, capture_output=True, text=True)
+        pack = subprocess.run(
+            ["npm", "pack", f"{PACKAGE}@{VERSION}"], cwd=folder, check=True, capture_output=True, text=True
+        )
         with tarfile.open(Path(folder) / pack.stdout.strip().splitlines()[-1]) as archive:
             archive.extractall(folder, filter="data")
         checksums: dict[str, str] = {}
