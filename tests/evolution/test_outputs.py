@@ -36,6 +36,7 @@ def written(here, threads, monkeypatch):
     """A run and old output files, which contain "old"; slow parts of the new ones are replaced by a text."""
     monkeypatch.setattr(outputs.plots, "save", lambda _axes, *paths: [path.write_text("new") for path in paths])
     monkeypatch.setattr(outputs.report, "write_report", lambda *_, **__: None)
+    monkeypatch.setattr(outputs, "build_page", lambda *_: "new")
     run = wl.evolve(SMALL, here / "walk" / RUN_FILE, threads, progress=False)
     for name in outputs.OUTPUT_FILES.keys() - {RUN_FILE}:
         (here / "walk" / name).write_text("old")
