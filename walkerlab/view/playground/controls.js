@@ -152,7 +152,7 @@ class Controls {
     const index = geneIndex(this.page, name, segment);
     const isAngle = unit === "rad";
     const slider = makeSlider({ label: FEATURE_LABELS[name], about, low, high, step: kind === "count" ? 1 : 0.001,
-      factor: isAngle ? DEGREES : 1, unit: isAngle ? "°" : name === "segments" ? "" : unit, digits: isAngle || kind === "count" ? 0 : unit === "" ? 2 : 2,
+      factor: isAngle ? DEGREES : 1, unit: isAngle ? "°" : name === "segments" ? "" : unit, digits: isAngle || kind === "count" ? 0 : unit === "N·m" ? 1 : 2,
       onInput: (value) => this.setGene(index, name, value) });
     if (isAngle) slider.input.step = 0.5;
     slider.input.dataset.gene = index;

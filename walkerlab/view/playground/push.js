@@ -1,7 +1,8 @@
 // Pushing a robot: by dragging it with finger or mouse, or by a button.
 const GRAB_DISTANCE = 60; // pixels within which a robot is grabbed
-const PULL_STIFFNESS = 60; // N/m per kg of the robot
-const MAX_PULL = 3; // times the weight of the robot on earth
+const PULL_STIFFNESS = 40; // N/m per kg of the robot
+const PULL_DAMPING = 6; // N·s/m per kg of the robot, so that it is not flung away
+const MAX_PULL = 1.2; // times the weight of the robot on earth
 const PUSH_TIME = 0.15; // s
 const PUSH_STRENGTH = 1.2; // times the weight of the robot on earth
 const EARTH_GRAVITY = 9.81; // m/s²
@@ -76,8 +77,11 @@ class Pusher {
     const body = walk.model.geom_bodyid[geom];
     const point = this.pointOf(walk, number, geom);
     const goal = this.view.unproject(this.grab.x, this.grab.y, this.grab.depth);
-    const pull = goal.map((value, axis) => (value - point[axis]) * PULL_STIFFNESS * weight / EARTH_GRAVITY);
-    const scale = Math.min(1, MAX_PULL * weight / Math.hypot(...pull));
+    const last = this.grab.point ?? point;
+    this.grab.point = point;
+    const pull = goal.map((value, axis) => (PULL_STIFFNESS * (value - point[axis]) -
+      PULL_DAMPING * (point[axis] - last[axis]) / walk.timestep) * weight / EARTH_GRAVITY);
+    const scale = Math.min(1, MAX_PULL * weight / Math.max(Math.hypot(...pull), 1e-9));
     forces.set(pull.map((value) => scale * value), 6 * body);
     walk.isChanged = true;
   }
