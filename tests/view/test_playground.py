@@ -174,12 +174,14 @@ def test_a_file_walks_as_in_python_while_genes_and_world_change(page, tmp_path):
     page.get_by_label("Gene text", exact=True).fill(str(other))
     page.get_by_role("button", name="Use this text").click()
     assert_same_walk(page.evaluate(MEASURE), other, SHORT.with_(gravity="moon", texture="ice"))
+    page.evaluate("text => walkerlab.setGenome(text)", GENOME)
+    assert page.evaluate("walkerlab.genome") == str(wl.Genome.parse(GENOME).within(SHORT.robot))
     for faulty in FAULTY_TEXTS:
         with pytest.raises(wl.GenomeError) as refused:
             wl.Genome.parse(faulty)
         page.evaluate("text => walkerlab.setGenome(text)", faulty)
         assert page.locator(".error").text_content() == str(refused.value)
-    assert page.evaluate("walkerlab.genome") == str(other)
+    assert page.evaluate("walkerlab.genome") == str(wl.Genome.parse(GENOME).within(SHORT.robot))
 
 
 def test_a_race_with_loads_on_stairs_walks_as_in_python_and_can_be_pushed(page, tmp_path):

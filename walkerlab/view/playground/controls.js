@@ -192,17 +192,24 @@ class Controls {
     const { low, high, kind } = page.genes[name];
     let value = Math.min(Math.max(Math.round(wanted * 1000) / 1000, low), high);
     if (kind === "cyclic") value %= high;
-    const limit = violatedLimit(page, this.values.with(index, value));
-    if (limit && isDiscrete) { this.refuse(limit); return; }
-    if (limit) value = nearestAllowed(page, this.values, index, value);
+    const fault = this.findFault(this.values.with(index, value));
+    if (fault && isDiscrete) { this.refuse(fault); return; }
+    if (fault) value = nearestAllowed(page, this.values, index, value);
     const isGait = GAIT_FEATURES.includes(name) || ["frequency", "lag", "duty"].includes(name);
     this.setValues(this.values.with(index, value), isGait ? "gait" : name === "leg_force" ? "strength" : "body");
-    if (limit) this.refuse(limit);
+    if (fault) this.refuse(fault);
   }
 
-  refuse(limit) {
+  findFault(values) { // returns why the page cannot show a genome, or ""
+    const limit = violatedLimit(this.page, values);
+    if (limit) return `The settings require ${limit}.`;
+    return this.page.models[bodyPlan(expressRobot(this.page, values))] ? ""
+      : "This page contains no model of this body plan, because there are too many. Make a page of this robot.";
+  }
+
+  refuse(fault) {
     for (const show of this.shown) show();
-    this.showMessage(`The settings require ${limit}.`);
+    this.showMessage(fault);
   }
 
   setValues(values, what) {
@@ -241,11 +248,9 @@ class Controls {
 
   use(text) { // takes a gene text; if it is not valid, shows why
     try {
-      const values = parseGenome(this.page, text);
-      const limit = violatedLimit(this.page, values);
-      if (limit) throw new GenomeError(`not within the limits: the settings require ${limit}`);
-      const plan = bodyPlan(expressRobot(this.page, values));
-      if (!this.page.models[plan]) throw new GenomeError("this page does not contain the model of this body plan; make a page of this robot");
+      const values = fitSegments(this.page, parseGenome(this.page, text));
+      const fault = this.findFault(values);
+      if (fault) throw new GenomeError(fault);
       this.setValues(values, "body");
     } catch (error) {
       if (!(error instanceof GenomeError)) throw error;

@@ -27,6 +27,13 @@ function geneIndex(page, name, segment = 0) {
 
 const countSegments = (page, values) => (values.length - page.body_features.length) / page.segment_features.length;
 
+// Returns a genome with as many segments as the settings allow: the last one is copied, or the last ones are dropped, as by Genome.within.
+function fitSegments(page, values) {
+  const nBody = page.body_features.length, size = page.segment_features.length, count = countSegments(page, values);
+  const segment = (number) => values.slice(nBody + size * number, nBody + size * (number + 1));
+  return [...values.slice(0, nBody), ...py.range(page.n_segments).flatMap((number) => segment(Math.min(number, count - 1)))];
+}
+
 const bodyPlan = (robot) => robot.segments.map(({ legs }) => (legs ? 1 : 0)).join("");
 
 // ------------------------------------------------------------------------------------------------------------ limits

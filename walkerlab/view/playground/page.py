@@ -103,7 +103,6 @@ def _describe_robot(walk: Walk) -> dict[str, Any]:
         "label": walk.label,
         "colour": _hex_colour(walk.colour) if walk.colour else TRUNK_COLOUR,
         "genome": walk.scene.genome.values.tolist(),
-        "lane": walk.lane,
     }
 
 

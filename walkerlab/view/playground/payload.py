@@ -33,6 +33,8 @@ SCRIPT_FOLDER = Path(__file__).parent
 MAX_PLANS = 32  # maximum number of body plans on a page
 MAX_MODELS_SIZE = 400_000  # characters of the models of all body plans together; above it, only those of the robots
 
+DAMPING = 2  # index of the damping ratio, or of the damping, in the bias parameters of a servo
+
 CONTACT_SENSORS = ("ground_contact", "ground_distance", "any_contact", "self_contact")
 
 
@@ -53,7 +55,7 @@ def page_data(genomes: list[Genome], settings: Settings) -> dict[str, Any]:
     """
     return {
         "models": _models(genomes, settings),
-        "damping_ratio": 1.0,  # Walker builds servos with a damping ratio; a file contains the damping that results
+        "damping_ratio": _damping_ratio(genomes[0]),
         "duration": settings.simulation.duration,
         "robot": {"carry_weight": settings.robot.carry_weight, "drag_weight": settings.robot.drag_weight},
         **_scene_constants(settings.terrain),
@@ -103,6 +105,11 @@ def _with_plan(genome: Genome, plan: BodyPlan) -> Genome:
     parts = values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)
     parts[: len(plan), SEGMENT_FEATURES.index(Feature.legs)] = plan
     return Genome(values)
+
+
+def _damping_ratio(genome: Genome) -> float:
+    """Return the damping ratio of all servos; a file contains the damping that results from it."""
+    return float(assembly.nominal_spec(express(genome).plan, 0.0, 0.0, Terrain()).actuators[0].biasprm[DAMPING])
 
 
 def _scene_constants(terrain: Terrain) -> dict[str, Any]:
@@ -197,6 +204,7 @@ def _guards(settings: Settings) -> dict[str, Any]:
 def _genes(robot: Robot) -> dict[str, Any]:
     ranges = feature_ranges(robot)
     return {
+        "n_segments": robot.segments[1],
         "body_features": [feature.name for feature in BODY_FEATURES],
         "segment_features": [feature.name for feature in SEGMENT_FEATURES],
         "genes": {

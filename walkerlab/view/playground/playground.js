@@ -24,7 +24,7 @@ async function loadMujoco(files) {
 }
 
 const UNSUPPORTED = "This browser cannot run the page, because it lacks DecompressionStream or WebAssembly. Open the page in a current " +
-  "Chrome, Edge, Firefox (113 or newer) or Safari (16.4 or newer).";
+  "Chrome, Edge, Firefox (115 or newer) or Safari (16.4 or newer).";
 
 async function startPlayground(K3D, data, loading) { // loading: promise of MuJoCo
   const message = document.querySelector(".message");
