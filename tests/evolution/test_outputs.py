@@ -71,7 +71,7 @@ def test_in_a_new_folder_all_parts_that_succeed_are_written(written, here, monke
     monkeypatch.setattr(mujoco.MjModel, "from_xml_path", unreadable)
     with pytest.raises(OutputError, match=r"champion\.xml"):
         outputs.write_outputs(written, here / "new")
-    assert {"champion.txt", "champion.png", "fitness.svg", "fitness.png"} == texts(here / "new").keys()
+    assert {"champion.txt", "champion.png", "champion.html", "fitness.svg", "fitness.png"} == texts(here / "new").keys()
 
 
 def test_the_command_names_the_part_that_failed_and_the_command_that_repeats_it(written, here, monkeypatch, capsys):
