@@ -1,6 +1,6 @@
 // Loads MuJoCo and runs the page: time, the player's buttons and the results.
-const MAX_FRAME_TIME = 0.5; // s; greatest time that a frame makes up for, for instance after the browser was paused
-const MAX_COMPUTE_TIME = 0.1; // s of computing per frame; a slow computer shows slow motion instead of stopping
+const MAX_FRAME_TIME = 1; // s; greatest time that a frame makes up for, for instance after the browser was paused
+const MAX_COMPUTE_TIME = 0.25; // s of computing per frame; a slow computer shows slow motion instead of stopping
 const LEVEL_STEPS = 40; // steps per frame of the walk on level ground that the verdict may require
 const VERDICT_INTERVAL = 0.5; // s between two verdicts during a walk
 const SLOW_FRAME = 0.06; // s between two frames
