@@ -67,6 +67,7 @@ _PUBLIC_NAMES = {
     "view.replay.ancestors": ("race_ancestors",),
     "simulation.workers": ("WorkersLostError",),
     "widgets.lab": ("Lab",),
+    "widgets.playground": ("Playground", "playground"),
 }
 """Public names, by the module that defines them."""
 
@@ -151,6 +152,8 @@ if TYPE_CHECKING:
     from walkerlab.view.replay import replay as replay
     from walkerlab.view.replay.ancestors import race_ancestors as race_ancestors
     from walkerlab.widgets.lab import Lab as Lab
+    from walkerlab.widgets.playground import Playground as Playground
+    from walkerlab.widgets.playground import playground as playground
     from walkerlab.world.entities import generate_robot as generate_robot
     from walkerlab.world.entities import generate_terrain as generate_terrain
     from walkerlab.world.scene import Scene as Scene

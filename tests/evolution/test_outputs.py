@@ -36,6 +36,7 @@ def written(here, threads, monkeypatch):
     """A run and old output files, which contain "old"; slow parts of the new ones are replaced by a text."""
     monkeypatch.setattr(outputs.plots, "save", lambda _axes, *paths: [path.write_text("new") for path in paths])
     monkeypatch.setattr(outputs.report, "write_report", lambda *_, **__: None)
+    monkeypatch.setattr(outputs, "build_page", lambda *_: "new")
     run = wl.evolve(SMALL, here / "walk" / RUN_FILE, threads, progress=False)
     for name in outputs.OUTPUT_FILES.keys() - {RUN_FILE}:
         (here / "walk" / name).write_text("old")
@@ -70,7 +71,7 @@ def test_in_a_new_folder_all_parts_that_succeed_are_written(written, here, monke
     monkeypatch.setattr(mujoco.MjModel, "from_xml_path", unreadable)
     with pytest.raises(OutputError, match=r"champion\.xml"):
         outputs.write_outputs(written, here / "new")
-    assert {"champion.txt", "champion.png", "fitness.svg", "fitness.png"} == texts(here / "new").keys()
+    assert {"champion.txt", "champion.png", "champion.html", "fitness.svg", "fitness.png"} == texts(here / "new").keys()
 
 
 def test_the_command_names_the_part_that_failed_and_the_command_that_repeats_it(written, here, monkeypatch, capsys):

@@ -8,12 +8,14 @@ from walkerlab.simulation.export import export_mjcf
 from walkerlab.system.file_sets import replacing_files
 from walkerlab.system.files import folder_path, write_text
 from walkerlab.view import plots, report
+from walkerlab.view.playground.page import build_page, prepare_walks, write_page
 from walkerlab.view.plots.appearance import offscreen_axes
 from walkerlab.view.report.page import REPORT_FILE
 
 OUTPUT_FILES = {
     "report.html": "start here: the report of the run, with pictures and text; a self-contained page",
     "replay.html": "the champion walking, in 3D, in any browser",
+    "champion.html": "the champion walking live, in any browser: change its genes and its world, and push it",
     RUN_FILE: "the complete run; walkerlab can show and resume it",
     "records.csv": "one row for each robot and generation, for a spreadsheet or pandas",
     "fitness.svg": "the fitness curve, as vector graphics",
@@ -66,4 +68,7 @@ def write_outputs(run: Run, folder: Path) -> None:
             write_text(new.folder / "champion.txt", f"{best}\n")
         with new.write_part("champion.xml"):
             export_mjcf(best, run.settings, new.folder, name="champion")
+        with new.write_part("champion.html"):
+            walks = prepare_walks(run.champion, run.settings)
+            write_page(lambda: build_page(walks, run.settings), new.folder / "champion.html")
         report.write_report(new, run.settings, run.records, path, files=False)

@@ -93,7 +93,7 @@ def _parse_word_by_word(text: str, version: int) -> list[float]:
     """Return the gene values in a text form that may have been edited; see ``parse_text``."""
     words = [(match.group(), match.start()) for match in re.finditer(r"\||[^\s|]+", text)]
     n_segments = _clip_n_segments(sum(word == "seg" for word, _ in words))
-    layout = _text_layout(n_segments, version)
+    layout = text_layout(n_segments, version)
     values = _initial_values(n_segments)
     for position, (token, index) in enumerate(layout):
         word, start = words[position] if position < len(words) else ("the end of the text", len(text.rstrip()))
@@ -147,7 +147,7 @@ def _gene_index(feature: Feature, segment: int = 0) -> int:
 
 
 @lru_cache
-def _text_layout(n_segments: int, version: int = VERSION) -> tuple[tuple[str, int | None], ...]:
+def text_layout(n_segments: int, version: int = VERSION) -> tuple[tuple[str, int | None], ...]:
     """Return the tokens of the text form in order: a word and None, or a key and the index of its gene."""
 
     def tokens() -> Iterator[tuple[str, Feature | None, int]]:
@@ -190,14 +190,14 @@ def _template(n_segments: int) -> str:
     """Return the text form with a replacement field for each gene."""
     return " ".join(
         token if index is None else f"{{{index}}}" if token in CHOICES else f"{token}{{{index}}}"
-        for token, index in _text_layout(n_segments)
+        for token, index in text_layout(n_segments)
     )
 
 
 @lru_cache
 def _decimal_form(n_segments: int, version: int) -> tuple[re.Pattern[str], tuple[int, ...]]:
     """Return a fast pattern of the text form, for plain decimals only, and the gene of each of its groups."""
-    layout = _text_layout(n_segments, version)
+    layout = text_layout(n_segments, version)
     patterns = (
         re.escape(token)
         if index is None

@@ -64,15 +64,32 @@ def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, na
             f"{' '.join(sorted(FORBIDDEN_CHARACTERS))}. Pass the folder as the argument folder."
         )
     path = folder_path(folder) / f"{name}.xml"
-    spec, scene = describe_scene(genome, settings, scenery=True)
-    spec = spec.copy()
-    spec.modelname = name
-    _add_walk(spec, scene)
-    text = _exact_xml(spec)
-    mujoco.MjModel.from_xml_string(text)  # raises an error here if the file cannot be loaded
+    text = format_mjcf(genome, settings, name)
     path.parent.mkdir(parents=True, exist_ok=True)
     write_text(path, text)
     return path
+
+
+def format_mjcf(genome: Genome | str, settings: Settings, name: str, *, only_physics: bool = False) -> str:
+    """Return one individual and its world as MJCF; see ``export_mjcf``.
+
+    Args:
+        genome: Genome or its text; repaired to be within the robot limits.
+        settings: Settings of terrain, robot and simulation.
+        name: Name of the model.
+        only_physics: Whether to omit visual-only geometry and the arrays with the gait.
+
+    Raises:
+        GenomeError: If the text is not a valid genome.
+    """
+    spec, scene = describe_scene(genome, settings, scenery=not only_physics)
+    spec = spec.copy()
+    spec.modelname = name
+    if not only_physics:
+        _add_walk(spec, scene)
+    text = _exact_xml(spec)
+    mujoco.MjModel.from_xml_string(text)  # raises an error here if the file cannot be loaded
+    return text
 
 
 def _add_walk(spec: mujoco.MjSpec, scene: Scene) -> None:

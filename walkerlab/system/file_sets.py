@@ -38,7 +38,7 @@ LOCK_TIMEOUT = 60.0  # s to wait for another writer
 MAX_NAMED = 3  # maximum number of files of a part that a message names
 
 OUTPUT_NAMES = re.compile(
-    r"(report|replay)\.html|records\.csv|fitness\.(svg|png)|champion\.(png|txt|xml)"
+    r"(report|replay)\.html|records\.csv|fitness\.(svg|png)|champion\.(png|txt|xml|html)"
     r"|pictures/\w+\.(svg|pdf|png)|tables/\w+\.csv"
 )
 """Names of the files that a set may hold; no other file is changed, whatever an untrusted hidden folder contains."""

@@ -8,6 +8,7 @@ from walkerlab.widgets.landscape import Landscape as Landscape
 from walkerlab.widgets.microscope import Microscope as Microscope
 from walkerlab.widgets.plain import slider as slider
 from walkerlab.widgets.plain import sliders as sliders
+from walkerlab.widgets.playground import Playground as Playground
 from walkerlab.widgets.population import Population as Population
 from walkerlab.widgets.selection_wheel import SelectionWheel as SelectionWheel
 from walkerlab.widgets.world import World as World
@@ -19,6 +20,7 @@ __all__ = [
     "Lab",
     "Landscape",
     "Microscope",
+    "Playground",
     "Population",
     "SelectionWheel",
     "World",

@@ -1,0 +1,117 @@
+"""The playground: one HTML file in which MuJoCo, compiled to WebAssembly, simulates robots live in the browser.
+
+The page is K3D's snapshot of the ground and of one mesh of each kind, with the scripts of this folder. They receive the
+data of ``payload.page_data`` and ``drawing.draw_robots``, and MuJoCo's files, compressed and base64-encoded.
+"""
+
+import gzip
+import json
+import re
+from base64 import b64encode
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from walkerlab.settings.settings import Settings
+from walkerlab.system.files import file_path, replace_atomically
+from walkerlab.text.templates import render
+from walkerlab.view.playground.drawing import draw_robots
+from walkerlab.view.playground.payload import page_data, physics_script
+from walkerlab.view.playground.vendor import FILES, encoded_file
+from walkerlab.view.replay.animation import Walk
+from walkerlab.view.replay.meshes import RGB
+from walkerlab.view.replay.page import TRUNK_COLOUR
+from walkerlab.view.replay.walkers import simulate_walks
+
+SCRIPT_FOLDER = Path(__file__).parent
+SCRIPTS = ("view", "push", "controls", "playground")
+"""Scripts of the page, after those of the physics; the last one starts it."""
+
+MAX_ROBOTS = 4
+
+
+def prepare_walks(walkers: Any, settings: Settings) -> tuple[Walk, ...]:
+    """Return the robots of a playground, with labels, colours, lanes, and the walks that Python simulates.
+
+    Args:
+        walkers: Genome, its text, an individual, or a run (its champion); or up to four of these, as a list or a dict
+            with labels as keys.
+        settings: Settings of terrain, robot and simulation.
+
+    Raises:
+        GenomeError: If a text is not a valid genome.
+        TypeError: If ``walkers`` contains something else.
+        ValueError: If there is no robot, or there are more than four.
+    """
+    walks = simulate_walks(walkers, settings)
+    if len(walks) > MAX_ROBOTS:
+        raise ValueError(f"a playground shows at most {MAX_ROBOTS} robots; got {len(walks)}")
+    return walks
+
+
+def build_page(walks: Sequence[Walk], settings: Settings) -> str:
+    """Return the page of one robot, or of a race of several, as HTML.
+
+    Args:
+        walks: Robots, from ``prepare_walks``.
+        settings: Settings of terrain, robot and simulation.
+    """
+    title = f"{walks[0].label}, live" if len(walks) == 1 else f"Race of {len(walks)} robots, live"
+    plot, drawing = draw_robots(walks, title)
+    page = page_data([walk.scene.genome for walk in walks], settings) | {
+        "robots": [_describe_robot(walk) for walk in walks],
+        "camera": settings.simulation.camera.name,
+        "drawing": drawing.data,
+    }
+    scripts = [(SCRIPT_FOLDER / f"{name}.js").read_text(encoding="utf-8") for name in SCRIPTS]
+    # base64 contains no "<", and the scripts contain no text from outside, so that nothing can close the script element
+    code = f"startPlayground(K3DInstance, {json.dumps(_compress(page))}, loading);"
+    html: str = plot.get_snapshot(additional_js_code=code)
+    drawing.close(plot)
+    files = json.dumps({name: encoded_file(name) for name in FILES})
+    start = f"const loading = loadMujoco({files});"  # at the same time as K3D
+    script = "\n".join([physics_script(), *scripts, start])
+    head = render("view/playground/head.html", title=title)
+    html = re.sub(r"<title>.*?</title>", lambda _: head, html, count=1, flags=re.DOTALL)
+    body = render("view/playground/playground.html", title=title)
+    canvas = '<div id="canvasTarget"></div>'
+    html = html.replace(canvas, f"{body}\n<script>\n{script}\n</script>", 1)
+    return html.replace("<html>", '<html lang="en">', 1)
+
+
+def write_page(make_page: Callable[[], str], path: str | Path) -> Path:
+    """Write a page to a file, which opens in a browser without a server.
+
+    Args:
+        make_page: Function that returns the page; called once the path is checked.
+        path: File to write, whose name ends in ``.html``; an existing file is replaced.
+
+    Raises:
+        ValueError: If the name does not end in ``.html``.
+        OSError: If the file cannot be written.
+    """
+    path = file_path(path)
+    if path.suffix.lower() not in (".html", ".htm"):
+        raise ValueError(f"path is {str(path)!r}; it must end in .html, because a playground is a page for a browser")
+    with replace_atomically(path) as part:
+        part.write_text(make_page(), encoding="utf-8")
+    return path
+
+
+def _describe_robot(walk: Walk) -> dict[str, Any]:
+    return {
+        "label": walk.label,
+        "colour": _hex_colour(walk.colour) if walk.colour else TRUNK_COLOUR,
+        "genome": walk.scene.genome.values.tolist(),
+    }
+
+
+def _hex_colour(colour: RGB) -> str:
+    """Return a colour, each part from 0 to 1, as ``#rrggbb``."""
+    return "#" + "".join(f"{round(255 * part):02x}" for part in colour)
+
+
+def _compress(data: dict[str, Any]) -> str:
+    """Return JSON data as base64 of gzip."""
+    text = json.dumps(data, allow_nan=False)
+    return b64encode(gzip.compress(text.encode("utf-8"), 9, mtime=0)).decode("ascii")

@@ -1,0 +1,65 @@
+// A picture of a robot; a click opens the page on which it walks live. The text of its genes is shared with Python.
+const POLL_TIME = 100; // ms between two checks that the page has started
+const MAX_OPEN_PAGES = 4; // of replays and playgrounds together; browsers allow about 16 WebGL contexts
+const openPages = (globalThis.walkerlabOpenPages ??= []);
+
+function render({ model, el }) {
+  const picture = make("img", { src: model.get("preview"), alt: model.get("alt") });
+  const sign = make("span", { textContent: "Walk live" });
+  const cover = make("button", { type: "button", className: "cover", title: "Walk live" }, sign, picture);
+  const box = make("div", {}, cover);
+  let frame = null, timer = 0, isLoading = false;
+  el.classList.add("wl-component", "wl-playground");
+  el.append(box);
+
+  const live = () => frame?.contentWindow?.walkerlab;
+
+  function setIsOpen(isOpen) { model.set("is_open", isOpen); model.save_changes(); }
+
+  function close() {
+    clearInterval(timer);
+    isLoading = false;
+    sign.textContent = "Walk live";
+    if (!frame) return;
+    live()?.close();
+    frame = null;
+    box.replaceChildren(cover);
+    openPages.splice(openPages.findIndex((page) => page.close === close), 1);
+    setIsOpen(false);
+  }
+
+  function pause() { live()?.pause(); }
+
+  function show(page) {
+    if (frame) return;
+    sign.textContent = "Walk live";
+    frame = make("iframe", { srcdoc: page, title: model.get("alt"), allow: "clipboard-write" });
+    box.replaceChildren(frame, make("button", { type: "button", className: "close", textContent: "Close", onclick: close }));
+    openPages.forEach((other) => other.pause()); // only one plays at a time, for slow computers
+    openPages.push({ close, pause });
+    while (openPages.length > MAX_OPEN_PAGES) openPages[0].close();
+    timer = setInterval(() => {
+      if (!live()) return;
+      clearInterval(timer);
+      if (live().genome !== model.get("gene_text")) live().setGenome(model.get("gene_text"));
+      live().onGenome((text) => { model.set("gene_text", text); model.save_changes(); });
+      setIsOpen(true);
+    }, POLL_TIME);
+  }
+
+  cover.onclick = () => {
+    isLoading = true;
+    sign.textContent = "Loading …";
+    model.send("page");
+  };
+  model.on("change:gene_text", () => { if (live() && live().genome !== model.get("gene_text")) live().setGenome(model.get("gene_text")); });
+  model.on("msg:custom", (message, buffers) => {
+    if (message === "page" && isLoading) show(new TextDecoder().decode(buffers[0]));
+    isLoading = false;
+  });
+  const observer = new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || pause()); // pause when scrolled away
+  observer.observe(box);
+  const release = captureKeys(el);
+  return () => { observer.disconnect(); release(); close(); };
+}
+export default { render };
