@@ -91,6 +91,7 @@ function render({ model, el }) {
   const press = (name, textContent, title, className = "") =>
     make("button", { type: "button", className, textContent, title, onclick: () => { flushText(); model.send({ press: name }); } });
   const walk = press("walk", "Play its walk", "in 3D, beside the unedited robot and the champion", "main");
+  const live = press("live", "Walk live", "simulated in the browser: the sliders change the robot while it walks");
   const insert = press("insert", "Insert into the next generation", "");
   const resume = press("continue", "Continue the run with it", "It replaces a child in the next generation.");
   const undo = press("undo", "Undo all changes", "");
@@ -101,7 +102,7 @@ function render({ model, el }) {
   el.classList.add("wl-component", "wl-editor");
   el.append(
     make("div", { className: "genes" }, tabs, sections, helpLine),
-    make("div", { className: "robot" }, picture, result, make("div", { className: "buttons" }, walk, undo, insert, resume), hint),
+    make("div", { className: "robot" }, picture, result, make("div", { className: "buttons" }, walk, live, undo, insert, resume), hint),
     make("div", { className: "gene" }, label, make("div", { className: "sheet" }, behind, area), messages));
 
   // --------------------------------------------------------------------------------------------------------- sliders
@@ -227,9 +228,10 @@ function render({ model, el }) {
     area.setAttribute("aria-invalid", wrong);
     notes.replaceChildren(...model.get("notes").map((textContent) => make("li", { textContent })));
     walk.hidden = !buttons.includes("walk");
+    live.hidden = !buttons.includes("live");
     insert.hidden = !buttons.includes("insert");
     resume.hidden = canInsert || !buttons.includes("continue");
-    walk.disabled = resume.disabled = wrong;
+    walk.disabled = live.disabled = resume.disabled = wrong;
     insert.disabled = wrong || !canInsert;
     insert.title = hint.textContent = insert.hidden || canInsert ? "" : model.get("insert_hint");
     picture.classList.toggle("outdated", wrong);

@@ -81,7 +81,9 @@ class Editor(Component):
         """
         super().__init__(settings=settings or Settings())
         self._lock = threading.RLock()
-        self._callbacks: dict[str, list[OnGenome]] = {"try": [], "walk": [], "insert": [], "continue": []}
+        self._callbacks: dict[str, list[OnGenome]] = {
+            name: [] for name in ("try", "walk", "live", "insert", "continue")
+        }
         self._given: Genome | None = None
         self._unedited_text = ""
         self._before: Outcome | None = None  # of the genome before it was edited
@@ -123,6 +125,10 @@ class Editor(Component):
     def on_walk(self, callback: OnGenome) -> None:
         """Register a function that is called with the genome when its walk is to be played."""
         self._add_callback("walk", callback)
+
+    def on_live(self, callback: OnGenome) -> None:
+        """Register a function that is called with the genome when it is to walk live in the browser."""
+        self._add_callback("live", callback)
 
     def on_insert(self, callback: OnGenome) -> None:
         """Register a function that is called with the genome when it is to be inserted into the next generation."""
@@ -204,7 +210,7 @@ class Editor(Component):
                 self._set_gene(index, float(value))
             case {"press": "undo"}:
                 self._undo()
-            case {"press": "try" | "walk" | "insert" | "continue" as button} if self.genome is not None:
+            case {"press": "try" | "walk" | "live" | "insert" | "continue" as button} if self.genome is not None:
                 genome = self.genome
                 if button == "try":
                     self._walk(genome)

@@ -60,6 +60,7 @@ function render({ model, el }) {
   const observer = new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || pause()); // pause when scrolled away
   observer.observe(box);
   const release = captureKeys(el);
+  if (model.get("opens_at_once")) cover.onclick();
   return () => { observer.disconnect(); release(); close(); };
 }
 export default { render };

@@ -1,6 +1,7 @@
 """A robot that walks live in the browser, as a widget or as a page."""
 
 import threading
+from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -29,6 +30,7 @@ class Playground(Component):
         preview: Data URL of a picture of the robot, which is shown until the page is opened.
         alt: Alternative text of the picture.
         is_open: Whether the page is displayed.
+        opens_at_once: Whether the page is opened without a click when the widget is displayed.
     """
 
     title = "playground"
@@ -38,9 +40,11 @@ class Playground(Component):
     preview = traitlets.Unicode("").tag(sync=True)
     alt = traitlets.Unicode("").tag(sync=True)
     is_open = traitlets.Bool(False).tag(sync=True)
+    opens_at_once = traitlets.Bool(False).tag(sync=True)
 
     def __init__(self, walkers: Any, settings: Settings) -> None:
         """Create the playground; for the arguments see ``playground``."""
+        self._on_close: list[Callable[[], None]] = []
         self._walks = prepare_walks(walkers, settings)
         self._settings = settings
         self._lock = threading.Lock()
@@ -84,6 +88,16 @@ class Playground(Component):
     def __repr__(self) -> str:
         """Return the names of the robots and how to show the playground."""
         return f"<{self.alt.removesuffix('.')}: show it in a notebook, or save it with .to_html(path)>"
+
+    def on_close(self, callback: Callable[[], None]) -> None:
+        """Register a function that is called when the widget is closed."""
+        self._on_close.append(callback)
+
+    def close(self) -> None:
+        """Remove the widget."""
+        while self._on_close:
+            self._on_close.pop()()
+        super().close()
 
     def snapshot(self) -> Markup:
         """Return the picture as static HTML."""

@@ -19,6 +19,7 @@ from walkerlab.view.snapshots import HasSnapshot
 from walkerlab.widgets.card import robot_card
 from walkerlab.widgets.component import answer_on_requested_thread
 from walkerlab.widgets.editor import Editor
+from walkerlab.widgets.live_robot import open_live_robot
 from walkerlab.widgets.outcomes import recorded_outcome
 
 POSTER_SIZE = (640, 360)  # pixels
@@ -46,6 +47,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         card: Description of the robot.
         editor: Editor of its genome.
         frame: Replay of its walk; a picture until it is played.
+        live: The robot of the editor walking live, when this was requested.
     """
 
     title = "robot"
@@ -66,20 +68,23 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         """
         self.card = ipywidgets.HTML()
         self.frame = Frame()
+        self.live = ipywidgets.Box()
         self.editor = Editor(settings=settings)
         self._settings = settings
         self._on_insert = on_insert
         self._shown: tuple[Settings | None, int] = None, -1  # settings and number of the robot; -1 for an edited genome
         self._original = ShownRobot("the random robot", self.editor.genome, {"the random robot": self.editor.genome})
         self._selected = -1
-        super().__init__([self.card, self.frame, self.editor])
+        super().__init__([self.card, self.frame, self.live, self.editor])
         self.add_class("wl-robot")
         self.frame.add_class("wl-frame")
+        self.live.add_class("wl-live")
         answer_on_requested_thread(self.frame)
         self._describe(render("widgets/robot_message.html"))
         self._offer_replay({"a random robot": self.editor.genome})
         self.editor.on_try(self._replace_replay)
         self.editor.on_walk(self._play)
+        self.editor.on_live(self._walk_live)
         self.editor.on_insert(self._insert)
         if on_continue:
             self.editor.on_continue(lambda genome: self._report(on_continue(genome)))
@@ -113,11 +118,13 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         is_new_selection = exists and number != self._selected
         self._selected = number
         is_edited = self.editor.is_edited
-        is_watched = self.frame.is_watched and run.settings == self._shown[0]
+        is_playing = self.frame.is_watched or any(live.is_open for live in self.live.children)
+        is_watched = is_playing and run.settings == self._shown[0]
         wanted = (run.settings, robot)
         if not is_new_selection and (wanted == self._shown or is_edited or is_watched):
             return
         self._shown = wanted
+        self._close_live_robot()
         row: Any = birth_rows(run.records).loc[robot]
         genome = Genome.parse(row.genome)
         champion = run.champion
@@ -164,6 +171,16 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         """Play the walk of the genome in the editor."""
         self._offer_race(genome)
         self.frame.play()
+
+    def _walk_live(self, genome: Genome) -> None:  # noqa: ARG002
+        """Let the robot in the editor walk live; the sliders of the editor change it while it walks."""
+        self._close_live_robot()
+        self.live.children = [open_live_robot(self.editor, self._original.name, self._settings)]
+
+    def _close_live_robot(self) -> None:
+        for playground in self.live.children:
+            playground.close()
+        self.live.children = []
 
     def _insert(self, genome: Genome) -> None:
         self._report(self._on_insert(genome))

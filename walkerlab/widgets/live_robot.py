@@ -1,0 +1,45 @@
+"""A robot that walks live beside an editor: each of the two follows changes of the genome in the other."""
+
+from typing import Any
+
+from walkerlab.genome.genome import Genome
+from walkerlab.genome.text import GenomeError
+from walkerlab.settings.settings import Settings
+from walkerlab.widgets.editor import Editor
+from walkerlab.widgets.playground import Playground
+from walkerlab.widgets.repairs import format_genome
+
+
+def open_live_robot(editor: Editor, name: str, settings: Settings) -> Playground:
+    """Return a playground with the robot in an editor, which opens when it is displayed.
+
+    Args:
+        editor: Editor with a valid genome; the two stay in step until the playground is closed.
+        name: Label of the robot.
+        settings: Settings of the world.
+    """
+    genome: Any = editor.genome
+    playground = Playground({name: genome}, settings)
+    playground.opens_at_once = True
+
+    def follow_editor(change: Any) -> None:
+        if change.new is not None and change.new != _parse(playground.gene_text, settings):
+            playground.gene_text = str(change.new)
+
+    def follow_playground(change: Any) -> None:
+        genome = _parse(change.new, settings)
+        if genome is not None and genome != editor.genome:
+            editor.text = format_genome(genome)
+
+    editor.observe(follow_editor, "genome")
+    playground.observe(follow_playground, "gene_text")
+    playground.on_close(lambda: editor.unobserve(follow_editor, "genome"))
+    return playground
+
+
+def _parse(text: str, settings: Settings) -> Genome | None:
+    """Return the genome of a text within the limits; None if the text is not valid."""
+    try:
+        return Genome.parse(text).within(settings.robot)
+    except GenomeError:
+        return None
