@@ -55,7 +55,7 @@ class TestTheMuJoCoFiles:
 
 
 class TestTranslation:
-    def test_what_cannot_be_translated_is_refused_with_its_line(self):
+    def test_unsupported_code_is_rejected(self):
         def with_import(x):
             return np.linalg.norm(x)
 
@@ -68,13 +68,13 @@ class TestTranslation:
 
 
 class TestArguments:
-    def test_a_faulty_text_is_refused_with_the_words_of_genome_parse(self):
+    def test_a_faulty_text_is_rejected_with_the_message_of_genome_parse(self):
         for text in FAULTY_TEXTS:
             with pytest.raises(wl.GenomeError) as expected:
                 wl.Genome.parse(text)
-            with pytest.raises(wl.GenomeError) as refused:
+            with pytest.raises(wl.GenomeError) as rejected:
                 wl.playground(text, SHORT)
-            assert str(refused.value) == str(expected.value)
+            assert str(rejected.value) == str(expected.value)
 
     def test_five_robots_are_too_many(self):
         with pytest.raises(ValueError, match="at most 4 robots; got 5"):
@@ -155,32 +155,32 @@ def test_a_file_walks_as_in_python_while_genes_and_world_change(page, tmp_path):
     slider(page, "leg_length").fill("0.2")
     slider(page, "mass").fill(slider(page, "mass").get_attribute("max"))
     assert "require" in page.locator(".message").inner_text()
-    page.get_by_label("Planet, which decides gravity").select_option("moon")
-    page.get_by_label("Material of the ground, which decides friction").select_option("ice")
+    page.get_by_label("Planet, which sets the gravity").select_option("moon")
+    page.get_by_label("Material of the ground, which sets the friction").select_option("ice")
     page.locator(".text summary").click()
-    text = page.get_by_label("Gene text", exact=True).input_value()
+    text = page.get_by_label("Genome as text", exact=True).input_value()
     genome = wl.Genome.parse(text)
     assert np.array_equal(genome.within(SHORT.robot).values, genome.values)
     assert page.locator(".changes code").inner_text() == 'settings.with_(gravity="moon", texture="ice")'
     assert_same_walk(page.evaluate(MEASURE), genome, SHORT.with_(gravity="moon", texture="ice"))
 
-    # A text can be pasted, of another body plan too; a faulty one is refused with the same words.
+    # A text can be pasted, of another body plan too; a faulty text is rejected with the same message.
     other = next(
         drawn
         for seed in range(100)
         if (drawn := wl.Genome.random(SHORT.robot, rng=np.random.default_rng(seed)))
         and wl.express(drawn).plan == (True, False, True)
     )
-    page.get_by_label("Gene text", exact=True).fill(str(other))
+    page.get_by_label("Genome as text", exact=True).fill(str(other))
     page.get_by_role("button", name="Use this text").click()
     assert_same_walk(page.evaluate(MEASURE), other, SHORT.with_(gravity="moon", texture="ice"))
     page.evaluate("text => walkerlab.setGenome(text)", GENOME)
     assert page.evaluate("walkerlab.genome") == str(wl.Genome.parse(GENOME).within(SHORT.robot))
     for faulty in FAULTY_TEXTS:
-        with pytest.raises(wl.GenomeError) as refused:
+        with pytest.raises(wl.GenomeError) as rejected:
             wl.Genome.parse(faulty)
         page.evaluate("text => walkerlab.setGenome(text)", faulty)
-        assert page.locator(".error").text_content() == str(refused.value)
+        assert page.locator(".error").text_content() == str(rejected.value)
     assert page.evaluate("walkerlab.genome") == str(wl.Genome.parse(GENOME).within(SHORT.robot))
 
 
@@ -193,7 +193,7 @@ def test_a_race_with_loads_on_stairs_walks_as_in_python_and_can_be_pushed(page, 
     assert len(set(page.evaluate("walkerlab.walks.map((walk) => walk.time)"))) == 1
     assert "Bea" in page.locator(".score").inner_text()
     assert_same_walk(page.evaluate(MEASURE), GENOME, STAIRS)
-    page.get_by_label("Robot that the genes change").select_option("Bea")
+    page.get_by_label("Robot whose genes are shown").select_option("Bea")
     assert page.evaluate("walkerlab.genome") == bea
     page.get_by_role("button", name="Push the robot from the side").click()
     before = page.evaluate("walkerlab.walks[1].data.qpos[1]")

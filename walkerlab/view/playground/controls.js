@@ -2,8 +2,8 @@
 const DEGREES = 180 / Math.PI;
 const GAIT_FEATURES = ["hip_amplitude", "hip_phase", "hip_offset", "knee_amplitude", "knee_phase", "knee_offset", "stride"];
 const FEATURE_LABELS = {
-  segments: "segments", frequency: "stride frequency", lag: "lag per segment", duty: "share of push", length: "length", mass: "mass",
-  legs: "legs", repeat: "repeat front legs", leg_length: "leg length", leg_force: "servo torque", hip_amplitude: "hip swing",
+  segments: "segments", frequency: "stride frequency", lag: "lag per segment", duty: "share of pushing", length: "length", mass: "mass",
+  legs: "has legs", repeat: "copies front legs", leg_length: "leg length", leg_force: "servo torque", hip_amplitude: "hip swing",
   hip_phase: "hip phase", hip_offset: "hip angle", knee_amplitude: "knee swing", knee_phase: "knee phase", knee_offset: "knee angle",
   stride: "lag of right leg",
 };
@@ -56,13 +56,13 @@ class Controls {
       this.change("world", changes);
     };
     const planets = Object.keys(page.planets);
-    this.planet = make("select", { ariaLabel: "Planet, which decides gravity" }, ...[...planets, "other"].map((name) =>
+    this.planet = make("select", { ariaLabel: "Planet, which sets the gravity" }, ...[...planets, "other"].map((name) =>
       make("option", { value: name, textContent: name, disabled: name === "other" })));
     this.planet.onchange = () => setWorld({ gravity: page.planets[this.planet.value] });
     const strength = () => Math.hypot(...state.world.gravity);
     this.gravity = makeSlider({ label: "gravity", about: "acceleration of gravity", low: 0, high: 30, step: 0.01, unit: "m/s²", digits: 2,
       onInput: (value) => setWorld({ gravity: strength() ? state.world.gravity.map((part) => part * value / strength()) : [0, 0, -value] }) });
-    this.texture = make("select", { ariaLabel: "Material of the ground, which decides friction" }, ...Object.entries(page.textures).map(
+    this.texture = make("select", { ariaLabel: "Material of the ground, which sets the friction" }, ...Object.entries(page.textures).map(
       ([name, { sliding }]) => make("option", { value: name, textContent: `${name}, µ ${sliding}` })));
     this.texture.onchange = () => setWorld({ texture: this.texture.value });
     this.wind = makeSlider({ label: "wind", about: "wind from behind; negative is a headwind", low: -20, high: 20, step: 0.1, unit: "m/s", digits: 1,
@@ -137,7 +137,7 @@ class Controls {
       const isSource = legs?.source === number;
       if (isSource) {
         const copies = robot.segments.flatMap((other, index) => (other.legs?.source === number && index !== number ? [index + 1] : []));
-        const title = `Legs of segment ${number + 1}${copies.length ? `, repeated by ${copies.join(", ")}` : ""}`;
+        const title = `Legs of segment ${number + 1}${copies.length ? `, copied by segment${copies.length > 1 ? "s" : ""} ${copies.join(", ")}` : ""}`;
         gait.append(make("fieldset", {}, make("legend", { textContent: title }), ...GAIT_FEATURES.map((name) => this.geneSlider(name, number))));
       }
       const hasFront = robot.segments.slice(0, number).some((other) => other.legs);
@@ -173,7 +173,7 @@ class Controls {
     const { low, high } = this.page.genes.leg_force;
     const forces = () => expressRobot(this.page, this.values).segments.flatMap(({ legs }) => (legs ? [[legs.source, legs.force]] : []));
     const strongest = () => Math.max(...forces().map(([, force]) => force));
-    const slider = makeSlider({ label: "servo strength", about: "greatest torque of the strongest leg; the others keep their ratio to it", low, high,
+    const slider = makeSlider({ label: "servo strength", about: "greatest torque of the strongest leg; the torque of the other legs changes in proportion", low, high,
       step: 0.001, unit: "N·m", digits: 1, onInput: (value) => {
         const ratio = value / strongest();
         const values = [...this.values];
@@ -193,21 +193,21 @@ class Controls {
     let value = Math.min(Math.max(Math.round(wanted * 1000) / 1000, low), high);
     if (kind === "cyclic") value %= high;
     const fault = this.findFault(this.values.with(index, value));
-    if (fault && isDiscrete) { this.refuse(fault); return; }
+    if (fault && isDiscrete) { this.showRejection(fault); return; }
     if (fault) value = nearestAllowed(page, this.values, index, value);
     const isGait = GAIT_FEATURES.includes(name) || ["frequency", "lag", "duty"].includes(name);
     this.setValues(this.values.with(index, value), isGait ? "gait" : name === "leg_force" ? "strength" : "body");
-    if (fault) this.refuse(fault);
+    if (fault) this.showRejection(fault);
   }
 
   findFault(values) { // returns why the page cannot show a genome, or ""
     const limit = violatedLimit(this.page, values);
     if (limit) return `The settings require ${limit}.`;
     return this.page.models[bodyPlan(expressRobot(this.page, values))] ? ""
-      : "This page contains no model of this body plan, because there are too many. Make a page of this robot.";
+      : "This page has no model of a robot with these legs, because there are too many combinations. Create a playground with such a robot.";
   }
 
-  refuse(fault) {
+  showRejection(fault) {
     for (const show of this.shown) show();
     this.showMessage(fault);
   }
@@ -241,12 +241,12 @@ class Controls {
     try {
       await navigator.clipboard.writeText(this.area.value);
     } catch {
-      document.execCommand("copy"); // without a secure context, as in some notebooks
+      document.execCommand("copy"); // if the page has no secure context, as in some notebooks
     }
-    this.showMessage("The gene text is on the clipboard.");
+    this.showMessage("The genome was copied to the clipboard.");
   }
 
-  use(text) { // takes a gene text; if it is not valid, shows why
+  use(text) { // uses the text of a genome, or shows why the text is not valid
     try {
       const values = fitSegments(this.page, parseGenome(this.page, text));
       const fault = this.findFault(values);

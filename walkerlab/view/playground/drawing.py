@@ -1,4 +1,4 @@
-"""What a playground draws: the ground, and one mesh of each kind of part, of which the page makes all that it needs."""
+"""Meshes of a playground: the ground, and one mesh of each kind of part, which the page copies as needed."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -41,7 +41,7 @@ def draw_robots(walks: Sequence[Walk], title: str) -> tuple[Any, Drawing]:
     """Create a K3D plot of the ground and of the parts of these robots.
 
     Args:
-        walks: Walks of the robots, at least one; only the scenes, colours and lanes are used.
+        walks: Walks of the robots, at least one; only their scenes, colours and lanes are used.
         title: Title of the plot.
     """
     scene = walks[0].scene
@@ -96,11 +96,11 @@ def _part_meshes(walk: Walk) -> dict[str, Any]:
         if has_legs:
             names += [f"left_thigh{number}", f"right_thigh{number}"]
             break
-    of_body = _surfaces_of_bodies(walk)
+    surfaces = _surfaces_of_bodies(walk)
     parts: dict[str, Any] = {}
     for kind, name in zip(("trunk", "left", "right"), names, strict=True):
-        surface = of_body[int(model.geom(f"walker/{name}").bodyid[0])][0]
-        parts[kind] = meshes.surface_mesh([_tinted(surface, walk)], name=f"{walk.label}: {kind}")
+        surface = surfaces[int(model.geom(f"walker/{name}").bodyid[0])][0]
+        parts[kind] = meshes.surface_mesh([_tint(surface, walk)], name=f"{walk.label}: {kind}")
     parts["shadow"] = meshes.shadow_mesh(1.0)
     if walk.scene.rope_length:
         parts["rope"] = meshes.rope_mesh(walk.scene)
@@ -108,7 +108,7 @@ def _part_meshes(walk: Walk) -> dict[str, Any]:
 
 
 def _body_meshes(walk: Walk, *, with_obstacles: bool) -> dict[str, Any]:
-    """Return the mesh of each body whose shape no gene changes, by its name: loads and obstacles."""
+    """Return the mesh of each body whose shape does not depend on genes, by name: loads and obstacles."""
     model = walk.scene.model
     found: dict[str, Any] = {}
     for body, members in _surfaces_of_bodies(walk).items():
@@ -126,5 +126,5 @@ def _surfaces_of_bodies(walk: Walk) -> dict[int, list[Surface]]:
     return surfaces
 
 
-def _tinted(surface: Surface, walk: Walk) -> Surface:
+def _tint(surface: Surface, walk: Walk) -> Surface:
     return meshes.tint_surface(surface, walk.colour) if walk.colour else surface

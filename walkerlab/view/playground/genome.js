@@ -63,7 +63,7 @@ function violatedLimit(page, values) {
   return "";
 }
 
-// Returns the value nearest to the wanted one for which the genome is within all limits, on the grid of repair.
+// Returns the value closest to the wanted one with which the genome is within all limits, rounded as by repair.
 function nearestAllowed(page, values, index, wanted) {
   const allows = (value) => !violatedLimit(page, values.with(index, value));
   const onGrid = (value) => Math.round(value * 1000) / 1000;
@@ -90,7 +90,7 @@ function formatGenome(page, values) { // the same as format_text in genome/text.
 
 class GenomeError extends Error {}
 
-// Returns the gene values in a text; errors have the words of parse_text in genome/text.py.
+// Returns the gene values in a text; error messages are those of parse_text in genome/text.py.
 function parseGenome(page, text) {
   const length = [...text].length; // Python counts code points
   if (length > page.max_text_length) {

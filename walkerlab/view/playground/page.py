@@ -1,7 +1,7 @@
 """The playground: one HTML file in which MuJoCo, compiled to WebAssembly, simulates robots live in the browser.
 
-The page is K3D's snapshot of the ground and of one mesh of each kind, with the scripts of this folder. They receive the
-data of ``payload.page_data`` and ``drawing.draw_robots``, and MuJoCo's files, compressed and base64-encoded.
+The page is K3D's snapshot of the ground and of one mesh of each kind, with the scripts in this folder. The
+scripts receive the data of ``payload.page_data`` and ``drawing.draw_robots``, and the compressed files of MuJoCo.
 """
 
 import gzip
@@ -25,7 +25,7 @@ from walkerlab.view.replay.walkers import simulate_walks
 
 SCRIPT_FOLDER = Path(__file__).parent
 SCRIPTS = ("view", "push", "controls", "playground")
-"""Scripts of the page, after those of the physics; the last one starts it."""
+"""Scripts of the page, after those of the physics; the last script starts the page."""
 
 MAX_ROBOTS = 4
 
@@ -40,7 +40,7 @@ def prepare_walks(walkers: Any, settings: Settings) -> tuple[Walk, ...]:
 
     Raises:
         GenomeError: If a text is not a valid genome.
-        TypeError: If ``walkers`` contains something else.
+        TypeError: If ``walkers`` contains anything else.
         ValueError: If there is no robot, or there are more than four.
     """
     walks = simulate_walks(walkers, settings)

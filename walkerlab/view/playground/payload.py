@@ -1,7 +1,7 @@
 """The data of a playground page: models, genomes, limits and constants, which the scripts of the page read.
 
-Everything that Python computes once is here as a number, and the scripts only use it. The sizes of a robot are computed
-on the page by Python's own functions, translated to JavaScript.
+Python computes all values that do not change on the page. The sizes of a robot are computed on the page, by Python
+functions that are translated to JavaScript.
 """
 
 import math
@@ -31,7 +31,7 @@ from walkerlab.world.placement import PIECE_HEIGHT
 
 SCRIPT_FOLDER = Path(__file__).parent
 MAX_PLANS = 32  # maximum number of body plans on a page
-MAX_MODELS_SIZE = 400_000  # characters of the models of all body plans together; above it, only those of the robots
+MAX_MODELS_SIZE = 400_000  # characters of the models of all body plans; above it, only those of the robots are used
 
 DAMPING = 2  # index of the damping ratio, or of the damping, in the bias parameters of a servo
 
@@ -70,7 +70,7 @@ def page_data(genomes: list[Genome], settings: Settings) -> dict[str, Any]:
 
 
 def _models(genomes: list[Genome], settings: Settings) -> dict[str, str]:
-    """Return the MJCF of each body plan on this ground, in the sizes of any robot: those of the genomes first."""
+    """Return the MJCF of each body plan on this ground, those of the genomes first; the page overwrites the sizes."""
     models = {
         _plan_name(express(genome).plan): format_mjcf(genome, settings, "walker", only_physics=True)
         for genome in genomes
@@ -99,7 +99,7 @@ def _possible_plans(robot: Robot) -> Iterator[BodyPlan]:
 
 
 def _with_plan(genome: Genome, plan: BodyPlan) -> Genome:
-    """Return a genome with another body plan; the page writes the sizes."""
+    """Return a genome with another body plan; its sizes are arbitrary, because the page overwrites them."""
     values = genome.values.copy()
     values[BODY_FEATURES.index(Feature.segments)] = len(plan)
     parts = values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)
@@ -108,7 +108,7 @@ def _with_plan(genome: Genome, plan: BodyPlan) -> Genome:
 
 
 def _damping_ratio(genome: Genome) -> float:
-    """Return the damping ratio of all servos; a file contains the damping that results from it."""
+    """Return the damping ratio of all servos; an MJCF file contains only the resulting damping."""
     return float(assembly.nominal_spec(express(genome).plan, 0.0, 0.0, Terrain()).actuators[0].biasprm[DAMPING])
 
 
@@ -216,7 +216,7 @@ def _genes(robot: Robot) -> dict[str, Any]:
 
 
 def _limits(robot: Robot) -> dict[str, Any]:
-    """Return the limits that a robot must obey as a whole."""
+    """Return the limits of the whole robot."""
     return {
         "segments": robot.segment_range,
         "leg_pairs": robot.leg_pairs,
@@ -232,7 +232,7 @@ def _limits(robot: Robot) -> dict[str, Any]:
 
 
 def _text_form() -> dict[str, Any]:
-    """Return how a genome is written: the tokens of a text for each number of segments, in both versions."""
+    """Return the tokens of a genome's text for each number of segments, in both versions of the format."""
     counts = range(1, int(MAX_SEGMENTS) + 1)
     return {
         "layouts": [text_layout(count, VERSION) for count in counts],

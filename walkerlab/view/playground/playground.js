@@ -1,12 +1,12 @@
 // Loads MuJoCo and runs the page: time, the player's buttons and the results.
-const MAX_FRAME_TIME = 1; // s; greatest time that a frame makes up for, for instance after the browser was paused
+const MAX_FRAME_TIME = 1; // s; maximum time that is simulated per frame, for instance after the browser was paused
 const MAX_COMPUTE_TIME = 0.25; // s of computing per frame; a slow computer shows slow motion instead of stopping
 const LEVEL_STEPS = 40; // steps per frame of the walk on level ground that the verdict may require
 const VERDICT_INTERVAL = 0.5; // s between two verdicts during a walk
 const SLOW_FRAME = 0.06; // s between two frames
 const MAX_SLOW_FRAMES = 4; // in a row, before the resolution is lowered
 const MIN_PIXEL_RATIO = 0.5;
-const EDGE = 110; // m from the start at which the drawn ground ends, and the walk starts again
+const MAX_DISTANCE = 110; // m from the start; beyond it the walk restarts, because the drawn ground ends
 const PLAY_PATH = "M5 3 L17 10 L5 17 Z", PAUSE_PATH = "M5 3 H8.5 V17 H5 Z M11.5 3 H15 V17 H11.5 Z";
 
 async function decompress(base64) {
@@ -71,7 +71,7 @@ class Playground {
   handleChange(what, detail) {
     if (what === "message") { this.showMessage(detail); return; }
     if (what === "world" && "slope" in detail) what = "slope";
-    this.pending.add(what); // done before the next frame: a slider may move several times in between
+    this.pending.add(what); // applied before the next frame, because a slider may move several times between two frames
     if (!this.isPlaying) requestAnimationFrame(() => { this.applyChanges(); this.draw(0); });
     if (what !== "world" && what !== "slope") this.listeners.forEach((listener) => listener(this.genome));
   }
@@ -92,7 +92,7 @@ class Playground {
     if (changes.size) this.view.setRobot(selected, this.walks[selected]);
   }
 
-  replaceWalk(number) { // a new body starts from the beginning
+  replaceWalk(number) { // a new body walks from the start
     this.walks[number].delete();
     this.walks[number] = this.newWalk(number);
     this.view.setRobot(number, this.walks[number]);
@@ -153,19 +153,19 @@ class Playground {
   }
 
   simulate(seconds) {
-    this.debt = (this.debt ?? 0) + seconds;
+    this.timeToSimulate = (this.timeToSimulate ?? 0) + seconds;
     const { timestep } = this.walks[0];
     const end = performance.now() + 1000 * MAX_COMPUTE_TIME;
-    for (; this.debt >= timestep && performance.now() < end; this.debt -= timestep) {
+    for (; this.timeToSimulate >= timestep && performance.now() < end; this.timeToSimulate -= timestep) {
       this.walks.forEach((walk, number) => {
         if (walk.isBroken) return;
         this.pusher.apply(walk, number);
         walk.step();
       });
     }
-    this.debt = Math.min(this.debt, timestep);
+    this.timeToSimulate = Math.min(this.timeToSimulate, timestep);
     for (const walk of this.walks) walk.stepLevelWalk(LEVEL_STEPS);
-    if (this.walks.some(({ data }) => Math.hypot(data.qpos[0], data.qpos[1]) > EDGE)) this.restart();
+    if (this.walks.some(({ data }) => Math.hypot(data.qpos[0], data.qpos[1]) > MAX_DISTANCE)) this.restart();
   }
 
   draw(elapsed) {
@@ -225,7 +225,7 @@ class Playground {
     this.scores = this.page.robots.map(({ label, colour }) => {
       const dot = make("span", { className: "dot" });
       dot.style.setProperty("--colour", colour);
-      const distance = make("b", { className: "distance", title: "Distance forward of the centre of mass, since the gait began" });
+      const distance = make("b", { className: "distance", title: "Forward distance of the centre of mass since the gait began" });
       const clock = make("span", { className: "clock" });
       const verdict = make("p", { className: "verdict" });
       document.querySelector(".score").append(make("div", { className: "robot" },
@@ -244,12 +244,12 @@ class Playground {
       score.distance.textContent = `${distance.toFixed(2).replace(/^-(0\.00)$/, "$1")} m`;
       score.clock.textContent = `${walk.time.toFixed(1)} s`;
       if (walk.verdict) { this.showResult(score, walk); return; }
-      if (walk.trace.time.length < 3) { this.showVerdict(score, `The measured walk takes ${walk.duration} s.`, ""); return; }
+      if (walk.trace.time.length < 3) { this.showVerdict(score, `The walk is measured for ${walk.duration} s.`, ""); return; }
       if (walk.time < score.nextVerdict) return;
       score.nextVerdict = walk.time + VERDICT_INTERVAL;
       walk.trace.warnings = walk.countWarnings();
       const { name, reason } = judge(this.page, walk.trace, walk);
-      if (walk.isChanged) this.showVerdict(score, "Changed during the walk. Restart to measure it.", "");
+      if (walk.isChanged) this.showVerdict(score, "The walk was changed by hand. Restart to measure it.", "");
       else if (name === "ok") this.showVerdict(score, `${walk.velocity.toFixed(2)} m/s. The walk counts so far.`, "");
       else this.showVerdict(score, `Does not count: ${name}, ${reason}.`, "rejected");
     });
@@ -258,8 +258,8 @@ class Playground {
   showResult(score, walk) {
     if (score.isDone) return;
     const result = `In ${walk.duration} s: ${walk.distance.toFixed(2)} m, ${walk.velocity.toFixed(2)} m/s.`;
-    if (walk.isChanged) this.showVerdict(score, `${result} It was changed or pushed: restart to measure it.`, "");
-    else if (walk.needsLevelWalk) this.showVerdict(score, `${result} Does it walk on level ground, too? …`, "");
+    if (walk.isChanged) this.showVerdict(score, `${result} The walk was changed by hand. Restart to measure it.`, "");
+    else if (walk.needsLevelWalk) this.showVerdict(score, `${result} Checking whether the robot also walks on level ground …`, "");
     else if (walk.verdict.name === "ok") this.showVerdict(score, `${result} ${this.page.verdicts.ok}`, "counts");
     else this.showVerdict(score, `${result} Does not count: ${walk.verdict.name}, ${walk.verdict.reason}.`, "rejected");
     score.isDone = !walk.needsLevelWalk;

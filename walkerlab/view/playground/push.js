@@ -1,7 +1,7 @@
-// Pushing a robot: by dragging it with finger or mouse, or by a button.
+// Forces of the user on a robot: from dragging it with a finger or the mouse, and from a button.
 const GRAB_DISTANCE = 60; // pixels within which a robot is grabbed
 const PULL_STIFFNESS = 40; // N/m per kg of the robot
-const PULL_DAMPING = 6; // N·s/m per kg of the robot, so that it is not flung away
+const PULL_DAMPING = 6; // N·s/m per kg of the robot, which limits its speed
 const MAX_PULL = 1.2; // times the weight of the robot on earth
 const PUSH_TIME = 0.15; // s
 const PUSH_STRENGTH = 1.2; // times the weight of the robot on earth
@@ -26,7 +26,7 @@ class Pusher {
     return [event.clientX - box.left, event.clientY - box.top];
   }
 
-  start(event) { // grabs the nearest segment, and returns whether there is one
+  start(event) { // grabs the nearest segment, and returns whether one is near enough
     const [x, y] = this.place(event);
     let nearest = GRAB_DISTANCE;
     this.walks().forEach((walk, number) => walk.robot.segments.forEach((_, index) => {
@@ -49,9 +49,9 @@ class Pusher {
   }
 
   end() {
-    const was = this.grab !== null;
+    const wasGrabbed = this.grab !== null;
     this.grab = null;
-    return was;
+    return wasGrabbed;
   }
 
   push(number) { // pushes a robot to the left
@@ -63,7 +63,7 @@ class Pusher {
     return [x, y + this.view.drawing.robots[number].lane, z];
   }
 
-  apply(walk, number) { // sets the forces of the next step; called before each
+  apply(walk, number) { // sets the forces of the next step; called before each step
     const forces = walk.data.xfrc_applied;
     forces.fill(0);
     const weight = EARTH_GRAVITY * py.sum(walk.robot.segments.map(({ mass }) => mass));
@@ -86,7 +86,7 @@ class Pusher {
     walk.isChanged = true;
   }
 
-  draw() { // draws a line from the grabbed segment to the finger
+  draw() { // draws a line from the grabbed segment to the finger or the mouse
     this.line.style.display = this.grab ? "" : "none";
     if (!this.grab) return;
     const { number, index, x, y } = this.grab;

@@ -1,8 +1,8 @@
-"""Translation of pure Python functions to JavaScript, so that the arithmetic of a page exists only once.
+"""Translation of pure Python functions to JavaScript, so that a page uses the same arithmetic.
 
 The functions must consist of plain arithmetic: assignments, loops, conditions, comprehensions, and calls of ``math``,
-of some builtins and of each other. Anything else raises a ``SyntaxError`` with its line. The functions and constants
-that they use are translated with them.
+of some builtins and of each other. Anything else raises a ``SyntaxError`` that quotes it. The functions and constants
+that they use are translated, too.
 """
 
 import ast
@@ -45,7 +45,7 @@ def _define(name: str, value: Any, definitions: dict[str, str]) -> None:
     if not inspect.isfunction(value):
         definitions[name] = f"const {name} = {json.dumps(value)};"
         return
-    definitions[name] = ""  # a function that calls itself is not defined twice
+    definitions[name] = ""  # prevents a second definition of a recursive function
     tree = ast.parse(textwrap.dedent(inspect.getsource(value))).body[0]
     assert isinstance(tree, ast.FunctionDef)
     translator = _Translator(value.__globals__)
@@ -60,7 +60,7 @@ class _Translator:
     """Translator of one function.
 
     Attributes:
-        globals_used: Global functions and constants that it uses, apart from builtins and modules.
+        globals_used: Global functions and constants that the function uses, except builtins and modules.
     """
 
     def __init__(self, scope: dict[str, Any]) -> None:
@@ -193,7 +193,7 @@ class _Translator:
         return text
 
     def _call(self, function: ast.expr, arguments: list[ast.expr], keywords: list[ast.keyword]) -> str:
-        # Only "strict", which has no effect if the lengths are equal, and "start" occur; both come last.
+        # The only keywords are "start" and "strict", which has no effect on lists of equal length; both come last.
         values = [self._value(argument) for argument in arguments]
         values += [self._value(keyword.value) for keyword in keywords if keyword.arg == "start"]
         if any(keyword.arg not in ("start", "strict") for keyword in keywords):

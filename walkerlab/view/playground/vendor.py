@@ -1,4 +1,4 @@
-"""Copy of MuJoCo's official WebAssembly build in this package, and the command that renews it.
+"""Copy of MuJoCo's official WebAssembly build in this package, and the command that updates it.
 
     python -m walkerlab.view.playground.vendor
 
@@ -34,7 +34,7 @@ def decompressed_file(name: str) -> bytes:
 
 
 def renew() -> None:
-    """Download the package and replace the files of this one."""
+    """Download the npm package and replace the files in ``FOLDER``."""
     with tempfile.TemporaryDirectory() as folder:
         pack = subprocess.run(
             ["npm", "pack", f"{PACKAGE}@{VERSION}"], cwd=folder, check=True, capture_output=True, text=True

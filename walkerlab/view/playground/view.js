@@ -150,7 +150,7 @@ class View {
     return sledgeBody > 0 ? [robot, at(data.xpos, sledgeBody)] : [robot];
   }
 
-  // Follows the robots as aim_camera in world/cameras.py does. The filter knows only the past; it predicts a steady walk without lag.
+  // Follows the robots as aim_camera in world/cameras.py does. The filter uses only past positions; it follows a steady walk without lag.
   aim(points, size, elapsed) {
     const constants = this.drawing.camera_constants;
     const ends = [Math.min, Math.max].map((end) => [0, 1, 2].map((axis) => end(...points.map((point) => point[axis]))));
@@ -181,7 +181,7 @@ class View {
     this.K3D.setCamera([...eye, ...target, ...(isDown ? [0, 1, 0] : [0, 0, 1])]);
   }
 
-  moveFreeCamera(target) { // the user turns it, and it moves with the robots
+  moveFreeCamera(target) { // moves with the robots, in the direction that the user set
     if (this.lastTarget) {
       const movement = target.map((value, axis) => value - this.lastTarget[axis]);
       this.K3D.setCamera(this.world.controls.getCameraArray().map((value, axis) => value + (axis < 6 ? movement[axis % 3] : 0)));
@@ -196,13 +196,13 @@ class View {
 
   // ------------------------------------------------------------------------------------------------------ on the screen
 
-  project([x, y, z]) { // place of a point of the world in the picture, in pixels, and its depth
+  project([x, y, z]) { // position of a point of the world in the picture, in pixels, and its depth
     const { x: right, y: up, z: depth } = this.world.camera.position.clone().set(x, y, z).project(this.world.camera);
     return { x: (right + 1) / 2 * this.target.clientWidth, y: (1 - up) / 2 * this.target.clientHeight, depth,
       isVisible: Math.abs(right) < 1.05 && Math.abs(up) < 1.05 && depth < 1 };
   }
 
-  unproject(x, y, depth) { // the point of the world at a place in the picture
+  unproject(x, y, depth) { // point of the world at a position in the picture
     const right = 2 * x / this.target.clientWidth - 1, up = 1 - 2 * y / this.target.clientHeight;
     return this.world.camera.position.clone().set(right, up, depth).unproject(this.world.camera).toArray();
   }

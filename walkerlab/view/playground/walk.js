@@ -4,7 +4,7 @@ const FULL_TURN = 2 * Math.PI;
 
 // ------------------------------------------------------------------------------------------------------------- model
 
-// Describes a robot to MuJoCo: Python's `write_individual`, translated, writes the sizes into the model of its body plan.
+// Compiles the model of a robot: `write_individual`, translated from Python, writes its sizes into the model of its body plan.
 function compileModel(mj, page, robot, world) {
   const plan = bodyPlan(robot);
   page.specs ??= {};
@@ -14,7 +14,7 @@ function compileModel(mj, page, robot, world) {
   const described = {
     body: find("BODY", mj.mjs_asBody), joint: find("JOINT", mj.mjs_asJoint), site: find("SITE", mj.mjs_asSite),
     tendon: find("TENDON", mj.mjs_asTendon), actuator: find("ACTUATOR", mj.mjs_asActuator),
-    geom(name) { // the ends of a capsule replace its position, which a file contains instead
+    geom(name) { // `write_individual` sets the ends of a capsule, which replace the position in the file
       const geom = findGeom(name);
       geom.pos.fill(0);
       return geom;
@@ -96,7 +96,7 @@ class Walk {
     this.trace = { time: [], com: [], on_ground: [], up: [], sink: [], load: [], rope: [], targets: [], settled: 0, creep: Infinity,
       overlap: this.startOverlap(), warnings: 0, level_speed: NaN };
     this.restTime = 0;
-    this.steps = 0; // in the present phase
+    this.steps = 0; // in the current phase
     this.phase = "settling";
     this.isChanged = false; // whether robot or world changed during the walk
     this.strideShift = 0; // so that a new frequency continues the stride
@@ -104,12 +104,12 @@ class Walk {
     this.isBroken = false; // whether the simulation diverged
   }
 
-  // Simulates until the gait can begin, which takes at most some seconds of simulated time.
+  // Simulates until the gait begins, which is limited to a few seconds of simulated time.
   settleNow() { while (this.phase === "settling") this.step(); }
 
   get time() { return this.phase === "settling" ? 0 : this.steps * this.timestep; } // s since the gait began
 
-  get com() { return this.data.subtree_com.slice(3, 6); } // of the robot; at the time of the last step's start
+  get com() { return this.data.subtree_com.slice(3, 6); } // of the robot at the start of the last step
 
   // ----------------------------------------------------------------------------------------------------------- start
 
@@ -287,7 +287,7 @@ class Walk {
   }
 
   countWarnings() {
-    const warnings = this.data.warning; // belongs to the data; must not be deleted
+    const warnings = this.data.warning; // must not be deleted, because it belongs to the data
     let count = 0;
     for (let i = 0; i < warnings.size(); i++) {
       const warning = warnings.get(i);
