@@ -1,4 +1,4 @@
-"""Command ``compare``: several conditions with several seeds, and a report about them."""
+"""Command ``compare``: run several conditions with several seeds, and write a report."""
 
 from __future__ import annotations  # Experiment and Settings are imported for type checking only
 
@@ -27,7 +27,7 @@ FILES = {
 
 
 class ComparisonError(WalkerlabError):
-    """Request of a comparison that has no conditions, or whose folder has other contents."""
+    """Error of a comparison that has no conditions, or that cannot be restored from its file."""
 
 
 def compare_command(arguments: argparse.Namespace) -> int:
@@ -59,8 +59,8 @@ def compare_command(arguments: argparse.Namespace) -> int:
         if is_new:
             raise
         raise RunFileError(
-            f"{error}\nContinue the stored one:  walkerlab compare --out {quote_path(arguments.out)}\n"
-            "Start a new one:          walkerlab compare … --out ANOTHER-FOLDER"
+            f"{error}\nContinue the stored experiment: walkerlab compare --out {quote_path(arguments.out)}\n"
+            "Start a new experiment:         walkerlab compare … --out ANOTHER-FOLDER"
         ) from error
     return _finish(result, arguments.out, quiet=arguments.quiet)
 
@@ -69,7 +69,7 @@ def parse_seeds(text: str) -> list[int]:
     """Parse seeds and ranges of seeds: ``0-9``, ``0,2,5`` or ``0-4,7``.
 
     Raises:
-        ArgumentTypeError: If the text has another form.
+        ArgumentTypeError: If the text does not have this form.
     """
     seeds: list[int] = []
     for part in text.split(","):
@@ -81,12 +81,12 @@ def parse_seeds(text: str) -> list[int]:
 
 
 def build_conditions(words: list[str], base: Settings, *, random_search: bool) -> dict[str, Any]:
-    """Return conditions as ``wl.compare`` takes them.
+    """Return conditions in the form that ``wl.compare`` requires.
 
     Args:
         words: Texts of the conditions; ``evolution:`` if there are none.
         base: Settings that all conditions share.
-        random_search: Whether random search is added, once for all conditions that differ only in their operators.
+        random_search: Whether to add random search, once for all conditions that differ only in their operators.
 
     Raises:
         SettingsError: If a text or a setting is not valid, or a name occurs twice.
@@ -100,7 +100,7 @@ def build_conditions(words: list[str], base: Settings, *, random_search: bool) -
     for word in words or ["evolution:"]:
         name, changes = parse_condition(word)
         if name in conditions:
-            raise SettingsError(f"two conditions are called {name!r}; give each another name")
+            raise SettingsError(f"two conditions are called {name!r}; give each condition a different name")
         try:
             conditions[name] = base.with_(**changes)
         except SettingsError as error:
@@ -120,24 +120,24 @@ def _read_stored(path: Path) -> Experiment:
     """Return the experiment in a file, to be continued.
 
     Raises:
-        ComparisonError: If there is none.
+        ComparisonError: If the file does not exist.
     """
     from walkerlab.experiment.experiment import load_experiment
 
     if not path.exists():
         raise ComparisonError(
             f"There is nothing to compare, and {display_path(path.parent)} contains no experiment to be continued.\n"
-            f"Name at least two conditions:         {EXAMPLE}\n"
+            f"Name at least two conditions:            {EXAMPLE}\n"
             "Or compare evolution with random search: walkerlab compare --random-search"
         )
     return load_experiment(path)
 
 
 def _restore_conditions(stored: Experiment) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return conditions and first populations of a stored experiment, as ``wl.compare`` takes them.
+    """Return conditions and first populations of a stored experiment, in the form that ``wl.compare`` requires.
 
     Raises:
-        ComparisonError: If it has functions of the user, which no file contains.
+        ComparisonError: If the experiment has functions of the user, which are not stored in the file.
     """
     from walkerlab.experiment.optimisers import random_search
 

@@ -64,14 +64,14 @@ def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.Argu
         nargs="*",
         metavar="NAME:CHANGES",
         help='name of a condition and its changed settings, as in harsh:"selection=tournament(size=7) n_elites=0"; '
-        "without any, the experiment in FOLDER is continued",
+        "without conditions, the experiment in FOLDER is continued",
     )
     compare.add_argument(
         "--random-search", action="store_true", help="add random search with the same number of evaluations"
     )
-    compare.add_argument("--seeds", type=comparing.parse_seeds, metavar="SEEDS", help="such as 0-4 or 1,5,7 [0-9]")
+    compare.add_argument("--seeds", type=comparing.parse_seeds, metavar="SEEDS", help="seeds, as in 0-4 or 1,5,7 [0-9]")
     compare.add_argument(
-        "--out", type=flags.parse_path, default="comparison", metavar="FOLDER", help="folder of the files [comparison]"
+        "--out", type=flags.parse_path, default="comparison", metavar="FOLDER", help="folder for the files [comparison]"
     )
     compare.add_argument("--quiet", action="store_true", help="print only errors")
     flags.add_flags(compare)

@@ -1,4 +1,4 @@
-"""Settings written as texts: ``mutation_rate=0.3``, ``selection=tournament(size=7)``, ``legs=2,6``."""
+"""Settings written as text: ``mutation_rate=0.3``, ``selection=tournament(size=7)``, ``legs=2,6``."""
 
 import re
 from functools import partial
@@ -22,10 +22,10 @@ def parse_condition(text: str) -> tuple[str, dict[str, Any]]:
     """Parse the name of a condition and its changed settings: ``gentle:selection=tournament(size=2) n_elites=0``.
 
     Args:
-        text: Name, colon, and changed settings separated by spaces; there can be none after the colon.
+        text: Name, colon, and changed settings separated by spaces; the list of settings can be empty.
 
     Raises:
-        SettingsError: If the text has another form, or there is no such operator.
+        SettingsError: If the text does not have this form, or there is no such operator.
     """
     name, colon, changes = text.partition(":")
     if not colon or not name.strip():

@@ -1,9 +1,9 @@
-"""Script that evolves the walker with which the panel opens.
+"""Script that evolves the walker that the panel shows before the first run.
 
     python -m walkerlab.commands.walker data/walker.json
 
-It evolves with the default settings for about 5,000 trials, which takes a few minutes, and writes the champion, its
-settings, and how well its walk is repeated at a quarter of the timestep and from other starts.
+It evolves with the default settings for about 5,000 trials, which takes a few minutes. It writes the champion, its
+settings, and the shares of its fitness that remain at a quarter of the timestep and from other starts.
 """
 
 import json

@@ -156,7 +156,7 @@ class Guard(Choice):
     load_lost = 10, "its sledge broke the rope, overtook it, or sank into the ground"
     overturned = 11, "it was on its back for too long in total: rolling or sliding, not walking"
     carried = 12, "a slope, gravity or the wind moved it; on level ground in still air it does not walk"
-    fragile = 13, "it would be among the best, but from a slightly different start it does much worse"
+    fragile = 13, "it was among the best, but from a slightly different start its fitness was much lower"
 
 
 class Camera(Choice):

@@ -1,4 +1,4 @@
-"""The parts of a robot and its loads as rods that move, for drawings."""
+"""The parts of a robot and its loads as moving rods, for drawings."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ class Limb:
         ends: Ends of the axis [m], shape (n, 2, 3).
         radius: Radius [m].
         colour: RGBA, shape (4,).
-        has_round_ends: Whether half a ball is added at each end.
+        has_round_ends: Whether the rod has a hemisphere at each end.
     """
 
     ends: Floats
@@ -29,7 +29,7 @@ class Limb:
 
 
 def limb_tracks(scene: Scene, poses: Floats) -> list[Limb]:
-    """Return the axis of each part of the robot and its loads over time, for drawings of rods with round ends.
+    """Return each part of the robot and its loads as a rod in each pose.
 
     Args:
         scene: Compiled scene.
