@@ -516,7 +516,7 @@ def test_a_stopped_and_a_loaded_run_are_continued(lab):
 
 def test_an_edited_genome_continues_a_run_that_is_over(lab):
     genome = wl.Genome.random(SMALL.robot, rng=np.random.default_rng(5))
-    assert lab._continue_with(genome) == "The selected run cannot be continued now."
+    assert lab._continue_with(genome).startswith("No run that can be continued is selected.")
     step(lab)
     press(lab, "stop")
     wait_for_drawings(lab)

@@ -56,6 +56,6 @@ def test_a_changed_control_gives_valid_settings():
         ("mutation", wl.Settings().with_(mutation=["micro", "macro"]), "list of operators"),
     ],
 )
-def test_a_setting_without_a_plain_control_is_explained(name, settings, words):
+def test_a_setting_without_a_plain_control_is_rejected(name, settings, words):
     with pytest.raises(ValueError, match=words):
         wl.widgets.slider(name, settings)

@@ -1,4 +1,4 @@
-"""A playground in a notebook shares the genes of its sliders with Python."""
+"""A playground in a notebook synchronises the genome of its sliders with Python."""
 
 from tests.frontends import book, open_notebook, start_all
 from walkerlab.commands.worlds import WALKER_GENOME as GENOME

@@ -77,7 +77,7 @@ def test_an_edited_gene_is_played(area, monkeypatch):
 
 
 def test_an_edited_gene_shows_its_distance_beside_the_old_one(area, done):
-    number = done.records.individual[done.records.verdict != "fragile"].iloc[-1]  # which is not a verdict of one walk
+    number = done.records.individual[done.records.verdict != "fragile"].iloc[-1]  # a verdict of several walks
     area.show(done, number)
     area.editor._handle_custom_msg({"gene": 1, "value": 0.7}, [])
     area.editor._handle_custom_msg({"press": "try"}, [])
@@ -96,7 +96,7 @@ def test_a_watched_replay_is_replaced_after_an_edit(area, done, monkeypatch):
     sent = []
     monkeypatch.setattr(Frame, "send", lambda _, message: sent.append(message))
     area.show(done, -1)
-    for is_open, n_plays in ((False, 0), (True, 1), (False, 2)):  # at last, the page is still being created
+    for is_open, n_plays in ((False, 0), (True, 1), (False, 2)):  # in the last case, the page is still being created
         area.frame.is_open = is_open
         area.editor._handle_custom_msg({"press": "try"}, [])
         assert len(sent) == n_plays
@@ -119,7 +119,7 @@ def test_before_a_run_a_random_robot_can_be_watched(area):
     assert area.frame._make().walks[0].scene.genome == area.editor.genome
 
 
-def test_a_live_robot_and_the_editor_stay_in_step_until_another_robot_is_shown(area, done):
+def test_a_live_robot_and_the_editor_are_synchronised_until_another_robot_is_shown(area, done):
     area.show(done, -1)
     area.editor._handle_message(None, {"press": "live"}, [])
     [live] = area.live.children

@@ -1,4 +1,4 @@
-"""The selection wheel shows the probabilities of the selected operator, and spins when asked."""
+"""The selection wheel shows the probabilities of the selected operator, and spins on request."""
 
 import re
 

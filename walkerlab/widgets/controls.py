@@ -15,10 +15,11 @@ from walkerlab.settings.terms import explain_term
 Control: TypeAlias = dict[str, Any]
 """What the browser needs to know about one setting.
 
-``name``, ``label``, ``about``, ``default``, ``default_text``, ``hidden_if_unused``, ``term`` and ``unit_term`` (which
-explain its name and its unit) and a ``kind``: ``slider`` (with unit, low, high and stops), ``range`` (the same, with
-two thumbs), ``vector`` (the same, with named components and presets), ``number`` (typed or random), ``choice`` (one
-of several options), ``sequence`` (options applied one after the other) or ``flags`` (any of the options).
+``name``, ``label``, ``about``, ``default``, ``default_text``, ``hidden_if_unused``, ``term`` and ``unit_term``
+(explanations of its name and its unit) and a ``kind``: ``slider`` (with unit, low, high and stops), ``range`` (the
+same, with two thumbs), ``vector`` (the same, with named components and presets), ``number`` (typed or random),
+``choice`` (one of several options), ``sequence`` (options applied one after the other) or ``flags`` (any of the
+options).
 """
 
 Values: TypeAlias = Mapping[str, Mapping[str, Any]]
@@ -35,11 +36,11 @@ HIDDEN_IF_UNUSED = {
 }
 """Settings that apply to one option only; they are hidden while another one is selected."""
 
-MAX_BUTTONS = 5  # options that have a button each; if there are more, they are in a menu
+MAX_BUTTONS = 5  # maximum number of options that are shown as buttons; more are shown in a menu
 MANTISSAS = [*range(10, 20), *range(20, 50, 2), *range(50, 100, 5)]
 AXIS_DIRECTIONS = {"x": "forward", "y": "left", "z": "up"}
 SEED_LABELS = {"terrain.seed": "terrain seed", "algorithm.seed": "evolution seed"}
-"""Labels of the two settings with the same name."""
+"""Labels of the two seeds, whose fields have the same name."""
 
 SETTING_NAME = re.compile(rf"\b({'|'.join(name.capitalize() for name in Settings.model_fields)})\.(\w+)")
 """Name of a setting in error messages: ``Terrain.step_height``."""
@@ -131,7 +132,7 @@ def setting_label(name: str, domain: str = "") -> str:
 
     Args:
         name: Name of the field.
-        domain: Name of its domain, which distinguishes the two seeds.
+        domain: Name of the domain; required to distinguish the two seeds.
     """
     return SEED_LABELS.get(f"{domain}.{name}", name.removeprefix("n_").replace("_", " "))
 

@@ -22,7 +22,7 @@ PICTURE_SIZE = (6.4, 3.5)  # inches
 FIGURE_MARGINS = {"left": 0.14, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
 MAX_LABEL_LENGTH = 18  # maximum length of a name in the legend, in characters
 LEGEND_LINE_HEIGHT = 0.055  # height of a line of the legend, as a fraction of the picture's height
-_GREY = re.compile(r"#([0-9a-f]{2})\1\1")
+_GREY_COLOUR = re.compile(r"#([0-9a-f]{2})\1\1")
 _curve_ids = count()  # shared by all drawings, because IDs are unique on a page
 
 
@@ -95,11 +95,11 @@ def _curve_html(picture: str, n_axes: int) -> Markup:
 
 
 def _use_text_colour(svg: str) -> str:
-    """Replace grey colours in an SVG with shares of the text colour, which is light in a dark notebook."""
-    return _GREY.sub(lambda found: _share_of_text_colour(int(found[1], 16)), svg)
+    """Replace each grey in an SVG with a tint of the text colour, so that it is readable in a dark notebook."""
+    return _GREY_COLOUR.sub(lambda found: _mix_text_colour(int(found[1], 16)), svg)
 
 
-def _share_of_text_colour(grey: int) -> str:
+def _mix_text_colour(grey: int) -> str:
     return f"color-mix(in srgb, currentColor {100 * (255 - grey) / 255:.0f}%, transparent)"
 
 

@@ -23,13 +23,13 @@ function render({ model, el }) {
   const button = (words, title, onclick) => make("button", { type: "button", title, textContent: words, onclick });
 
   // continue
-  const more = make("input", { type: "number", min: 1, max: 10000, step: 1, ariaLabel: "how many more" });
-  const source = make("select", { ariaLabel: "settings of the continuation" },
+  const more = make("input", { type: "number", min: 1, max: 10000, step: 1, ariaLabel: "number of further generations" });
+  const source = make("select", { ariaLabel: "settings of the further generations" },
     make("option", { value: "run", textContent: "with its own settings" }),
     make("option", { value: "form", textContent: "with the settings of the form" }));
   const further = button("Continue this run", "evolve further generations of the selected run, in the same file",
     () => model.send({ further: Math.max(1, Math.round(more.valueAsNumber) || 1), with_form: source.value === "form" }));
-  const continuation = make("div", { className: "row" }, further, make("label", {}, more, " more generations"), source);
+  const continuation = make("div", { className: "row" }, further, make("label", {}, "for ", more, " generations"), source);
 
   // load
   const files = make("select", { id: `${id}-files`, ariaLabel: "run file to load" });

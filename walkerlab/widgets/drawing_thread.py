@@ -36,7 +36,7 @@ class DrawingThread:
         Args:
             name: Name of the picture.
             draw: Function that draws it.
-            is_urgent: Whether it is drawn before all others and without a pause: it answers an action of the user.
+            is_urgent: Whether the picture is drawn before all others and without a pause, for an action of the user.
         """
         with self._changed:
             self._requests[name] = draw

@@ -1,8 +1,8 @@
-// Sliders for the genes of a robot, its genome as text, and the result of its walk. Sliders and text stay in step.
+// Sliders for the genes of a robot, its genome as text, and the result of its walk. Sliders and text are synchronised.
 // Behind the text area is a transparent copy of its text, in which the error is marked.
 const PAUSE = 150; // ms without a key press until the text is sent
 const SLIDER_INTERVAL = 60; // ms between two positions of a slider that are sent
-const MAX_WAIT = 600; // ms for which the next position waits until Python has answered the previous one
+const MAX_WAIT = 600; // maximum time in ms that a position waits for Python's answer to the previous one
 const WALK_PAUSE = 250; // ms from the last change of a gene to the walk
 const DEGREES = 180 / Math.PI;
 const SLIDER_STEP = 0.001; // resolution of genomes
@@ -16,7 +16,7 @@ function withUnit(gene, value) {
   return `${short(value)} ${gene.unit}`.trim();
 }
 
-function describe(gene) { // a sentence with range and meaning
+function describe(gene) { // label, meaning and range
   const range = gene.kind === "count" && gene.high === 1 ? "" : `, ${short(gene.low)} to ${withUnit(gene, gene.high)}`;
   return `${gene.label}: ${gene.meaning}${range}`;
 }
@@ -49,7 +49,7 @@ function geneRow(gene, id, change, help) {
 
   function show(value, original, isUsed, isValid) {
     row.classList.toggle("unused", !isUsed);
-    row.title = isUsed ? describe(gene) : `${describe(gene)}. This gene has no effect in this robot.`;
+    row.title = isUsed ? describe(gene) : `${describe(gene)}. This gene has no effect on this robot.`;
     const isChanged = isValid && original !== undefined && Math.abs(value - original) > SLIDER_STEP / 2;
     row.classList.toggle("changed", isChanged);
     was.textContent = isChanged ? `was ${isSwitch ? withUnit(gene, original) : short(original)}` : "";
@@ -90,32 +90,32 @@ function render({ model, el }) {
   const result = make("div", { className: "result", attributes: { role: "status" } });
   const press = (name, textContent, title, className = "") =>
     make("button", { type: "button", className, textContent, title, onclick: () => { flushText(); model.send({ press: name }); } });
-  const walk = press("walk", "Play its walk", "in 3D, beside the unedited robot and the champion", "main");
-  const live = press("live", "Walk live", "simulated in the browser: the sliders change the robot while it walks");
+  const walk = press("walk", "Play its walk", "play the walk in 3D, beside the unedited robot and the champion", "main");
+  const live = press("live", "Walk live", "simulate the robot in the browser; the sliders change it while it walks");
   const insert = press("insert", "Insert into the next generation", "");
-  const resume = press("continue", "Continue the run with it", "It replaces a child in the next generation.");
+  const resume = press("continue", "Continue with this robot", "continue the selected run; this robot replaces a child in its next generation");
   const undo = press("undo", "Undo all changes", "");
   const hint = make("p", { className: "quiet hint" });
-  const tabs = make("div", { className: "groups", role: "group", ariaLabel: "genes of" });
+  const tabs = make("div", { className: "groups", role: "group", ariaLabel: "groups of genes" });
   const sections = make("div", { className: "sections" });
   const helpLine = make("p", { className: "quiet help" });
   el.classList.add("wl-component", "wl-editor");
   el.append(
     make("div", { className: "genes" }, tabs, sections, helpLine),
     make("div", { className: "robot" }, picture, result, make("div", { className: "buttons" }, walk, live, undo, insert, resume), hint),
-    make("div", { className: "gene" }, label, make("div", { className: "sheet" }, behind, area), messages));
+    make("div", { className: "genome" }, label, make("div", { className: "sheet" }, behind, area), messages));
 
   // --------------------------------------------------------------------------------------------------------- sliders
   let rows = [];
   let group = "";
-  let pending = null; // message with a slider's position that is not sent yet
+  let pending = null; // message with a slider's position that has not been sent
   let sliderTimer = 0;
-  let isWaiting = false; // for the answer to the last position
+  let isWaiting = false; // whether Python has not yet answered the last position
   let walkTimer = 0;
 
   const help = (gene) => { helpLine.textContent = `${describe(gene)}.`; };
 
-  function walkSoon() {
+  function requestWalk() {
     clearTimeout(walkTimer);
     walkTimer = setTimeout(() => {
       if (model.get("fault")) return;
@@ -138,23 +138,23 @@ function render({ model, el }) {
     pending = { gene: index, value };
     result.classList.add("outdated");
     clearTimeout(walkTimer);
-    if (isFinal) { flushGene(); walkSoon(); }
+    if (isFinal) { flushGene(); requestWalk(); }
     else if (!isWaiting) sliderTimer ||= setTimeout(flushGene, SLIDER_INTERVAL);
   }
 
-  function build() {
+  function buildRows() {
     const genes = model.get("genes");
     const groups = [...new Set(genes.map((gene) => gene.group))];
     if (!groups.includes(group)) group = groups[1] ?? groups[0] ?? "";
     tabs.replaceChildren(...groups.map((name) => make("button", { type: "button", textContent: name, onclick: () => {
       group = name;
-      choose();
+      showGroup();
     } })));
     rows = genes.map((gene, index) => geneRow(gene, `${id}-${index}`, (value, isFinal) => change(index, value, isFinal), help));
-    choose();
+    showGroup();
   }
 
-  function choose() {
+  function showGroup() {
     const genes = model.get("genes");
     for (const tab of tabs.children) tab.ariaPressed = tab.textContent === group;
     const members = genes.flatMap((gene, index) => gene.group === group ? [{ ...gene, index }] : []);
@@ -171,7 +171,7 @@ function render({ model, el }) {
     for (const tab of tabs.children) {
       const isUsed = genes.some((gene, index) => gene.group === tab.textContent && used[index]);
       tab.classList.toggle("unused", !isUsed);
-      tab.title = isUsed ? "" : "This robot does not have this segment: its genes have no effect.";
+      tab.title = isUsed ? "" : "This robot does not have this segment, so the genes of the segment have no effect.";
     }
   }
 
@@ -183,7 +183,7 @@ function render({ model, el }) {
     timer = 0;
     model.set("text", area.value);
     model.save_changes();
-    walkSoon();
+    requestWalk();
   }
 
   function flushText() { // so that a button acts on the current text
@@ -211,7 +211,7 @@ function render({ model, el }) {
     const { distance, change: gain, before, verdict, counts, is_better, others = [] } = model.get("result");
     result.classList.remove("busy", "outdated");
     result.classList.toggle("rejected", counts === false);
-    if (!distance) { result.replaceChildren(make("p", { className: "quiet", textContent: model.get("result").fault ?? "Move a slider: the robot walks when you release it." })); return; }
+    if (!distance) { result.replaceChildren(make("p", { className: "quiet", textContent: model.get("result").fault ?? "Move a slider: when you release the slider, the robot walks." })); return; }
     const sign = make("span", { className: is_better ? "gain better" : "gain", textContent: gain });
     result.replaceChildren(
       make("p", {}, make("b", { textContent: distance }), " forward ", sign, make("span", { className: "before", textContent: before })),
@@ -241,7 +241,7 @@ function render({ model, el }) {
     undo.disabled = !wrong && !sections.querySelector(".changed") && !rows.some(({ row }) => row.classList.contains("changed"));
   }
 
-  function answered() {
+  function handleAnswer() {
     isWaiting = false;
     updateGenes();
     if (pending && !sliderTimer) flushGene();
@@ -258,13 +258,13 @@ function render({ model, el }) {
   area.onscroll = () => { behind.scrollTop = area.scrollTop; };
   model.on("change:text", write);
   for (const name of ["fault", "fault_range", "notes", "can_insert", "insert_hint", "buttons", "original", "used", "values"]) model.on(`change:${name}`, update);
-  model.on("change:values", answered);
-  model.on("change:genes", build);
+  model.on("change:values", handleAnswer);
+  model.on("change:genes", buildRows);
   model.on("change:result", showResult);
   model.on("msg:custom", ({ walked }) => { if (walked) showResult(); });
   model.on("change:picture", draw);
   write();
-  build();
+  buildRows();
   showResult();
   if (model.get("picture")) draw();
   const releaseKeys = captureKeys(el);

@@ -31,7 +31,7 @@ OnGenome = Callable[[Genome], object]
 
 
 class Editor(Component):
-    """A genome as sliders and as editable text, which stay in step, and the robot that it describes.
+    """A genome as sliders and as editable text, which are synchronised, and the robot that it describes.
 
     Attributes:
         text: Text in the editor.
@@ -43,13 +43,13 @@ class Editor(Component):
         notes: Sentences on the genes that were beyond the limits and the values that are used instead.
         picture: Picture of the robot, as SVG; while the text is not valid, the picture of the last valid genome.
         genes: Description of each gene, as ``describe_genes`` returns it.
-        values: Value of each gene in the text, even beyond the limits; the last valid ones if the text is not valid.
+        values: Value of each gene in the text, even beyond the limits; the last valid values if the text is not valid.
         used: Whether each gene has an effect on the robot.
         original: Values of the genome before it was edited.
         result: Result of the last walk, as plain data for the browser: ``distance``, ``change``, ``before``,
             ``verdict``, ``counts``, ``is_better`` and ``others``, a list of further lines; or ``fault``.
         can_insert: Whether the genome can be inserted into a later generation.
-        insert_hint: Why it cannot, and what to do.
+        insert_hint: Why the genome cannot be inserted, and what to do.
         buttons: Names of the visible buttons: those with a callback.
     """
 
@@ -84,9 +84,9 @@ class Editor(Component):
         self._callbacks: dict[str, list[OnGenome]] = {
             name: [] for name in ("try", "walk", "live", "insert", "continue")
         }
-        self._given: Genome | None = None
+        self._unrepaired: Genome | None = None
         self._unedited_text = ""
-        self._before: Outcome | None = None  # of the genome before it was edited
+        self._original_outcome: Outcome | None = None
         self.observe(self._parse, ["text", "settings"])
         self.observe(self._update_text, "genome")
         self.observe(self._discard_result, "settings")
@@ -103,23 +103,23 @@ class Editor(Component):
         return self.text != self._unedited_text
 
     def accept(self, before: Outcome | None = None) -> None:
-        """Make the current genome the one with which edited ones are compared, and to which *undo* returns.
+        """Use the current genome as the original, with which edits are compared and which *undo* restores.
 
         Args:
-            before: Result of its walk; if None, it is simulated when it is needed.
+            before: Result of the walk of this genome; if None, the walk is simulated when needed.
         """
         with self._lock, self.hold_sync():
             self._unedited_text = self.text
             self.original = self.values
-            self._before = before
+            self._original_outcome = before
             self.result = {}
 
     def on_try(self, callback: OnGenome) -> None:
-        """Register a function that is called with the genome after an edit, when its ``result`` has been set."""
+        """Register a function that is called with an edited genome when the ``result`` of its walk is set."""
         self._add_callback("try", callback)
 
     def on_continue(self, callback: OnGenome) -> None:
-        """Register a function that continues a run which is over, with the genome in its next generation."""
+        """Register a function that continues a run that has ended, with the genome in its next generation."""
         self._add_callback("continue", callback)
 
     def on_walk(self, callback: OnGenome) -> None:
@@ -127,7 +127,7 @@ class Editor(Component):
         self._add_callback("walk", callback)
 
     def on_live(self, callback: OnGenome) -> None:
-        """Register a function that is called with the genome when it is to walk live in the browser."""
+        """Register a function that is called with the genome to simulate its walk live in the browser."""
         self._add_callback("live", callback)
 
     def on_insert(self, callback: OnGenome) -> None:
@@ -162,35 +162,35 @@ class Editor(Component):
             self.fault_range = []
             self.notes = _shorten(describe_repairs(parsed, robot))
             self.genome = repaired = parsed.within(robot)
-            self._given = given = parsed if parsed.n_parts == repaired.n_parts else repaired
-            self.values = given.values.tolist()
+            self._unrepaired = unrepaired = parsed if parsed.n_parts == repaired.n_parts else repaired
+            self.values = unrepaired.values.tolist()
             self.used = is_expressed(repaired.values[np.newaxis])[0].tolist()
             self.picture = sketch.draw_robot(repaired, robot, size=PICTURE_SIZE)
 
     def _set_gene(self, index: int, value: float) -> None:
-        """Change one gene of a valid genome; all others keep the values in the text, even those beyond the limits."""
+        """Change one gene of a valid genome; all other genes keep the values in the text, even beyond the limits."""
         with self._lock:
-            if self._given is None or self.genome is None or not 0 <= index < self._given.values.size:
+            if self._unrepaired is None or self.genome is None or not 0 <= index < self._unrepaired.values.size:
                 return
-            values = self._given.values.copy()
+            values = self._unrepaired.values.copy()
             values[index] = value
             self.text = format_genome(Genome(values))
 
     def _discard_result(self, _: object) -> None:
-        """Discard the results of walks in another world."""
-        self._before = None
+        """Discard the results of walks with the previous settings."""
+        self._original_outcome = None
         self.result = {}
 
     def _walk(self, genome: Genome) -> None:
         """Simulate the walk of a genome, and set ``result`` to a comparison with the walk before the edit."""
         try:
-            if self._before is None and self.original:
-                self._before = simulate_outcome(Genome(np.array(self.original)), self.settings)
+            if self._original_outcome is None and self.original:
+                self._original_outcome = simulate_outcome(Genome(np.array(self.original)), self.settings)
             after = simulate_outcome(genome, self.settings)
-            self.result = compare_outcomes(after, self._before or after)
+            self.result = compare_outcomes(after, self._original_outcome or after)
         except WalkerlabError as error:
             self.result = {"fault": str(error)}
-        self.send({"walked": True})  # the result may be the same as before
+        self.send({"walked": True})  # notifies the browser even if the result is unchanged
 
     def _undo(self) -> None:
         self.text = self._unedited_text

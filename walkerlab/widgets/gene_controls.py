@@ -13,7 +13,10 @@ LABELS = {Feature.legs: "has legs", Feature.repeat: "copies legs in front"}
 
 
 def describe_genes(robot: Robot) -> list[dict[str, Any]]:
-    """Describe the genes within these limits as plain data for the browser, in the order of a genome's values.
+    """Describe each gene as plain data for the browser, in the order of the genes in a genome.
+
+    Args:
+        robot: Limits of the robot.
 
     Returns:
         ``name``, ``label``, ``group`` (the whole robot, or a segment), ``section`` within the group (body, legs or
@@ -29,7 +32,7 @@ def _describe_gene(row: dict[Any, Any]) -> dict[str, Any]:
         "name": row["gene"],
         "label": LABELS.get(feature, name.replace("_", " ")),
         "group": f"segment {part.removeprefix('seg')}" if part else WHOLE_ROBOT,
-        "section": _section(feature),
+        "section": _section_of(feature),
         "unit": row["unit"] if row["kind"] != "count" else "",
         "low": float(row["low"]),
         "high": float(row["high"]),
@@ -38,7 +41,7 @@ def _describe_gene(row: dict[Any, Any]) -> dict[str, Any]:
     }
 
 
-def _section(feature: Feature) -> str:
+def _section_of(feature: Feature) -> str:
     if feature in LEG_SHAPE:
         return "legs"
     is_of_gait = feature in LEG_FEATURES or (feature in BODY_FEATURES and feature != Feature.segments)

@@ -1,4 +1,4 @@
-"""A slider that selects the generation that the population shows."""
+"""A slider that selects the generation whose robots are shown."""
 
 import traitlets
 

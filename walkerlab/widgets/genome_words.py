@@ -14,12 +14,12 @@ def genome_lines(birth: Birth) -> list[list[dict[str, Any]]]:
 
     Returns:
         The words of each line. A word has the name of its gene, the sign, the change, and the colour of the background;
-        see ``GeneMark``. They are empty for a word without a gene.
+        see ``GeneMark``. For a word without a gene, these are empty.
     """
     marks = mark_genes(birth)
     values = birth.child.tolist()
     words = format_text(values).split()
-    positions = format_text([index + 0.5 for index in range(len(values))]).split()  # shows which word is which gene
+    positions = format_text([index + 0.5 for index in range(len(values))]).split()  # the gene of each word
     lines: list[list[dict[str, Any]]] = [[]]
     for word, position in zip(words, positions, strict=True):
         if word == "|":

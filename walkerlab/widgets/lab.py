@@ -180,7 +180,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         live.resume(generations)
 
     def _activate(self, entry: ListedRun, live: LiveRun, name: str) -> None:
-        """Add a live run to the list, or replace an earlier one, and show its progress."""
+        """Add a live run to the list, or replace the entry with the same key, and show its progress."""
         self._active = live
         self._reported[live] = None, 0.0
         self.runs.generation.selected = LATEST
@@ -250,7 +250,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         self._drawing.request("robot", self._show_robot, is_urgent=True)
 
     def _show_population(self) -> None:
-        """Show the selected generation of the selected run, or the robots of generation 0 that have walked."""
+        """Show the selected generation, or the robots that have walked if generation 0 is not complete."""
         run = self.runs.visible
         table = run.records if run else concatenate_tables([])
         generation = self.runs.generation.generation
@@ -266,7 +266,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
             self.robot.show(run, self.population.selected)
 
     def _show_walker(self) -> None:
-        """Show the best robot so far, or of the selected generation, walking."""
+        """Show the walk of the best robot so far, or of the best robot of the selected generation."""
         self.walker.show(best_walker(self.runs.selected_entry, self.runs.generation.generation))
 
     def _insert(self, genome: Genome) -> str:
@@ -282,7 +282,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
     def _continue_with(self, genome: Genome) -> str:
         """Continue the selected run with a genome in its next generation; return a message on the result."""
         if not self.runs.drawer.n_further:
-            return "The selected run cannot be continued now."
+            return "No run that can be continued is selected. Select a saved run that is not in progress."
         self._evolve_further(self.runs.drawer.n_further, with_form=False)
         return self._insert(genome)
 

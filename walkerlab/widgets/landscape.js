@@ -3,12 +3,12 @@ function render({ model, el }) {
   const image = make("img", { alt: model.get("alt"), src: model.get("picture"), draggable: false });
   const ring = make("div", { className: "ring", ariaHidden: "true" });
   const field = make("div", { className: "field", tabIndex: 0, attributes: { role: "group",
-    "aria-label": "Fitness landscape. Arrow keys select a walk, Enter plays it." } }, image, ring);
+    "aria-label": "Fitness landscape. The arrow keys select a walk, and Enter plays it." } }, image, ring);
   const label = make("output", { className: "label" });
   const play = (textContent, index) => make("button", { type: "button", textContent, onclick: () => start(index()) });
   const buttons = make("div", { className: "buttons" },
-    play("Play the selected walk", () => model.get("selected")), play("Play the fittest", () => model.get("best")),
-    play("Play the genome itself", () => 0));
+    play("Play the selected walk", () => model.get("selected")), play("Play the fittest walk", () => model.get("best")),
+    play("Play the walk of the genome itself", () => 0));
   buttons.firstChild.classList.add("main");
   el.classList.add("wl-component", "wl-landscape");
   el.append(field, label, buttons);

@@ -1,4 +1,4 @@
-"""A slice of the fitness landscape, in which a click on a point plays its walk."""
+"""A plot of a slice of the fitness landscape; a click on a point plays the walk of its genome."""
 
 import io
 from typing import Any
@@ -32,9 +32,10 @@ class LandscapePicture(Component):
     Attributes:
         picture: Data URL of the plot.
         alt: Alternative text of the plot.
-        points: Position of each walk in the picture, from the left and from the top as shares of its size.
+        points: Position of each walk in the picture, from the left and the top, as fractions of width and height.
         labels: Description of each walk.
         n_rows: Number of walks in a column of a map; 1 for a curve.
+        best: Index of the fittest walk.
         selected: Index of the selected walk; 0 is the genome itself.
     """
 
@@ -70,7 +71,7 @@ class Landscape(HasSnapshot, ipywidgets.Box):
 
         Args:
             table: Table from ``wl.analysis.landscape``.
-            settings: Settings in which walks are played; those with which the table was made if None.
+            settings: Settings of the replays; those of the table if None.
 
         Raises:
             ValueError: If the table is not from ``wl.analysis.landscape``.
@@ -83,11 +84,11 @@ class Landscape(HasSnapshot, ipywidgets.Box):
         self.add_class("wl-landscape-area")
         self.frame.add_class("wl-frame")
         answer_on_requested_thread(self.frame)
-        self._offer(0)
+        self._select(0)
         self.plot.on_msg(self._handle_message)
 
     def show(self, index: int) -> None:
-        """Select a walk, and play it.
+        """Select a walk and play it.
 
         Args:
             index: Row of the table.
@@ -95,16 +96,17 @@ class Landscape(HasSnapshot, ipywidgets.Box):
         Raises:
             IndexError: If the table has no such row.
         """
-        self._offer(index)
+        self._select(index)
         self.frame.play()
 
     def snapshot(self) -> Markup:
         """Return the plot and the picture of the selected robot as static HTML."""
         return self.plot.snapshot() + self.frame.snapshot()
 
-    def _offer(self, index: int) -> None:
+    def _select(self, index: int) -> None:
+        """Select a walk, and show a picture of its robot; the walk is simulated when the user plays it."""
         if not 0 <= index < len(self.table):
-            raise IndexError(f"there is no row {index}; the table has {len(self.table)} rows")
+            raise IndexError(f"there is no row {index}; index must be between 0 and {len(self.table) - 1}")
         self.plot.selected = index
         label = self.plot.labels[index]
         genome = str(self.table.genome.iloc[index])
@@ -125,7 +127,7 @@ class Landscape(HasSnapshot, ipywidgets.Box):
 
 
 def _draw(table: pd.DataFrame) -> dict[str, Any]:
-    """Draw the plot, and return the traits of its component."""
+    """Draw the plot and return the traits of its component."""
     names: list[str] = table.attrs.get("genes", [])
     axes = plots.landscape(table, offscreen_axes(*(CURVE_SIZE if len(names) == 1 else MAP_SIZE)))
     figure: Any = axes.figure

@@ -1,4 +1,4 @@
-"""A robot that walks live beside an editor: each of the two follows changes of the genome in the other."""
+"""A playground beside an editor: a change of the genome in either one is applied to the other."""
 
 from typing import Any
 
@@ -11,10 +11,10 @@ from walkerlab.widgets.repairs import format_genome
 
 
 def open_live_robot(editor: Editor, name: str, settings: Settings) -> Playground:
-    """Return a playground with the robot in an editor, which opens when it is displayed.
+    """Return a playground of the robot in an editor; its page opens when the playground is displayed.
 
     Args:
-        editor: Editor with a valid genome; the two stay in step until the playground is closed.
+        editor: Editor with a valid genome; it is synchronised with the playground until the playground is closed.
         name: Label of the robot.
         settings: Settings of the world.
     """

@@ -43,8 +43,8 @@ function render({ model, el }) {
   const sentence = make("p", { attributes: { role: "status" } });
   const genome = make("div", { className: "genome" });
   const key = make("p", { className: "quiet key", textContent:
-    "Colour and letter: parent of the gene; = equal in all parents. Framed: changed, with the amount in the gene's unit; " +
-    "dashed if repair changed it to keep the robot within its limits. Faint: no effect on this robot." });
+    "Colour and letter: parent of the gene. =: equal in all parents. Frame: the gene was changed by the amount shown, in its unit; " +
+    "dashed frame: repair changed the gene to keep the robot within its limits. Faint: the gene has no effect on this robot." });
   el.classList.add("wl-component", "wl-microscope");
   el.append(make("div", { className: "controls" }, ...fields, again), figures, sentence, genome, key);
 
@@ -53,7 +53,7 @@ function render({ model, el }) {
     select.value = value;
   }
 
-  function list() {
+  function fillMenus() {
     const { robots = [], n_generations = 0, crossovers = [], mutations = [] } = model.get("choices");
     const named = (names) => names.map((name) => ({ value: name, label: name }));
     const modes = Object.entries(MODES).filter(([name]) => n_generations || name !== "explain");
@@ -64,10 +64,10 @@ function render({ model, el }) {
     fill(mutation, named(mutations), model.get("mutation"));
     generation.unavailable = !n_generations;
     generation.max = n_generations - 1;
-    select();
+    showSelection();
   }
 
-  function select() {
+  function showSelection() {
     for (const [control, name] of [[mode, "mode"], [generation, "generation"], [first, "first"], [second, "second"],
       [crossover, "crossover"], [mutation, "mutation"], [rate, "rate"], [robot, "robot"]]) {
       if (document.activeElement !== control || control.tagName === "SELECT") control.value = model.get(name);
@@ -77,9 +77,15 @@ function render({ model, el }) {
     for (const one of fields) one.update();
   }
 
+  function describeOrigin(sign) {
+    if (!sign) return "";
+    if (sign === "=") return ", equal in all parents";
+    return sign === "new" ? ", new" : `, from ${sign}`;
+  }
+
   function word({ text, gene, sign, change, colour, faint, repair }) {
     if (!gene) return make("span", { className: "word", textContent: `${text} ` });
-    const shell = make("span", { className: "word gene", title: `${gene}${sign ? `, from ${sign}` : ""}${change ? `, changed: ${change}` : ""}` });
+    const shell = make("span", { className: "word gene", title: `${gene}${describeOrigin(sign)}${change ? `, changed: ${change}` : ""}` });
     if (colour) shell.style.setProperty("--origin", colour);
     shell.classList.toggle("faint", faint);
     shell.classList.toggle("changed", Boolean(change));
@@ -106,10 +112,10 @@ function render({ model, el }) {
     key.hidden = !shown.lines;
   }
 
-  model.on("change:choices", list);
-  for (const name of ["mode", "generation", "first", "second", "crossover", "mutation", "rate", "robot"]) model.on(`change:${name}`, select);
+  model.on("change:choices", fillMenus);
+  for (const name of ["mode", "generation", "first", "second", "crossover", "mutation", "rate", "robot"]) model.on(`change:${name}`, showSelection);
   for (const name of ["shown", "fault"]) model.on(`change:${name}`, draw);
-  list();
+  fillMenus();
   draw();
   return captureKeys(el);
 }

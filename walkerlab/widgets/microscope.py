@@ -1,4 +1,4 @@
-"""A birth under the microscope: which gene came from which parent, and what an operator changed."""
+"""The microscope: a widget that shows which gene came from which parent, and what an operator changed."""
 
 import threading
 from collections.abc import Callable, Sequence
@@ -18,7 +18,7 @@ from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.records import find_champion
 from walkerlab.settings.choices import Choice, Crossover, Mutation
 from walkerlab.settings.settings import Settings
-from walkerlab.settings.values import function_name
+from walkerlab.settings.values import function_name, pluralize
 from walkerlab.text.templates import Markup, render
 from walkerlab.view.inheritance import describe_birth, parent_colour
 from walkerlab.view.plots.tables import format_value, unit_of
@@ -76,7 +76,7 @@ class Microscope(Component):
         self._lock = threading.RLock()
         self._run = source if isinstance(source, Run) else None
         self._settings = settings or (self._run.settings if self._run else Settings())
-        self._draw_number = 0
+        self._n_repetitions = 0
         self.birth: Birth | None = None
         self._genomes: dict[int, Any] = {}
         robot = self._settings.robot
@@ -84,7 +84,7 @@ class Microscope(Component):
             streams = (random_stream(0, "population", 0, i) for i in range(2))
             given = list(source) if source is not None else [Genome.random(robot, rng=rng) for rng in streams]
             if len(given) < 2:
-                raise ValueError(f"source must have two genomes or more, to be crossed; it has {len(given)}")
+                raise ValueError(f"source must have two genomes or more, which are the parents; it has {len(given)}")
             self._genomes = {i + 1: Genome.of(one).within(robot) for i, one in enumerate(given)}
         self._crossovers = _named_operators(Crossover, self._settings.algorithm.crossover)
         self._mutations = _named_operators(Mutation, self._settings.algorithm.mutation)
@@ -105,7 +105,7 @@ class Microscope(Component):
     def again(self) -> None:
         """Apply the operator again, with other random numbers."""
         with self._lock:
-            self._draw_number += 1
+            self._n_repetitions += 1
             self._redraw()
 
     def snapshot(self) -> Markup:
@@ -171,27 +171,27 @@ class Microscope(Component):
                 self.shown = {}
 
     def _make_birth(self) -> Birth:
-        rng = random_stream(self._draw_number, "analysis", 0)
+        rng = random_stream(self._n_repetitions, "analysis", 0)
         if self.mode == EXPLAIN:
             if not self._run:
-                raise ValueError("These genomes have no run; give a run to explain the birth of one of its robots.")
+                raise ValueError("These genomes have no run. Create the microscope with a run to explain a birth.")
             return explain_birth(self._run, self.robot)
         settings = self._settings.with_(mutation_rate=self.rate)
         if self.mode == MUTATE:
             settings = settings.with_(mutation=self._mutations[self.mutation])
-            return mutate(_Chosen(self.first, self._genomes[self.first], self._run), settings, rng=rng)
+            return mutate(_Parent(self.first, self._genomes[self.first], self._run), settings, rng=rng)
         settings = settings.with_(crossover=self._crossovers[self.crossover])
         numbers = [self.first, self.second, *(one for one in self._genomes if one not in (self.first, self.second))]
-        chosen = [_Chosen(number, self._genomes[number], self._run) for number in numbers]
+        parents = [_Parent(number, self._genomes[number], self._run) for number in numbers]
         fitness = [self._fitness[number] for number in numbers]
-        return mate(chosen[0], chosen[1], settings, rng=rng, others=chosen[2:], fitness=fitness)
+        return mate(parents[0], parents[1], settings, rng=rng, others=parents[2:], fitness=fitness)
 
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
         if message == "again":
             self.again()
 
 
-class _Chosen:
+class _Parent:
     """A parent: its genome, and its number if it belongs to a run."""
 
     def __init__(self, number: int, genome: Any, run: Run | None) -> None:
@@ -222,7 +222,7 @@ def _describe(birth: Birth, settings: Settings) -> dict[str, Any]:
     return {
         "figures": figures,
         "operators": ", ".join(birth.operators),
-        "sentence": describe_birth(birth) + (f" {n_more} more parents contributed." if n_more else ""),
+        "sentence": describe_birth(birth) + (f" {pluralize(n_more, 'more parent')} contributed." if n_more else ""),
         "lines": genome_lines(birth),
         "is_exact": birth.is_exact,
     }

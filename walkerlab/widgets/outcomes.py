@@ -20,10 +20,11 @@ class Outcome:
     """Result of a walk.
 
     Attributes:
-        distance: Forward distance [m]; NaN if the physics broke down.
+        distance: Forward distance [m]; NaN if the simulation diverged.
         verdict: ``ok``, or why the walk does not count.
         reason: Explanation of the verdict; "" if it is ``ok``.
-        fitness: Fitness with its unit, such as "efficiency 0.12 m/J"; "" if it is the distance or does not count.
+        fitness: Fitness with its unit, such as "efficiency 0.12 m/J"; "" if the fitness is the distance, or if the walk
+            does not count.
     """
 
     distance: float
@@ -44,7 +45,7 @@ def simulate_outcome(genome: Genome, settings: Settings) -> Outcome:
 
 
 def recorded_outcome(row: Any, settings: Settings) -> Outcome:
-    """Return the result in the table of a run.
+    """Return the result of a walk that is recorded in the table of a run.
 
     Args:
         row: Row of the robot.
@@ -55,13 +56,13 @@ def recorded_outcome(row: Any, settings: Settings) -> Outcome:
 
 
 def compare_outcomes(after: Outcome, before: Outcome) -> dict[str, Any]:
-    """Return the ``result`` of the editor for a walk after an edit, and the walk before it."""
+    """Compare the results of the walks after and before an edit, as the ``result`` of the editor."""
     change = after.distance - before.distance
     sign = "+" if change >= 0 else MINUS_SIGN
     counts = after.verdict == "ok"
     verdict = VERDICTS.get(after.verdict, after.verdict)
     details = f" Details: {after.reason}." if after.reason else ""
-    counted = "" if before.verdict == "ok" else f", did not count: {before.verdict}"
+    counted = "" if before.verdict == "ok" else f" (did not count: {before.verdict})"
     return {
         "distance": format_value(after.distance, "m"),
         "change": f"{sign}{abs(change):.2f} m" if np.isfinite(change) else "",

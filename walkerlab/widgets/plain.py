@@ -1,4 +1,4 @@
-"""Settings as plain ipywidgets controls, for ``interact``, ``interactive_output`` and ``link`` in a lesson's own cells.
+"""Settings as plain ipywidgets controls, for ``interact``, ``interactive_output`` and ``link`` in notebook cells.
 
 from ipywidgets import interact
 
@@ -25,12 +25,12 @@ LAYOUT = {"width": "480px"}
 def slider(name: str, settings: Settings | None = None) -> Any:
     """Return a plain control for one setting, with its label, unit, range and meaning from the declaration.
 
-    A number is a ``FloatSlider`` or an ``IntSlider``, and a whole number without a practical upper limit a
-    ``BoundedIntText``. A range of numbers is a ``FloatRangeSlider`` or an ``IntRangeSlider``. A vector is a
-    ``FloatsInput`` or, if it has presets, a ``Dropdown``. One of a few options is ``ToggleButtons``, one of many a
-    ``Dropdown``, and several options a ``SelectMultiple``. The ``value`` of each control can be passed to
-    ``settings.with_``. Sliders change their value when they are released, because a walk takes a moment; with
-    ``control.continuous_update = True``, they do so while they move.
+    A number has a ``FloatSlider`` or an ``IntSlider``; a whole number without a practical upper limit has a
+    ``BoundedIntText``. A range of numbers has a ``FloatRangeSlider`` or an ``IntRangeSlider``. A vector has a
+    ``FloatsInput`` or, with presets, a ``Dropdown``. A choice of one option has ``ToggleButtons`` or, with many
+    options, a ``Dropdown``; a choice of several options has a ``SelectMultiple``. The ``value`` of each control can be
+    passed to ``settings.with_``. A slider updates its value when it is released, because a walk takes a moment to
+    simulate; with ``control.continuous_update = True``, it updates its value while it moves.
 
     Args:
         name: Name of the setting, as for ``settings.with_``: ``"step_height"``, ``"terrain_seed"``.
@@ -79,7 +79,7 @@ def _locate(name: str) -> tuple[str, str]:
 
 
 def slider_step(declared: Quantity, default: float | tuple[float, ...]) -> float:
-    """Return the step of a plain slider: round, about a hundredth of the range, and the default is a multiple of it.
+    """Return the step of a plain slider: a round number, about a hundredth of the range, that divides the default.
 
     Args:
         declared: Declaration of the setting.

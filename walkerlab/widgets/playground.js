@@ -1,5 +1,5 @@
-// A picture of a robot; a click opens the page on which it walks live. The text of its genes is shared with Python.
-const POLL_TIME = 100; // ms between two checks that the page has started
+// A picture of a robot; a click opens the page on which it walks live. The text of its genome is synchronised with Python.
+const POLL_TIME = 100; // ms between two checks whether the page has started
 const MAX_OPEN_PAGES = 4; // of replays and playgrounds together; browsers allow about 16 WebGL contexts
 const openPages = (globalThis.walkerlabOpenPages ??= []);
 
@@ -35,7 +35,7 @@ function render({ model, el }) {
     sign.textContent = "Walk live";
     frame = make("iframe", { srcdoc: page, title: model.get("alt"), allow: "clipboard-write" });
     box.replaceChildren(frame, make("button", { type: "button", className: "close", textContent: "Close", onclick: close }));
-    openPages.forEach((other) => other.pause()); // only one plays at a time, for slow computers
+    openPages.forEach((other) => other.pause()); // only one page plays at a time, for slow computers
     openPages.push({ close, pause });
     while (openPages.length > MAX_OPEN_PAGES) openPages[0].close();
     timer = setInterval(() => {

@@ -25,8 +25,8 @@ class Playground(Component):
     The page of about 5 MB is built and sent to the browser when the widget is opened.
 
     Attributes:
-        gene_text: Text of the genes of the robot that is selected on the page; a valid text that is set here changes
-            the robot on the page.
+        gene_text: Text of the genome of the robot that is selected on the page; setting a valid text changes the robot
+            on the page.
         preview: Data URL of a picture of the robot, which is shown until the page is opened.
         alt: Alternative text of the picture.
         is_open: Whether the page is displayed.
@@ -58,7 +58,7 @@ class Playground(Component):
 
     @property
     def genome(self) -> Genome:
-        """Genome of the robot that is selected on the page, as the sliders changed it.
+        """Genome of the robot that is selected on the page, with the values of its sliders.
 
         Raises:
             GenomeError: If ``gene_text`` was set to a text that is not a genome.
@@ -113,10 +113,10 @@ class Playground(Component):
 def playground(
     walkers: Any, settings: Settings | None = None, *, camera: Camera | str | int | None = None
 ) -> Playground:
-    """Let a robot walk live in the browser, where its genes and the world can be changed while it walks.
+    """Simulate a robot live in the browser, where its genes and the world can be changed while it walks.
 
     MuJoCo, compiled to WebAssembly, simulates the robot on the page as ``simulate`` does. ``to_html`` saves the page as
-    one file, which requires neither Python nor a network. In a notebook, ``genome`` is the genome that the sliders set.
+    one file, which requires neither Python nor a network. In a notebook, the property ``genome`` follows the sliders.
 
     Args:
         walkers: Genome, its text, an individual, or a run (its champion); or up to four of these for a race, as a list,
@@ -127,7 +127,7 @@ def playground(
     Raises:
         GenomeError: If a string is not a valid genome.
         SettingsError: If the camera does not exist.
-        TypeError: If ``walkers`` contains something else.
+        TypeError: If ``walkers`` contains anything else.
         ValueError: If there is no robot, or there are more than four.
     """
     settings = Settings() if settings is None or isinstance(walkers, Settings) else require_settings(settings)

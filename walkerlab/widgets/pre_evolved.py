@@ -1,4 +1,4 @@
-"""The walker with which the panel opens: evolved in advance by ``python -m walkerlab.commands.walker``."""
+"""The walker that the panel shows before the first run, evolved by ``python -m walkerlab.commands.walker``."""
 
 import json
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ FILE = Path("data") / "walker.json"
 
 @dataclass(frozen=True)
 class PreEvolvedWalker:
-    """A champion that was evolved with the default settings.
+    """The champion of a run with the default settings.
 
     Attributes:
         genome: Its genome.

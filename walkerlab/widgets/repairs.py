@@ -56,7 +56,7 @@ def find_fault(fault: str, text: str) -> Span | None:
 
 
 def describe_fault(fault: str, text: str) -> str:
-    """Return the first line of the message of a ``GenomeError`` with the line of the text instead of the character."""
+    """Return the first line of a ``GenomeError`` message, with the line number instead of the character number."""
     first_line = fault.partition("\n")[0]
     found = re.fullmatch(r"not a genome: at character (\d+) (expected .*)", first_line)
     if not found:
@@ -123,22 +123,22 @@ def _describe_gene(
     low, high = limits
     given_text, low_text, high_text, used_text = (_with_unit(value, feature) for value in (given, low, high, used))
     beyond = high_text if given > high else low_text if given < low else ""
-    other = _other_constraint(feature, robot, weight)
+    shared_limit = _describe_shared_limit(feature, robot, weight)
     if feature in CYCLIC_FEATURES:
         why = "is not within one turn"
     elif beyond:
         why = f"is {'over' if given > high else 'under'} the limit {beyond}"
-        if other and used_text != beyond:
-            why += f", and {other}"
-    elif other and (feature != Feature.legs or given in (0, 1)):
-        why = f"does not fit, because {other}"
+        if shared_limit and used_text != beyond:
+            why += f", and {shared_limit}"
+    elif shared_limit and (feature != Feature.legs or given in (0, 1)):
+        why = f"does not fit, because {shared_limit}"
     else:
         why = "is not a whole number"
     yield f"{feature.name.replace('_', ' ')} {given_text} {why}: {used_text} is used."
 
 
-def _other_constraint(feature: Feature, robot: Robot, weight: float) -> str:
-    """Return what limits a gene together with other genes; empty if nothing does.
+def _describe_shared_limit(feature: Feature, robot: Robot, weight: float) -> str:
+    """Describe the limit that a gene must obey together with other genes; empty if there is none.
 
     Args:
         feature: Feature that the gene describes.

@@ -32,7 +32,7 @@ class ShownRobot:
     Attributes:
         name: Name in texts for users, such as "robot 12".
         genome: Genome before it was edited.
-        rivals: Genomes by name of the robots beside which the edited robot is played: the robot itself, the champion.
+        rivals: Genomes by name of the robots that are played beside the edited one: the unedited one, the champion.
     """
 
     name: str
@@ -47,7 +47,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         card: Description of the robot.
         editor: Editor of its genome.
         frame: Replay of its walk; a picture until it is played.
-        live: The robot of the editor walking live, when this was requested.
+        live: Playground of the robot in the editor; empty until the user opens it.
     """
 
     title = "robot"
@@ -62,9 +62,9 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
 
         Args:
             settings: Settings of the world in which edited genomes are simulated before there is a run.
-            on_insert: Inserts a genome into the next generation, and returns a message on the result.
-            on_continue: Continues a run that is over, with the genome in its next generation, and returns a message on
-                the result; if None, this is not offered.
+            on_insert: Function that inserts a genome into the next generation and returns a message on the result.
+            on_continue: Function that continues a run that has ended, with the genome in its next generation, and
+                returns a message on the result; if None, the button is hidden.
         """
         self.card = ipywidgets.HTML()
         self.frame = Frame()
@@ -143,7 +143,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self.card.value = description
 
     def _offer_replay(self, walkers: dict[str, Genome]) -> None:
-        """Show a picture of the first of some robots; their walks are simulated when the user plays them."""
+        """Show a picture of the first robot; the walks of all robots are simulated when the user plays them."""
         name, genome = next(iter(walkers.items()))
         svg = sketch.draw_robot(genome, self._settings.robot, size=POSTER_SIZE)
         picture = data_url("image/svg+xml", svg.encode())
@@ -155,13 +155,13 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self.frame.set_replay(walk, picture, f"Replay of {name}{others}. Press to play.")
 
     def _offer_race(self, genome: Genome) -> None:
-        """Show an edited robot, to be played beside the unedited one and the champion."""
+        """Show a picture of the edited robot; its replay also shows the unedited robot and the champion."""
         self._shown = self._shown[0], -1
         edited = {f"edited {self._original.name}": genome} if self.editor.is_edited else {}
         self._offer_replay(edited | self._original.rivals)
 
     def _replace_replay(self, genome: Genome) -> None:
-        """Offer the replay of an edited robot; if a replay is open, play the new one in its place."""
+        """Prepare the replay of an edited robot; if a replay is open, play the new one instead."""
         is_watched = self.frame.is_watched
         self._offer_race(genome)
         if is_watched:
@@ -173,7 +173,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self.frame.play()
 
     def _walk_live(self, genome: Genome) -> None:  # noqa: ARG002
-        """Let the robot in the editor walk live; the sliders of the editor change it while it walks."""
+        """Open a playground of the robot in the editor; the sliders of the editor change it while it walks."""
         self._close_live_robot()
         self.live.children = [open_live_robot(self.editor, self._original.name, self._settings)]
 

@@ -24,9 +24,9 @@ from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import name_and_unit
 from walkerlab.text.numbers import with_unit
 
-STAMP_FORMAT = "%Y-%m-%d-%H%M%S"
-_STAMP = re.compile(r"(\d{4}-\d\d-\d\d-\d{6})(-\d+)?")
-DEFAULT_FURTHER = 10  # generations by which a complete run is continued, unless the user changes the number
+TIMESTAMP_FORMAT = "%Y-%m-%d-%H%M%S"
+_TIMESTAMP = re.compile(r"(\d{4}-\d\d-\d\d-\d{6})(-\d+)?")
+N_FURTHER_GENERATIONS = 10  # proposed number of further generations of a complete run
 MAX_DIFFERENCES = 4  # maximum number of settings named in the description of a run
 
 
@@ -56,7 +56,7 @@ class ListedRun:
 
     @property
     def visible(self) -> Run:
-        """The run; before generation 0 is complete, with those of its robots that have walked."""
+        """The completed generations; until generation 0 is complete, the robots that have walked so far."""
         live = self.live
         if not live or live.n_generations or not (first := live.first_robots):
             return self.run
@@ -69,7 +69,7 @@ class ListedRun:
 
     @property
     def n_missing(self) -> int:
-        """Number of robots of generation 0 that have not walked yet, while it is not complete; 0 after that."""
+        """Number of robots of generation 0 that have not walked yet; 0 once the generation is complete."""
         live = self.live
         if not live or live.n_generations:
             return 0
@@ -87,7 +87,7 @@ def new_live_run(
     """Create a run with a run file in a new subfolder, or without a file if the folder is not writable.
 
     Returns:
-        The run, and a note if it has no file.
+        The run, and a note that it will not be saved; "" if it has a file.
     """
     try:
         return LiveRun(settings, new_run_path(folder), executor, stop=stop, on_change=on_change), ""
@@ -97,7 +97,7 @@ def new_live_run(
 
 def new_run_path(folder: Path) -> Path:
     """Return the path of a new run file in a new subfolder, which is named after the current time."""
-    stamp = time.strftime(STAMP_FORMAT)
+    stamp = time.strftime(TIMESTAMP_FORMAT)
     names = (stamp if n == 1 else f"{stamp}-{n}" for n in range(1, 1000))
     return next(folder / name / RUN_FILE for name in names if not (folder / name).exists())
 
@@ -109,12 +109,12 @@ def find_run_files(folder: Path) -> list[str]:
 
 
 def run_name(path: Path) -> str:
-    """Return a readable name of a run file: the time in the name of its folder, or the name of the folder or file."""
+    """Return a readable name of a run: the time in the name of its folder, or the name of the folder or file."""
     name = path.resolve().parent.name if path.name == RUN_FILE else path.stem
-    if not (stamp := _STAMP.fullmatch(name)):
+    if not (stamp := _TIMESTAMP.fullmatch(name)):
         return name
     try:
-        moment = time.strptime(stamp[1], STAMP_FORMAT)
+        moment = time.strptime(stamp[1], TIMESTAMP_FORMAT)
     except ValueError:
         return name
     return f"{moment.tm_mday} {time.strftime('%b, %H:%M:%S', moment)}{stamp[2]}"
@@ -124,7 +124,7 @@ def n_further(entry: ListedRun) -> int:
     """Return the number of generations that are proposed to continue a run; 0 if it cannot be continued now."""
     if not entry.run.path or (entry.live and not entry.live.is_over):
         return 0
-    return entry.settings.algorithm.generations - entry.run.n_generations or DEFAULT_FURTHER
+    return entry.settings.algorithm.generations - entry.run.n_generations or N_FURTHER_GENERATIONS
 
 
 def prepare_further_generations(
@@ -138,7 +138,7 @@ def prepare_further_generations(
         settings: Settings of the further generations, which begin a new stage; if None, those of the run.
 
     Returns:
-        The prepared run, and the warnings as text.
+        The prepared run, and the text of the warnings.
 
     Raises:
         RunFileError: If the run file cannot be continued.

@@ -1,4 +1,4 @@
-"""What the panel says about a run, and which of its robots it shows walking."""
+"""Texts about a run in the panel, and the robot whose walk the panel shows."""
 
 from walkerlab.errors import WalkerlabError
 from walkerlab.evolution.forecast import describe_duration, estimate_seconds, n_walks
@@ -37,11 +37,11 @@ def error_text(error: BaseException | None) -> str:
 
 
 def describe_forecast(settings: Settings, last: LiveRun | None) -> str:
-    """Describe how long a run would take: at the pace of the last run if that was in the same world.
+    """Describe the size and the duration of a new run, from the speed of the last run if it was in the same world.
 
     Args:
         settings: Settings of the run.
-        last: Last run of the panel.
+        last: Last run of the panel; None before the first.
     """
     algorithm = settings.algorithm
     if last and last.seconds_per_walk and _world_of(last.settings) == _world_of(settings):
@@ -58,10 +58,10 @@ def _world_of(settings: Settings) -> tuple[object, ...]:
 
 
 def best_walker(entry: ListedRun | None, generation: int | None) -> ShownWalker:
-    """Return the robot that the panel shows walking: the best of a run, or the pre-evolved one if there is none.
+    """Return the robot whose walk the panel shows: the best of a run, or the pre-evolved one if there is none.
 
     Args:
-        entry: Selected run; None without one.
+        entry: Selected run; None if no run is selected.
         generation: Generation whose best robot is shown; None for the best of the whole run.
     """
     run = entry.visible if entry else None
@@ -71,10 +71,10 @@ def best_walker(entry: ListedRun | None, generation: int | None) -> ShownWalker:
         seconds = walker.settings.simulation.duration
         words = (
             f"This walker evolved in {walker.n_trials:,} trials: {with_unit(walker.distance, 'm')} in {seconds:g} s. "
-            "Now evolve your own: press Start."
+            "Press Start to evolve your own."
         )
         if entry and entry.live and not entry.live.is_over:
-            words = "Your first robots are starting to walk. Until then: a walker that evolved in advance."
+            words = "The first robots are walking. Until one of them has finished, a pre-evolved walker is shown."
         return ShownWalker(walker.genome, walker.settings, "Pre-evolved walker", words)
     records = run.records
     best = find_champion(records if generation is None else records.loc[records.generation == generation])

@@ -94,7 +94,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
 
     @property
     def visible(self) -> Run | None:
-        """The selected run; before generation 0 is complete, with those of its robots that have walked."""
+        """The selected run; until generation 0 is complete, the robots that have walked so far; None without runs."""
         entry = self.selected_entry
         return entry.visible if entry else None
 
@@ -107,8 +107,8 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         """Add a run to the list, or replace the one with the same key, and select it.
 
         Args:
-            entry: Run.
-            name: Name of the run; if empty, its name in the list remains.
+            entry: Run to add.
+            name: Name of the run; if empty, the name in the list is unchanged.
         """
         self.entries = {**self.entries, entry.key: entry}
         self.run_list.add(entry.key, name=name)
@@ -182,7 +182,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
             return
         file = run.path or absolute_path(path)
         self.add(ListedRun(str(file.resolve()), run.settings, run), run_name(file))
-        hint = "" if run.n_generations else " No generation is done yet; to evolve it, press Continue this run."
+        hint = "" if run.n_generations else " No generation is done yet. Press Continue this run to evolve it."
         self.drawer.words = f"Loaded {display_path(file)}.{hint}"
 
     def _export(self) -> None:

@@ -12,8 +12,8 @@ function render({ model, el }) {
   const picture = make("div", { className: "picture" });
   el.classList.add("wl-component", "wl-selection-wheel");
   el.append(make("div", { className: "row" }, make("label", {}, "selection ", menu), label, spin), words, picture);
-  let drawing = false; // whether Python is drawing a change; the next one waits
-  let waiting = false; // whether the slider has moved since
+  let drawing = false; // whether Python is drawing a change; until it has finished, the next change waits
+  let waiting = false; // whether the slider has moved during the drawing
 
   function send(trait, value) {
     model.set(trait, value);

@@ -32,7 +32,7 @@ BARS_POSITION = (0.53, 0.36, 0.46, 0.56)
 EXAMPLE_SIZE = 20  # number of individuals of the example
 PARAMETERS: dict[str, dict[str, Any]] = {
     "tournament": {"keyword": "size", "label": "tournament size", "low": 1, "high": 12, "step": 1},
-    "rank": {"keyword": "pressure", "label": "chance of the fittest, × equal share", "low": 1, "high": 2, "step": 0.05},
+    "rank": {"keyword": "pressure", "label": "chance of the fittest (1 = average)", "low": 1, "high": 2, "step": 0.05},
 }
 """Parameter of each operator that has one: its keyword, label and range."""
 
@@ -65,13 +65,13 @@ class SelectionWheel(Component):
         """Create the widget.
 
         Args:
-            fitness: Fitness of each individual, shape (n,); or a run or its table, for the last generation. An example
-                of 20 individuals if None.
+            fitness: Fitness of each individual, shape (n,); or a run or its table, for the last generation; if None, an
+                example of 20 individuals.
             functions: Selection functions that are offered besides those of walkerlab.
 
         Raises:
             ValueError: If ``fitness`` is empty or contains NaN or +inf.
-            OperatorError: If a function does not work.
+            OperatorError: If a function breaks a rule of selection functions.
         """
         self._lock = threading.RLock()
         self._fitness = _read_fitness(fitness)
@@ -125,7 +125,7 @@ class SelectionWheel(Component):
             self._draw()
 
     def _draw(self, copies: Any = None) -> None:
-        """Draw the wheel and the bars, with a dot for the share of the parents that each individual was.
+        """Draw the wheel and the bars, with a dot for each individual's share of the selected parents.
 
         Args:
             copies: How often each individual was selected, shape (n,); no dots if None.

@@ -20,9 +20,9 @@ function icon(pathData) { // an SVG, because not every computer has characters f
 
 // Conditions under which a run ends early: name, label, tooltip, smallest value.
 const CONDITIONS = [
-  ["minutes", "after minutes", "no generation begins after this time", 0],
-  ["target", "at fitness", "the run ends when a robot has this fitness", null],
-  ["patience", "after generations without a fitter robot", "the run ends when so many generations bring no fitter robot", 1],
+  ["minutes", "after this many minutes", "no generation begins after this time", 0],
+  ["target", "at this fitness", "the run ends when a robot reaches this fitness", null],
+  ["patience", "after this many generations without a fitter robot", "the run ends if the fitness does not improve in this many generations", 1],
 ];
 
 function conditions(model) {

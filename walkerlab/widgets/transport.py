@@ -11,7 +11,7 @@ from walkerlab.text.templates import Markup, render
 from walkerlab.widgets.component import Component, load_script, load_style
 
 _CONDITIONS = {"minutes": "after", "target": "target", "patience": "patience"}
-"""Arguments of ``Stop`` by the names of the fields."""
+"""Argument of ``Stop`` for each field of the panel."""
 
 
 class Transport(Component):
@@ -48,7 +48,7 @@ class Transport(Component):
 
     @property
     def stop(self) -> Stop | None:
-        """Conditions under which the next run ends early; None without any. Values that are not allowed are ignored."""
+        """Conditions under which the next run ends early; None if there are none. Invalid values are ignored."""
         given: dict[str, Any] = {}
         for name, value in self.end_early.items():
             if name in _CONDITIONS and isinstance(value, int | float):

@@ -27,7 +27,7 @@ class ShownWalker:
         genome: Its genome.
         settings: Settings of the world in which it walks.
         name: Name of the robot, in the alternative text and in the 3D replay.
-        words: What the caption says about it.
+        words: Text of the caption.
     """
 
     genome: Genome
@@ -51,7 +51,7 @@ class WalkerCaption(Component):
     moves = traitlets.Bool(True).tag(sync=True)
 
     def snapshot(self) -> Markup:
-        """Return the text as static HTML."""
+        """Return the caption as static HTML."""
         return render("widgets/walker_view.html", words=self.words, url="", alt="")
 
 
@@ -59,7 +59,7 @@ class WalkerView(HasSnapshot, ipywidgets.Box):
     """A moving side view of one robot's walk; a click plays the walk in 3D.
 
     Attributes:
-        caption: Caption, and whether the picture moves.
+        caption: Caption, with a button that stops the motion.
         frame: Picture and replay.
     """
 
@@ -77,11 +77,11 @@ class WalkerView(HasSnapshot, ipywidgets.Box):
         self.add_class("wl-walker")
         self.frame.add_class("wl-frame")
         answer_on_requested_thread(self.frame)
-        self.frame.observe(self._opened_or_closed, "is_open")
+        self.frame.observe(self._is_open_changed, "is_open")
         self.caption.observe(self._motion_changed, "moves")
 
     def show(self, walker: ShownWalker) -> None:
-        """Show a robot, or remember it until an open replay is closed; can be called from any thread."""
+        """Show a robot at once, or when an open replay is closed; this can be called from any thread."""
         with self._lock:
             self._wanted = walker
             if not self.frame.is_open and walker != self._shown:
@@ -93,7 +93,7 @@ class WalkerView(HasSnapshot, ipywidgets.Box):
         url = data_url("image/svg+xml", self._still.encode()) if self._still else ""
         return render("widgets/walker_view.html", words=self.caption.words, url=url, alt=str(self.frame.alt))
 
-    def _opened_or_closed(self, _change: object) -> None:
+    def _is_open_changed(self, _change: object) -> None:
         if self._wanted:
             self.show(self._wanted)
 
