@@ -14,7 +14,7 @@ from walkerlab.genome.features import build_genes
 from walkerlab.simulation.rollout import walk_from_every_start
 
 SMALL = wl.Settings().with_(population_size=4, duration=1, segments=(1, 2), forgive="fragile")
-"""Settings of a search that takes a moment; without tests from other starts, which would need most of its walks."""
+"""Settings of a short search, without the tests from other starts, which would require most of its walks."""
 
 
 class Interrupted(Exception):

@@ -7,7 +7,7 @@ import pytest
 import walkerlab as wl
 
 
-def family(*fitness, operators="rank > paired > micro"):
+def make_table(*fitness, operators="rank > paired > micro"):
     """Return a table with two parents, of fitness 1 and 3, and children with the given fitness."""
     n = len(fitness)
     return pd.DataFrame(
@@ -23,8 +23,8 @@ def family(*fitness, operators="rank > paired > micro"):
     )
 
 
-def test_numbers_of_a_small_family():
-    (row,) = wl.analysis.operator_credit(family(3.0, 4.0, 0.0, -np.inf)).itertuples()
+def test_credit_of_a_small_table():
+    (row,) = wl.analysis.operator_credit(make_table(3.0, 4.0, 0.0, -np.inf)).itertuples()
     assert (row.crossover, row.mutation, row.children, row.counted) == ("paired", "micro", 4, 3)
     assert row.better == 1 / 4  # equal is not better, and a walk that does not count is not better
     assert row.mean_gain == pytest.approx((1 + 2 - 2) / 3)
@@ -32,7 +32,7 @@ def test_numbers_of_a_small_family():
 
 
 def test_each_pair_of_operators_has_a_row():
-    tables = [family(5.0, operators="a > b > c"), family(0.0, 0.0, operators="a > b+b > c")]
+    tables = [make_table(5.0, operators="a > b > c"), make_table(0.0, 0.0, operators="a > b+b > c")]
     experiment = pd.concat([table.assign(condition=str(i), seed=0) for i, table in enumerate(tables)])
     credit = wl.analysis.operator_credit(experiment)
     assert credit[["crossover", "mutation", "children"]].to_numpy().tolist() == [["b+b", "c", 2], ["b", "c", 1]]

@@ -46,8 +46,8 @@ def test_an_unmatched_segment_counts_fully_and_its_values_do_not_matter(genomes)
 
 
 def test_genomes_with_room_for_more_segments_can_be_compared(genomes):
-    roomy = [wl.Genome(values) for values in wl.generate_robot_population(wl.Robot(segments=(1, 8)), 3, seed=1)]
-    distances = wl.analysis.aligned_distances([*genomes[:3], *roomy])
+    larger = [wl.Genome(values) for values in wl.generate_robot_population(wl.Robot(segments=(1, 8)), 3, seed=1)]
+    distances = wl.analysis.aligned_distances([*genomes[:3], *larger])
     assert np.isfinite(distances).all()
     assert np.allclose(distances[:3, :3], wl.analysis.aligned_distances(genomes[:3]), atol=0.05)  # other ranges
 

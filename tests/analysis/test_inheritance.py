@@ -1,4 +1,4 @@
-"""The shown origin and change of each gene are those of the operator, for ours and for functions written in a cell."""
+"""The displayed origin and change of each gene are those of the operator, for ours and for user functions."""
 
 from functools import partial
 
@@ -26,7 +26,7 @@ FITNESS = np.array([5.0, 1.0, 4.0, 2.0, 0.0, 3.0, 6.0, 2.5])
 NAMES = [f"robot {i}" for i in range(8)]
 
 
-# ------------------------------------------------------------------------------- operators as a student writes them
+# ------------------------------------------------------------------------------------ operators written by a user
 
 
 def mean_of_couple(parents, fitness, n_children, *, rng):
@@ -176,15 +176,15 @@ def test_a_mutation_in_a_crossover_is_shown_as_its_change():
     assert np.allclose(birth.crossover[~GENES.is_count], (birth.inherited - POOL[0])[~GENES.is_count])
 
 
-def test_the_method_finds_the_same_as_the_random_numbers_of_uniform_crossover():
+def test_traced_parents_agree_with_the_random_numbers_of_uniform_crossover():
     settings = SETTINGS.with_(crossover="uniform", seed=9)
-    from_mother = random_stream(9, "crossover", 1, 0).random((4, len(GENES))) < 1 / 2
+    from_first = random_stream(9, "crossover", 1, 0).random((4, len(GENES))) < 1 / 2
     for child, birth in enumerate(births(settings, 4)):
-        mother_first = from_mother[child // 2] if child % 2 == 0 else ~from_mother[child // 2]
-        mother = birth.names.index(NAMES[2 * (child // 2)])
+        is_from_first = from_first[child // 2] if child % 2 == 0 else ~from_first[child // 2]
+        first = birth.names.index(NAMES[2 * (child // 2)])
         for j, origin in enumerate(birth.origins):
             if origin == "parent":
-                assert (birth.sources.parent[j] == mother) == mother_first[j], GENES.names[j]
+                assert (birth.sources.parent[j] == first) == is_from_first[j], GENES.names[j]
 
 
 # ------------------------------------------------------------------------------------------------------- mutation

@@ -1,4 +1,4 @@
-"""A landscape varies one or two genes, holds all others, and its points can be played."""
+"""A landscape varies one or two genes and keeps all others, and the walks of its points can be played."""
 
 from concurrent.futures import ThreadPoolExecutor
 

@@ -9,7 +9,7 @@ from walkerlab.analysis.price import TERMS
 from walkerlab.runfile.records import parent_numbers
 
 
-def test_the_run_has_all_that_makes_the_identity_difficult(run):
+def test_the_run_contains_elites_failed_walks_and_insertions(run):
     table = run.records
     assert (table.born < table.generation).any(), "elites"
     assert set(table.verdict) > {"ok"}, "walks that do not count"

@@ -1,4 +1,4 @@
-"""Selection is measured as theory says, and every probability is that with which the operator selects."""
+"""Measurements of selection agree with theory, and probabilities are those with which the operator selects."""
 
 import math
 from functools import partial
@@ -30,7 +30,7 @@ def softmax(fitness, n_parents, *, rng):
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 5, 9])
-def test_the_theory_of_tournaments_is_that_of_the_literature(size):
+def test_the_theory_of_tournaments_agrees_with_the_literature(size):
     theory = selection_theory(selection_curve(partial(tournament, size=size)))
     grid = np.linspace(-8, 8, 100_001)
     density = size * norm.cdf(grid) ** (size - 1) * norm.pdf(grid)  # of the maximum of several normal numbers
@@ -55,7 +55,7 @@ def test_known_values_of_the_other_operators():
 
 
 @pytest.mark.parametrize("n", [50, 100, 1000])
-def test_the_takeover_by_tournaments_takes_as_long_as_goldberg_and_deb_say(n):
+def test_the_takeover_time_of_tournaments_agrees_with_goldberg_and_deb(n):
     for size in (2, 3, 5):
         curve = selection_curve(partial(tournament, size=size))
         expected = (math.log(n) + math.log(math.log(n))) / math.log(size)

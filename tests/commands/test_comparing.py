@@ -1,4 +1,4 @@
-"""``walkerlab compare`` gives the experiment of ``wl.compare``, continues it, and reports errors before it runs."""
+"""``walkerlab compare`` runs and continues the same experiment as ``wl.compare``, and reports errors first."""
 
 import argparse
 from functools import partial

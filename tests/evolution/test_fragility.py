@@ -30,7 +30,7 @@ def row(fitness):
 
 
 def walk_again_with(fitness_again):
-    """Return a function that walks robots again, and the list of the robots that it was given."""
+    """Return a function that simulates robots again, and the list of the robots that were passed to it."""
     walked = []
 
     def walk_again(texts):

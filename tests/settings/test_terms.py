@@ -1,4 +1,4 @@
-"""Each term is explained in a sentence, and found by the names of settings and columns."""
+"""Each term has an explanation, which is found by the names of settings and columns."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Plots of selection, convergence and improvement: they draw the numbers of wl.analysis, and describe them."""
+"""Plots of selection, convergence and improvement show and describe the numbers of wl.analysis."""
 
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
