@@ -1,4 +1,4 @@
-"""The displayed origin and change of each gene are those of the operator, for ours and for user functions."""
+"""The displayed origin and change of each gene are those of the operator, built-in or written by a user."""
 
 from functools import partial
 
