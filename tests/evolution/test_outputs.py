@@ -122,7 +122,7 @@ def test_every_function_expands_the_home_folder(here, threads, monkeypatch):
     wl.plots.save(wl.plots.body(genome), "~/x/body.svg")
     assert (here / "home" / "x" / "body.svg").is_file()
     lab = wl.Lab(SMALL, "~/runs", executor=threads)
-    assert lab.runs.drawer.files == [os.path.join("home", "runs", "run.walk")]
+    assert [file["path"] for file in lab.runs.drawer.files] == [os.path.join("home", "runs", "run.walk")]
     monkeypatch.chdir(here / "home")
     lab.runs.drawer._handle_message(None, {"load": lab.runs.drawer.files[0]}, [])
     assert lab.run.path == run.path, "a listed run can be loaded from any folder"

@@ -235,7 +235,7 @@ def test_ctrl_c_while_a_function_hangs_saves_complete_generations(pool, tmp_path
 
 def test_evaluate_reports_the_index_and_genome_of_a_robot(pool):
     genomes = [wl.Genome.random(SETTINGS.robot, rng=np.random.default_rng(i)) for i in range(5)]
-    faulty = walks([genomes[3].within(SETTINGS.robot)], SETTINGS)[0][0].distance
+    faulty = walks([genomes[3].within(SETTINGS.robot)], SETTINGS, [0])[0][0].distance
     settings = SETTINGS.with_(fitness=create_function("fitness", knows_nothing, lambda walk: walk.distance == faulty))
     with pytest.raises(wl.OperatorError, match=r"'mine' must .*; it returned nan, for the robot at index 3") as caught:
         wl.evaluate(genomes, settings, pool)

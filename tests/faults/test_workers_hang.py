@@ -157,7 +157,7 @@ def test_tasks_have_one_robot_in_a_slow_world_and_many_in_a_usual_one(monkeypatc
     sent = []
 
     class Recording(ThreadPoolExecutor):
-        def submit(self, fn, /, robots, world, asked):
+        def submit(self, fn, /, robots, *_):
             sent.append(len(robots))
             future = Future()
             future.set_exception(ZeroDivisionError())

@@ -39,7 +39,8 @@ def test_the_counted_walk_is_found_without_the_function(runs):
         for row in run.records.itertuples():
             walk = poorest_walk(row.genome, again, poses=False)
             expected = poorest_walk(row.genome, run.settings, poses=False)
-            assert (walk.distance, walk.verdict, walk.reason) == (row.distance, row.verdict, row.reason)
+            recorded = ("ok", "") if row.verdict == "fragile" else (row.verdict, row.reason)
+            assert (walk.distance, walk.verdict, walk.reason) == (row.distance, *recorded)
             assert (walk.distance, walk.verdict, walk.reason) == (expected.distance, expected.verdict, expected.reason)
 
 

@@ -37,7 +37,9 @@ def objects_with_arrays(run):
     """Return an object of each class with read-only arrays."""
     champion = run.champion
     population = last_population(run.records)
-    return [champion.genome, wl.simulate(champion.genome, SETTINGS), population, build_genes(SETTINGS.robot)]
+    birth = wl.analysis.mutate(champion.genome, SETTINGS, rng=np.random.default_rng(0))
+    rollout = wl.simulate(champion.genome, SETTINGS)
+    return [champion.genome, rollout, population, build_genes(SETTINGS.robot), birth, birth.sources]
 
 
 def test_an_object_of_every_class_with_read_only_arrays_is_tested(objects_with_arrays):

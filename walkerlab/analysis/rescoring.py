@@ -10,7 +10,7 @@ import pandas as pd
 from walkerlab.ga.genes import Floats, Indices
 from walkerlab.ga.population import NOT_COUNTED
 from walkerlab.runfile.tables import require_table
-from walkerlab.settings.choices import Fitness
+from walkerlab.settings.choices import Fitness, Guard
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.evaluation import evaluate
 from walkerlab.simulation.fitness import check_user_function, name_and_unit
@@ -75,7 +75,7 @@ def rescore(
         raise ValueError("no robot has walked yet, so there is nothing to rate again")
     if other in RECORDED and settings.simulation.n_starts == 1:
         source = "recorded columns"
-        verdicts = table.verdict.replace(REJECTED, "ok").tolist()  # the walk of a rejected robot is valid
+        verdicts = table.verdict.replace([REJECTED, Guard.fragile.name], "ok").tolist()  # these walks are valid
         after = np.where(np.array(verdicts) == "ok", table[other.name].to_numpy(), NOT_COUNTED)
     else:
         source = "new walks"

@@ -38,7 +38,8 @@ def exclude_fragile(
     """Test the best robots of a generation, until all that would be elites have passed.
 
     The result does not depend on the order of the tests: each robot is tested that is at least as good as the poorest
-    elite of those that pass.
+    elite of those that pass. Robots that are no better than the median of their generation are not tested, so that at
+    least half of it remains.
 
     Args:
         rows: Evaluations of the generation, by the text of the genome.
@@ -52,14 +53,14 @@ def exclude_fragile(
     counted = [row.fitness for row in rows.values() if row.fitness != NOT_COUNTED]
     if not (counted and further_starts(settings)):
         return dict(rows)
-    sufficient = float(np.quantile(counted, SUFFICIENT_RANK))
+    median, sufficient = map(float, np.quantile(counted, [0.5, SUFFICIENT_RANK]))
     unit = name_and_unit(settings.algorithm.fitness)[1]
     n_best = max(1, settings.algorithm.n_elites)
     rated = dict(rows)
     tested = set(passed)
     while True:
         best = sorted(rated, key=lambda text: -rated[text].fitness)[:n_best]
-        untested = [text for text in best if text not in tested and rated[text].fitness != NOT_COUNTED]
+        untested = [text for text in best if text not in tested and rated[text].fitness > median]
         if not untested:
             return rated
         for text, again in zip(untested, walk_again(untested), strict=True):

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from walkerlab.breeding import slot_entries
+from walkerlab.evolution.fragility import FRAGILE
 from walkerlab.evolution.rating import retest_best
 from walkerlab.evolution.stored_functions import user_functions
 from walkerlab.ga.population import Population
@@ -96,20 +97,28 @@ def confirm_ratings(
     is_same_source = recorded.facts.get(FITNESS_FACT) == now and UNKNOWN_SOURCE not in (now or "")
     if not rerate and (now is None or (recorded.is_elsewhere and is_same_source)):
         return population, False
-    rated = rate_again(population, settings, evaluate)
+    walked = _walk_again(population, evaluate)
+    rated = _keep_fragile(population, walked)
     counted = np.isfinite(population.fitness)
     is_comparable = bool(counted.any()) or is_same_source or not recorded.has_fitness
     if is_comparable and np.array_equal(rated.fitness, population.fitness):
         return population, False
     if rerate:
-        return rated, True
+        return _test_again(walked, settings, evaluate), True
     raise RunFileError(_difference_message(population, rated, settings, recorded))
 
 
 def rate_again(
     population: Population[EvaluationRow], settings: Settings, evaluate: Callable[..., Sequence[Evaluation]]
 ) -> Population[EvaluationRow]:
-    """Return a population with new ratings; equal genomes are simulated once, and the best are tested again."""
+    """Return a population with new ratings, the best of which are tested from other starts."""
+    return _test_again(_walk_again(population, evaluate), settings, evaluate)
+
+
+def _walk_again(
+    population: Population[EvaluationRow], evaluate: Callable[..., Sequence[Evaluation]]
+) -> Population[EvaluationRow]:
+    """Return a population with the ratings of new walks; equal genomes are simulated once."""
     texts = [walked.genome for walked in population.evaluations]
     rows = {text: row for row, text in enumerate(texts)}
     try:
@@ -119,8 +128,27 @@ def rate_again(
         error.context = f"for individual {individual} of generation {population.generation}, rated again to resume"
         raise
     rated = {text: EvaluationRow.of(one, text) for text, one in zip(rows, evaluations, strict=True)}
-    rated = retest_best(rated, (), settings, evaluate, population.generation)
     return replace(population, evaluations=[rated[text] for text in texts])
+
+
+def _keep_fragile(
+    population: Population[EvaluationRow], walked: Population[EvaluationRow]
+) -> Population[EvaluationRow]:
+    """Return the new ratings of a population, apart from robots that were excluded as fragile.
+
+    Whether a robot is fragile depends on the other robots of the generation in which it was born.
+    """
+    pairs = zip(population.evaluations, walked.evaluations, strict=True)
+    return replace(population, evaluations=[old if old.verdict == FRAGILE else new for old, new in pairs])
+
+
+def _test_again(
+    population: Population[EvaluationRow], settings: Settings, evaluate: Callable[..., Sequence[Evaluation]]
+) -> Population[EvaluationRow]:
+    """Return a population in which the robots that are fragile by its own ratings are excluded."""
+    rows = {row.genome: row for row in population.evaluations}
+    tested = retest_best(rows, (), settings, evaluate, population.generation)
+    return replace(population, evaluations=[tested[row.genome] for row in population.evaluations])
 
 
 def _difference_message(

@@ -37,6 +37,7 @@ VERDICT_STYLES = (
     ("#D55E00", "\\\\"),
     ("#999999", "--"),
     ("#CC79A7", "**"),
+    ("#E69F00", "..."),
 )
 """Colour and hatching of the verdicts after ``ok``, in the order of ``VERDICTS``; the same in all plots."""
 

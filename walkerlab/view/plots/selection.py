@@ -198,11 +198,11 @@ def _is_exact(table: pd.DataFrame) -> bool:
 def _describe_probabilities(table: pd.DataFrame) -> str:
     """Describe the probabilities in two sentences."""
     n = len(table)
-    best = float(table.probability.iloc[0])
+    percent = 100 * float(table.probability.iloc[0])
     never = int((table.probability == 0).sum())
     how = "exact" if _is_exact(table) else "estimated"
     zero = f" {pluralize(never, 'individual')} cannot be selected." if never else ""
     return (
-        f"The fittest of {n} has a chance of {100 * best:.1f} %, {best * n:.1f} times an equal share ({how} "
+        f"The fittest of {n} has a chance of {percent:.1f} %, {percent / 100 * n:.1f} times an equal share ({how} "
         f"probabilities).{zero}"
     )
