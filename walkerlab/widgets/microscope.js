@@ -77,9 +77,9 @@ function render({ model, el }) {
     for (const one of fields) one.update();
   }
 
-  function word({ text, gene, sign, change, colour, faint, repair }) {
+  function word({ text, gene, title, sign, change, colour, faint, repair }) {
     if (!gene) return make("span", { className: "word", textContent: `${text} ` });
-    const shell = make("span", { className: "word gene", title: `${gene}${sign ? `, from ${sign}` : ""}${change ? `, changed: ${change}` : ""}` });
+    const shell = make("span", { className: "word gene", title });
     if (colour) shell.style.setProperty("--origin", colour);
     shell.classList.toggle("faint", faint);
     shell.classList.toggle("changed", Boolean(change));
