@@ -6,7 +6,8 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 import walkerlab as wl
-from walkerlab.view.inheritance import cell_colour, mark_genes, paint_child, painted_parts
+from walkerlab.view.inheritance import cell_colour, mark_genes
+from walkerlab.view.painted_bodies import paint_child, painted_parts
 
 SETTINGS = wl.Settings()
 POOL = wl.generate_robot_population(SETTINGS.robot, 5, seed=2)

@@ -112,9 +112,6 @@ def test_left_legs_are_dark_and_the_front_is_marked_in_every_drawing():
     eye = float(next(root.iter(f"{SVG}circle")).get("cx"))
     numbers = [float(element.get("x")) for element in root.iter(f"{SVG}text")]
     assert eye > numbers[0] > numbers[1] > numbers[2]
-    painted = sketch.draw_robot(GENOME, colours=[None, ((0.5, 0, 0.5), (1, 0, 0))])
-    assert {"#800080", "#ff0000"} <= {part.get("fill") for part in parse_drawing(painted).iter(f"{SVG}path")}
-    assert sketch.draw_robot(GENOME, colours=[None, None]) == sketch.draw_robot(GENOME)
 
 
 def test_robots_drawn_with_the_same_span_have_the_same_scale():

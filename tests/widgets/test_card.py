@@ -6,9 +6,14 @@ import numpy as np
 import pandas as pd
 
 import walkerlab as wl
+from walkerlab.analysis.comparison import compare_with_parents
+from walkerlab.analysis.inheritance import shortest_change
+from walkerlab.genome.features import build_genes
+from walkerlab.genome.repair import repair
 from walkerlab.runfile.records import birth_rows
 from walkerlab.widgets.card import robot_card
-from walkerlab.widgets.origins import NEW, SHARED, describe_origins, find_origins
+from walkerlab.widgets.genome_words import genome_lines
+from walkerlab.widgets.origins import describe_origins
 
 
 def test_only_a_child_has_a_line_of_descent(done):
@@ -23,12 +28,6 @@ def test_a_walk_that_does_not_count_has_a_reason_and_no_fitness(done):
     assert "Details: 9 m/s &lt;b&gt;." in robot_card(fell, 0)
     assert "Fitness" not in robot_card(fell, 0)
     assert "Fitness" in robot_card(done.records, done.champion.individual)
-
-
-def test_each_gene_is_from_the_parent_with_the_same_value_or_new():
-    parents = np.array([[1.0, 2.0, 3.0, 4.0], [1.0, 5.0, 6.0, 7.0]])
-    assert find_origins(np.array([1.0, 2.0, 6.0, 4.2]), parents).tolist() == [SHARED, 0, 1, NEW]
-    assert find_origins(np.array([1.0, 2.0, 3.0, 4.2]), parents[:1]).tolist() == [0, 0, 0, NEW]
 
 
 def family(*, changes, n_parents=2):
@@ -49,7 +48,7 @@ def test_a_mutated_child_lists_the_changed_genes_with_old_and_new_value():
     length = next(change for change in shown["changes"] if change.name == "segment 1, length")
     assert float(length.before) == parent.values[4]
     assert length.after == "0.333 m"
-    assert "2 new" in shown["summary"]
+    assert "2 were changed" in shown["summary"]
     assert [one["caption"] for one in shown["parents"]] == ["A: robot 0"]
     assert describe_origins(births, 0) == {}, "the first generation has no parents"
     assert describe_origins(births.drop(index=0), 9) == {}, "the parents are not in the table"
@@ -58,10 +57,33 @@ def test_a_mutated_child_lists_the_changed_genes_with_old_and_new_value():
 def test_the_genes_of_each_parent_have_its_letter():
     births, _ = family(changes={4: None, 5: None})
     shown = describe_origins(births, 9)
-    kinds = [gene["kind"] for group, genes in shown["groups"] if group == "segment 1" for gene in genes]
-    assert kinds[:2] == ["p1", "p1"]
-    assert "2 from B" in shown["summary"]
+    genes = next(genes for group, genes in shown["groups"] if group == "segment 1")
+    assert [gene["sign"] for gene in genes[:3]] == ["B", "B", "="]
+    assert "2 come from B (robot 1)" in shown["summary"]
     assert shown["changes"] == []
+
+
+def test_the_card_shows_a_gene_as_the_microscope_does():
+    births, parents = family(changes={4: None, 5: 1.234, 1: 2.5})
+    birth = compare_with_parents(births.genome[9], parents, wl.Robot(), ["robot 0", "robot 1"])
+    words = {word["gene"]: word for line in genome_lines(birth) for word in line if word["gene"] and not word["faint"]}
+    cells = [gene for _, genes in describe_origins(births, 9)["groups"] for gene in genes]
+    assert {cell["title"] for cell in cells} == {word["title"] for word in words.values()}
+    shown = {cell["title"]: cell for cell in cells}
+    for word in words.values():
+        cell = shown[word["title"]]
+        assert (cell["sign"], cell["is_changed"]) == (word["sign"], bool(word["change"]))
+        assert not word["colour"] or cell["colour"] == word["colour"]
+
+
+def test_a_blend_has_the_letters_of_both_parents_and_no_change():
+    births, parents = family(changes={})
+    genes = build_genes(wl.Robot())
+    first, second = (parent.values for parent in parents)
+    blend = repair((first + 0.3 * shortest_change(first, second, genes))[np.newaxis], wl.Robot())[0]
+    births.loc[9, "genome"] = str(wl.Genome(blend))
+    signs = [gene["sign"] for _, cells in describe_origins(births, 9)["groups"] for gene in cells]
+    assert signs.count("AB") > len(signs) / 2
 
 
 def test_the_card_of_a_child_shows_what_its_parents_gave(done):
@@ -70,5 +92,5 @@ def test_the_card_of_a_child_shows_what_its_parents_gave(done):
     parents = birth_rows(done.records).parents[child].split()
     assert "Who gave what" in card
     assert all(f": robot {number}" in card for number in dict.fromkeys(parents))
-    assert len(re.findall(r'class="gene ', card)) > 10
+    assert len(re.findall(r'class="gene', card)) > 10
     assert "Who gave what" not in robot_card(done.records, 0)

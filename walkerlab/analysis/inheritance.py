@@ -1,6 +1,7 @@
 """One birth gene by gene: which gene came from which parent, and what mutation and repair changed."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -61,7 +62,7 @@ class Birth(ReadOnlyArrays):
         """Genome of the child."""
         return Genome(self.child)
 
-    @property
+    @cached_property
     def origins(self) -> tuple[Origin, ...]:
         """Origin of each gene, n_genes of them."""
         return tuple(self._origin(j) for j in range(len(self.genes)))

@@ -42,6 +42,10 @@ LENGTH, MASS, LEGS, REPEAT, LEG_LENGTH = (
 )
 """Columns of the genes of a segment."""
 
+WHOLE_ROBOT = "whole robot"
+GENE_WORDS = {Feature.legs: "has legs", Feature.repeat: "copies legs in front"}
+"""Words for genes that differ from the name of the feature."""
+
 FULL_TURN = 6.283  # rad, rounded to the grid
 
 
@@ -98,6 +102,17 @@ def build_genes(robot: Robot) -> Genes:
         n_whole=len(BODY_FEATURES),
         count=BODY_FEATURES.index(Feature.segments),
     )
+
+
+def gene_words(gene: str) -> tuple[str, str]:
+    """Return in words the part of the robot that a gene describes, and the gene itself.
+
+    Args:
+        gene: Name of the gene: ``seg2.hip_phase`` is the "hip phase" of "segment 2".
+    """
+    part, _, name = gene.rpartition(".")
+    group = f"segment {part.removeprefix('seg')}" if part else WHOLE_ROBOT
+    return group, GENE_WORDS.get(Feature[name], name.replace("_", " "))
 
 
 def find_leg_sources(segments: Floats) -> Indices:

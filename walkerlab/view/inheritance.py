@@ -1,20 +1,16 @@
-"""How the origin of a gene is shown: a letter and a colour for each parent, in tables, texts and drawings."""
+"""How the origin of a gene is shown: a letter and a colour for each parent, in tables and texts."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from walkerlab.analysis.inheritance import Birth, gene_widths, parent_letter
-from walkerlab.ga.genes import Floats, Genes
-from walkerlab.genome.features import BODY_FEATURES, LEG_LENGTH, SEGMENT_FEATURES, find_leg_sources
-from walkerlab.genome.genome import Genome
+from walkerlab.analysis.tracing import NO_SOURCE
+from walkerlab.ga.genes import Genes
+from walkerlab.genome.features import gene_words
 from walkerlab.genome.text import FEATURE_WORDS
 from walkerlab.settings.choices import Feature
-from walkerlab.settings.settings import Settings
 from walkerlab.text.numbers import format_significant
-from walkerlab.world.geometry import surface_points
-from walkerlab.world.scene import scene_of
 
 PARENT_COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9")
 """Colours of the first parents (Okabe and Ito); the first two differ in lightness, too."""
@@ -26,7 +22,6 @@ NEW_COLOUR = "#ffffff"
 """Colour of genes that come from no parent."""
 CELL_STRENGTH = 0.42  # share of the colour in the background of a gene; the rest is white
 UNEXPRESSED_STRENGTH = 0.2
-FAR_LEG_BRIGHTNESS = 0.72
 SAME_SIGN = "="
 NEW_SIGN = "new"
 
@@ -40,6 +35,9 @@ class GeneMark:
         value: Value of the child.
         sign: Letter of its parent, ``=`` if it is equal in all parents, the shares of a blend, or ``new``; "" if there
             is only one parent. A number is the segment of the parent from which it was moved.
+        letters: Sign for a small cell: the letters of a blend without its shares, and the letter of a single parent.
+        title: Name, origin and change in words.
+        before: Value of the parent; "" if there is none.
         change: Signed change of the value by crossover, mutation and repair, or the word that it replaces; "" if there
             is none.
         by_repair: Whether repair made most of the change.
@@ -51,11 +49,19 @@ class GeneMark:
     name: str
     value: str
     sign: str
+    letters: str
+    title: str
+    before: str
     change: str
     by_repair: bool
     size: float
     colour: tuple[float, float, float]
     is_expressed: bool
+
+    @property
+    def is_coloured(self) -> bool:
+        """Whether the gene has the colour of its origin in a table or text."""
+        return self.sign not in ("", SAME_SIGN, NEW_SIGN)
 
 
 def mark_genes(birth: Birth) -> list[GeneMark]:
@@ -64,19 +70,26 @@ def mark_genes(birth: Birth) -> list[GeneMark]:
     sizes = (birth.change / gene_widths(birth.genes)).tolist()
     by_repair = (np.abs(birth.repair) > np.abs(birth.mutation + birth.crossover)).tolist()
     expressed = birth.is_expressed.tolist()
-    return [
-        GeneMark(
-            name=name,
-            value=format_gene(birth.genes, j, birth.child[j]),
-            sign=_origin_sign(birth, j),
-            change=_format_change(birth, j, changes[j]),
-            by_repair=by_repair[j] and changes[j] != 0,
-            size=sizes[j],
-            colour=origin_colour(birth, j),
-            is_expressed=expressed[j],
+    marks: list[GeneMark] = []
+    for j, name in enumerate(birth.genes.names):
+        sign = _origin_sign(birth, j)
+        change = _format_change(birth, j, changes[j])
+        marks.append(
+            GeneMark(
+                name=name,
+                value=format_gene(birth.genes, j, birth.child[j]),
+                sign=sign,
+                letters=_origin_letters(birth, j),
+                title=_gene_title(name, sign, change),
+                before=format_gene(birth.genes, j, _source_value(birth, j)) if change else "",
+                change=change,
+                by_repair=by_repair[j] and changes[j] != 0,
+                size=sizes[j],
+                colour=origin_colour(birth, j),
+                is_expressed=expressed[j],
+            )
         )
-        for j, name in enumerate(birth.genes.names)
-    ]
+    return marks
 
 
 def parent_colour(parent: int) -> tuple[float, float, float]:
@@ -102,8 +115,11 @@ def origin_colour(birth: Birth, j: int) -> tuple[float, float, float]:
 
 def cell_colour(mark: GeneMark) -> tuple[float, float, float]:
     """Return the background of a gene in a table or text: pale enough for black text."""
-    if mark.sign in ("", SAME_SIGN, NEW_SIGN):
-        return 1.0, 1.0, 1.0
+    return pale_colour(mark) if mark.is_coloured else (1.0, 1.0, 1.0)
+
+
+def pale_colour(mark: GeneMark) -> tuple[float, float, float]:
+    """Return the colour of the origin of a gene, pale enough for black text."""
     strength = CELL_STRENGTH if mark.is_expressed else UNEXPRESSED_STRENGTH
     red, green, blue = (1 - strength * (1 - np.array(mark.colour))).tolist()
     return red, green, blue
@@ -135,22 +151,52 @@ def _trim(number: str) -> str:
 
 def _origin_sign(birth: Birth, j: int) -> str:
     match birth.origins[j]:
+        case "parent" if len(birth.parents) == 1:
+            segment = _source_segment(birth, j)
+            return f"from {segment}" if segment else ""
+        case "blend":
+            named = [f"{parent_letter(i)} {share:.0%}" for i, share in _blended_shares(birth, j).items()]
+            return " ".join(named[:2]) + (" …" if len(named) > 2 else "")
+        case _:
+            return _origin_letters(birth, j)
+
+
+def _origin_letters(birth: Birth, j: int) -> str:
+    match birth.origins[j]:
         case "parent":
-            letter = parent_letter(int(birth.sources.parent[j])) if len(birth.parents) > 1 else ""
-            if not birth.is_moved[j]:
-                return letter
-            segment = birth.genes.names[birth.sources.gene[j]].partition(".")[0].removeprefix("seg")
-            return f"{letter}{segment}" if letter else f"from {segment}"
+            return f"{parent_letter(int(birth.sources.parent[j]))}{_source_segment(birth, j)}"
         case "same":
             return SAME_SIGN
         case "blend":
-            shares = birth.sources.shares[:, j]
-            named = [
-                f"{parent_letter(i)} {share:.0%}" for i, share in enumerate(shares.tolist()) if abs(share) >= 0.005
-            ]
-            return " ".join(named[:2]) + (" …" if len(named) > 2 else "")
+            letters = list(map(parent_letter, _blended_shares(birth, j)))
+            return "".join(letters) if len(letters) <= 2 else f"{letters[0]}…"
         case _:
             return NEW_SIGN
+
+
+def _source_segment(birth: Birth, j: int) -> str:
+    """Return the number of the segment from which a gene was moved; "" if it was not."""
+    if not birth.is_moved[j]:
+        return ""
+    return birth.genes.names[birth.sources.gene[j]].partition(".")[0].removeprefix("seg")
+
+
+def _source_value(birth: Birth, j: int) -> float:
+    """Return the value of the parent from which a gene comes; before mutation, if it does not come from one."""
+    parent, gene = birth.sources.parent[j], birth.sources.gene[j]
+    return float(birth.inherited[j] if parent == NO_SOURCE else birth.parents[parent, gene])
+
+
+def _blended_shares(birth: Birth, j: int) -> dict[int, float]:
+    shares: list[float] = birth.sources.shares[:, j].tolist()
+    return {parent: share for parent, share in enumerate(shares) if abs(share) >= 0.005}
+
+
+def _gene_title(name: str, sign: str, change: str) -> str:
+    origins = {"": "", SAME_SIGN: "equal in all parents", NEW_SIGN: "from no parent"}
+    origin = origins.get(sign, f"from {sign.removeprefix('from ')}")
+    changed = change if change.startswith("was") else f"changed by {change}" if change else ""
+    return ", ".join(filter(None, (*gene_words(name), origin, changed)))
 
 
 def _rgb(colour: str) -> tuple[float, float, float]:
@@ -158,94 +204,27 @@ def _rgb(colour: str) -> tuple[float, float, float]:
     return red, green, blue
 
 
-# ----------------------------------------------------------------------------------------------------------- bodies
-
-
-@dataclass(frozen=True)
-class PartPaint:
-    """Colours of a body: of the trunk and the legs of each segment.
-
-    Attributes:
-        colours: RGB colour by part: ``trunk1``, ``legs1``, ``trunk2`` and so on; other parts keep their colours.
-        changed: Parts with a changed gene, of their size or of their motion.
-    """
-
-    colours: Mapping[str, tuple[float, float, float]]
-    changed: frozenset[str] = frozenset()
-
-
-def paint_child(birth: Birth) -> PartPaint:
-    """Return the colours of a child.
-
-    Each trunk has the colour of the origin of its length, or of its mass if all parents have the same length; each pair
-    of legs that of the origin of their length, or of their force.
-    """
-    values = birth.child[np.newaxis]
-    width = len(SEGMENT_FEATURES)
-    leg_sources = find_leg_sources(birth.genes.parts(values))[0].tolist()
-    colours: dict[str, tuple[float, float, float]] = {}
-    changed: set[str] = set()
-    origins = birth.origins
-    is_changed = birth.change != 0
-
-    def paint(part: str, first: int, n_genes: int) -> None:
-        """Paint a part whose size is described by the first two of its genes."""
-        informative = first + 1 if origins[first] == "same" else first
-        colours[part] = origin_colour(birth, informative)
-        if is_changed[first : first + n_genes].any():
-            changed.add(part)
-
-    for segment in range(int(birth.genes.n_grown(values)[0])):
-        paint(f"trunk{segment + 1}", len(BODY_FEATURES) + segment * width, LEG_LENGTH)
-        if leg_sources[segment] >= 0:
-            first = len(BODY_FEATURES) + leg_sources[segment] * width + LEG_LENGTH
-            paint(f"legs{segment + 1}", first, width - LEG_LENGTH)
-    return PartPaint(colours, frozenset(changed))
-
-
-def paint_parent(genome: Floats, parent: int) -> PartPaint:
-    """Return the colours of a parent: its own in all parts."""
-    n_parts = (len(genome) - len(BODY_FEATURES)) // len(SEGMENT_FEATURES)
-    names = [f"{part}{segment + 1}" for segment in range(n_parts) for part in ("trunk", "legs")]
-    return PartPaint(dict.fromkeys(names, parent_colour(parent)))
-
-
-def painted_parts(
-    genome: Genome, paint: PartPaint, settings: Settings | None = None
-) -> tuple[list[tuple[Floats, Floats]], list[bool]]:
-    """Return the parts of a robot in its rest pose on level ground, in the given colours.
-
-    Args:
-        genome: Genome within the limits.
-        paint: Colours of its parts.
-        settings: Settings with the loads of the robot; no loads if None.
-
-    Returns:
-        Points and colour of each part, as ``surface_points`` returns them, and whether a gene of the part was changed.
-    """
-    scene = scene_of(genome, Settings() if settings is None else Settings(robot=settings.robot))
-    model = scene.model
-    is_changed = np.zeros(model.ngeom, dtype=np.bool_)
-    for geom in np.flatnonzero(scene.is_robot_geom).tolist():
-        name = str(model.geom(geom).name).rpartition("/")[2]
-        bone = name.rstrip("0123456789")
-        part = f"{'trunk' if bone == 'trunk' else 'legs'}{name.removeprefix(bone)}"
-        if part in paint.colours:
-            brightness = FAR_LEG_BRIGHTNESS if bone.startswith("left") else 1.0
-            model.geom_rgba[geom, :3] = brightness * np.array(paint.colours[part])
-        is_changed[geom] = part in paint.changed
-    parts = surface_points(scene, scene.start)
-    drawn = np.isin(model.body_rootid[model.geom_bodyid], scene.roots)
-    marks: list[bool] = is_changed[drawn].tolist()
-    return parts, marks + [False] * (len(parts) - len(marks))
-
-
 def describe_birth(birth: Birth) -> str:
     """Describe a birth in a sentence with the numbers of genes of each origin, and of changed genes."""
-    origins: list[str] = list(birth.origins)
+    n_changed = int((birth.change != 0).sum())
+    n_visible = int(((birth.change != 0) & birth.is_expressed).sum())
+    effect = f", {n_visible} of them with an effect on the robot" if n_changed else ""
+    inferred = "" if birth.is_exact else " This was inferred from the genomes, because the birth could not be repeated."
+    return f"Of the {len(birth.genes)} genes, {count_origins(birth)}{effect}.{inferred}"
+
+
+def count_origins(birth: Birth, *, expressed_only: bool = False) -> str:
+    """Return the numbers of genes of each origin and of changed genes as part of a sentence.
+
+    Args:
+        birth: Birth to describe.
+        expressed_only: Whether to leave out genes without an effect on the child.
+    """
+    counted = np.flatnonzero(birth.is_expressed | (not expressed_only)).tolist()
+    origins = {j: birth.origins[j] for j in counted}
     parts: list[str] = []
     for parent, name in enumerate(birth.names):
-        n = sum(one == "parent" and birth.sources.parent[j] == parent for j, one in enumerate(origins))
+        n = sum(one == "parent" and birth.sources.parent[j] == parent for j, one in origins.items())
         if n and len(birth.names) > 1:
             parts.append(f"{n} come from {parent_letter(parent)} ({name})")
     for origin, text in (
@@ -253,13 +232,9 @@ def describe_birth(birth: Birth) -> str:
         ("blend", "are blends of the parents"),
         ("new", "are new"),
     ):
-        if n := origins.count(origin):
+        if n := list(origins.values()).count(origin):
             parts.append(f"{n} {text}")
-    n_changed = int((birth.change != 0).sum())
-    n_visible = int(((birth.change != 0) & birth.is_expressed).sum())
+    n_changed = int((birth.change[counted] != 0).sum())
     parts[4:] = [f"{len(parts) - 4} further origins"] if len(parts) > 4 else []
     parts.append(f"{n_changed or 'none'} {'was' if n_changed == 1 else 'were'} changed")
-    effect = f", {n_visible} of them with an effect on the robot" if n_changed else ""
-    listed = f"{', '.join(parts[:-1])} and {parts[-1]}" if parts[1:] else parts[0]
-    inferred = "" if birth.is_exact else " This was inferred from the genomes, because the birth could not be repeated."
-    return f"Of the {len(origins)} genes, {listed}{effect}.{inferred}"
+    return f"{', '.join(parts[:-1])} and {parts[-1]}" if parts[1:] else parts[0]

@@ -2,14 +2,11 @@
 
 from typing import Any
 
-from walkerlab.genome.features import BODY_FEATURES, LEG_FEATURES, gene_table
+from walkerlab.genome.features import BODY_FEATURES, LEG_FEATURES, gene_table, gene_words
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.robot import Robot
 
-WHOLE_ROBOT = "whole robot"
 LEG_SHAPE = (Feature.legs, Feature.repeat, Feature.leg_length, Feature.leg_force)
-LABELS = {Feature.legs: "has legs", Feature.repeat: "copies legs in front"}
-"""Labels that differ from the name of the feature."""
 
 
 def describe_genes(robot: Robot) -> list[dict[str, Any]]:
@@ -26,12 +23,12 @@ def describe_genes(robot: Robot) -> list[dict[str, Any]]:
 
 
 def _describe_gene(row: dict[Any, Any]) -> dict[str, Any]:
-    part, _, name = row["gene"].rpartition(".")
-    feature = Feature[name]
+    group, label = gene_words(row["gene"])
+    feature = Feature[row["gene"].rpartition(".")[2]]
     return {
         "name": row["gene"],
-        "label": LABELS.get(feature, name.replace("_", " ")),
-        "group": f"segment {part.removeprefix('seg')}" if part else WHOLE_ROBOT,
+        "label": label,
+        "group": group,
         "section": _section_of(feature),
         "unit": row["unit"] if row["kind"] != "count" else "",
         "low": float(row["low"]),

@@ -13,8 +13,8 @@ def genome_lines(birth: Birth) -> list[list[dict[str, Any]]]:
     """Return the lines of the text form of a child's genome: a line for each segment and each step.
 
     Returns:
-        The words of each line. A word has the name of its gene, the sign, the change, and the colour of the background;
-        see ``GeneMark``. For a word without a gene, these are empty.
+        The words of each line. A word has the name of its gene, a title, the sign, the change, and the colour of the
+        background; see ``GeneMark``. For a word without a gene, these are empty.
     """
     marks = mark_genes(birth)
     values = birth.child.tolist()
@@ -34,9 +34,10 @@ def genome_lines(birth: Birth) -> list[list[dict[str, Any]]]:
             {
                 "text": word,
                 "gene": mark.name,
+                "title": mark.title,
                 "sign": mark.sign,
                 "change": mark.change,
-                "colour": hex_colour(cell_colour(mark)) if mark.sign not in ("", "=", "new") else "",
+                "colour": hex_colour(cell_colour(mark)) if mark.is_coloured else "",
                 "faint": not mark.is_expressed,
                 "repair": mark.by_repair,
             }

@@ -77,15 +77,9 @@ function render({ model, el }) {
     for (const one of fields) one.update();
   }
 
-  function describeOrigin(sign) {
-    if (!sign) return "";
-    if (sign === "=") return ", equal in all parents";
-    return sign === "new" ? ", new" : `, from ${sign}`;
-  }
-
-  function word({ text, gene, sign, change, colour, faint, repair }) {
+  function word({ text, gene, title, sign, change, colour, faint, repair }) {
     if (!gene) return make("span", { className: "word", textContent: `${text} ` });
-    const shell = make("span", { className: "word gene", title: `${gene}${describeOrigin(sign)}${change ? `, changed: ${change}` : ""}` });
+    const shell = make("span", { className: "word gene", title });
     if (colour) shell.style.setProperty("--origin", colour);
     shell.classList.toggle("faint", faint);
     shell.classList.toggle("changed", Boolean(change));

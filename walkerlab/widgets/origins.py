@@ -1,50 +1,35 @@
-"""Which parent gave each gene of a robot, and which genes mutation changed, for the card of the robot."""
+"""Which parent gave each gene of a robot, and which genes changed, for the card of the robot."""
 
-from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
 import pandas as pd
-from matplotlib.colors import to_rgb
 
-from walkerlab.ga.genes import Floats, Indices
-from walkerlab.genome.features import BODY_FEATURES, LEG_FEATURES, SEGMENT_FEATURES, is_expressed
+from walkerlab.analysis.comparison import compare_with_parents
+from walkerlab.analysis.inheritance import parent_letter
+from walkerlab.genome.features import gene_words
 from walkerlab.genome.genome import Genome
+from walkerlab.runfile.records import parent_numbers
 from walkerlab.settings.robot import Robot
-from walkerlab.text.numbers import format_significant
-from walkerlab.view import sketch
-from walkerlab.view.plots.style import RUN_COLOURS
-from walkerlab.view.sketch.bodies import RGB
+from walkerlab.view.inheritance import GeneMark, count_origins, mark_genes, pale_colour, parent_colour
+from walkerlab.view.sketch.births import draw_birth
+from walkerlab.view.sketch.svg import hex_colour
 from walkerlab.view.snapshots import svg_image_html
-from walkerlab.widgets.gene_controls import describe_genes
 
-NEW = -1
-"""Origin of a gene whose value no parent has: mutation, a blend or repair has changed it."""
-SHARED = -2
-"""Origin of a gene that has the same value in all parents and in the child."""
-
-UNUSED = -3
-"""Instead of the origin of a gene that has no effect."""
-
-LETTERS = "ABCD"
-MAX_COLOURED_PARENTS = len(LETTERS)
-SHARED_COLOUR = "#999999"
-NEW_COLOUR = "#ffd23f"
+MAX_DRAWN_PARENTS = 4
 MAX_CHANGES = 6  # maximum number of changed genes that are listed
-SAME = 5e-4  # smaller differences come from rounding to the grid
 PICTURE_SIZE = (96, 58)  # pixels
 
 
 @dataclass(frozen=True)
 class GeneChange:
-    """A gene whose value no parent has.
+    """A gene with another value than that of the parent from which it comes.
 
     Attributes:
         name: Name of the gene, such as "segment 1, hip phase".
-        before: Value of the closest parent, with its letter.
+        before: Value of the parent, with its letter.
         after: Value of the child, with unit.
-        difference: Signed difference.
+        difference: Signed difference; "" if the values are words.
     """
 
     name: str
@@ -53,123 +38,71 @@ class GeneChange:
     difference: str
 
 
-def find_origins(child: Floats, parents: Floats) -> Indices:
-    """Return the origin of each gene: the index of the first parent with the same value, ``SHARED`` or ``NEW``.
-
-    This compares values only: a gene may have come from another place of the parent's genome.
-
-    Args:
-        child: Gene values, shape (n_genes,).
-        parents: Gene values of the parents, shape (n_parents, n_genes).
-
-    Returns:
-        Origins, shape (n_genes,).
-    """
-    is_same = np.abs(parents - child) < SAME
-    origins = np.where(is_same.any(axis=0), np.argmax(is_same, axis=0), NEW)
-    return np.where(is_same.all(axis=0) & (len(parents) > 1), SHARED, origins)
-
-
 def describe_origins(births: pd.DataFrame, individual: int) -> dict[str, Any]:
     """Describe what a robot has from its parents, as arguments of the template ``origins.html``.
+
+    The genomes are compared with each other, which is quick; the operators are not run again.
 
     Args:
         births: Table of births, as ``birth_rows`` returns it.
         individual: Number of the robot.
 
     Returns:
-        ``parents`` and ``child`` with picture and caption, ``groups`` of genes, ``changes`` and ``n_more``; empty if
-        the parents are not in the table or have other limits.
+        ``parents`` and ``child`` with picture and caption, ``summary``, ``groups`` of genes, ``changes`` and
+        ``n_more``; empty if the parents are not in the table or have other limits.
     """
     row: Any = births.loc[individual]
-    numbers = [int(number) for number in dict.fromkeys(row.parents.split())][:MAX_COLOURED_PARENTS]
+    numbers = list(dict.fromkeys(parent_numbers(row.parents)))
     if not numbers or not set(numbers) <= set(births.index):
         return {}
-    genomes = [Genome.parse(births.genome[number]) for number in numbers]
     child = Genome.parse(row.genome)
-    if any(genome.n_parts != child.n_parts for genome in genomes):
+    parents = [Genome.parse(births.genome[number]) for number in numbers]
+    if any(parent.n_parts != child.n_parts for parent in parents):
         return {}
-    parents = np.stack([genome.values for genome in genomes])
-    origins = find_origins(child.values, parents)
-    used = is_expressed(child.values[np.newaxis])[0]
-    n_parts = child.n_parts
-    genes = describe_genes(Robot(segments=(1, n_parts), legs=(2, 2 * n_parts)))
-    counts = Counter(origins[used].tolist())
-    from_parents = [f"{counts[i]} from {LETTERS[i]}" for i in range(len(numbers)) if counts[i]]
-    shared = [f"{counts[SHARED]} the same in all"] if counts[SHARED] else []
-    new = [f"{counts[NEW]} new"] if counts[NEW] else []
-    changed = _list_changes(child.values, parents, genes, np.flatnonzero(used & (origins == NEW)))
+    robot = Robot(segments=(1, child.n_parts), legs=(2, 2 * child.n_parts))
+    birth = compare_with_parents(child, parents, robot, [f"robot {number}" for number in numbers])
+    birth = replace(birth, name=f"robot {individual}")
+    *pictures, child_picture = draw_birth(birth, n_parents=MAX_DRAWN_PARENTS, size=PICTURE_SIZE)
+    expressed = [
+        (mark, unit) for mark, unit in zip(mark_genes(birth), birth.genes.units, strict=True) if mark.is_expressed
+    ]
+    changed = sorted((pair for pair in expressed if pair[0].change), key=lambda pair: -abs(pair[0].size))
+    counted = f"Of the {len(expressed)} genes with an effect, {count_origins(birth, expressed_only=True)}."
     return {
         "parents": [
             {
-                "picture": _draw(genome, np.full(child.values.size, index)),
-                "caption": f"{LETTERS[index]}: robot {number}",
+                "picture": svg_image_html(picture),
+                "caption": f"{parent_letter(i)}: {birth.names[i]}",
+                "colour": hex_colour(parent_colour(i)),
             }
-            for index, (number, genome) in enumerate(zip(numbers, genomes, strict=True))
+            for i, picture in enumerate(pictures)
         ],
-        "child": {
-            "picture": _draw(child, np.where(used, origins, UNUSED)),
-            "caption": f"robot {individual}",
-        },
-        "summary": "Genes with an effect: " + ", ".join(from_parents + shared + new) + ".",
-        "groups": _list_genes(genes, origins, used),
-        "changes": changed[:MAX_CHANGES],
+        "child": {"picture": svg_image_html(child_picture), "caption": birth.name},
+        "summary": counted,
+        "groups": _group_genes([mark for mark, _ in expressed]),
+        "changes": [_describe_change(mark, unit, len(numbers)) for mark, unit in changed[:MAX_CHANGES]],
         "n_more": max(0, len(changed) - MAX_CHANGES),
     }
 
 
-def _list_genes(genes: list[dict[str, Any]], origins: Indices, used: Any) -> list[tuple[str, list[dict[str, str]]]]:
-    """Return the genes with an effect by group, each with a letter, the class of its colour and a title."""
-    groups: dict[str, list[dict[str, str]]] = {}
-    words = {NEW: ("new", "✱", "new"), SHARED: ("same", "·", "the same in all parents")}
-    for gene, origin, is_used in zip(genes, origins.tolist(), used, strict=True):
-        if not is_used:
-            continue
-        kind, sign, source = words.get(origin) or (f"p{origin}", LETTERS[origin], f"from {LETTERS[origin]}")
-        cell = {"kind": kind, "sign": sign, "title": f"{gene['label']}: {source}"}
-        groups.setdefault(gene["group"], []).append(cell)
+def _group_genes(marks: list[GeneMark]) -> list[tuple[str, list[dict[str, Any]]]]:
+    """Return the genes by part of the robot, each with the letter and the colour of its parent, and a title."""
+    groups: dict[str, list[dict[str, Any]]] = {}
+    for mark in marks:
+        cell = {
+            "sign": mark.letters,
+            "colour": hex_colour(pale_colour(mark)),
+            "is_changed": bool(mark.change),
+            "title": mark.title,
+        }
+        groups.setdefault(gene_words(mark.name)[0], []).append(cell)
     return list(groups.items())
 
 
-def _list_changes(child: Floats, parents: Floats, genes: list[dict[str, Any]], changed: Indices) -> list[GeneChange]:
-    """Return the new genes, those that changed most in relation to their range first."""
-    found: list[tuple[float, GeneChange]] = []
-    for index in changed.tolist():
-        gene = genes[index]
-        span = gene["high"] - gene["low"] or 1.0
-        differences = child[index] - parents[:, index]
-        if gene["kind"] == "cyclic":
-            differences = (differences + span / 2) % span - span / 2
-        closest = int(np.argmin(np.abs(differences)))
-        difference = float(differences[closest])
-        letter = f" ({LETTERS[closest]})" if len(parents) > 1 else ""
-        change = GeneChange(
-            f"{gene['group']}, {gene['label']}",
-            f"{format_significant(float(parents[closest, index]))}{letter}",
-            f"{format_significant(float(child[index]))} {gene['unit']}".strip(),
-            f"{difference:+.3g}".replace("-", "\N{MINUS SIGN}"),
-        )
-        found.append((abs(difference) / span, change))
-    return [change for _, change in sorted(found, key=lambda pair: -pair[0])]
-
-
-def _draw(genome: Genome, origins: Indices) -> Any:
-    """Draw a robot, each trunk and pair of legs in the colour of the parent from which most of its genes come.
-
-    Legs that repeat others have the colour of those in front.
-    """
-    is_leg_gene = np.array([feature in LEG_FEATURES for feature in SEGMENT_FEATURES])
-    colours: list[tuple[RGB, RGB]] = []
-    for part in origins[len(BODY_FEATURES) :].reshape(genome.n_parts, -1):
-        repeats = bool(colours) and (part[is_leg_gene] == UNUSED).all()
-        colours.append((_colour(part[~is_leg_gene]), colours[-1][1] if repeats else _colour(part[is_leg_gene])))
-    return svg_image_html(sketch.draw_robot(genome, size=PICTURE_SIZE, colours=colours))
-
-
-def _colour(origins: Indices) -> RGB:
-    """Return the colour of the most frequent origin, apart from genes that all parents share."""
-    counted = Counter(origins[(origins != SHARED) & (origins != UNUSED)].tolist()).most_common(1)
-    if not counted:
-        return to_rgb(SHARED_COLOUR)
-    origin = counted[0][0]
-    return to_rgb(NEW_COLOUR if origin == NEW else RUN_COLOURS[origin])
+def _describe_change(mark: GeneMark, unit: str, n_parents: int) -> GeneChange:
+    return GeneChange(
+        ", ".join(gene_words(mark.name)),
+        f"{mark.before} ({mark.letters})" if n_parents > 1 else mark.before,
+        mark.value if mark.before.isalpha() else f"{mark.value} {unit}".strip(),
+        "" if mark.before.isalpha() else mark.change,
+    )

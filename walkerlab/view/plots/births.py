@@ -13,17 +13,8 @@ from walkerlab.analysis.inheritance import Birth, parent_letter
 from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.settings import Settings
-from walkerlab.view.inheritance import (
-    GeneMark,
-    PartPaint,
-    cell_colour,
-    describe_birth,
-    mark_genes,
-    paint_child,
-    paint_parent,
-    painted_parts,
-    parent_colour,
-)
+from walkerlab.view.inheritance import GeneMark, cell_colour, describe_birth, mark_genes, parent_colour
+from walkerlab.view.painted_bodies import PartPaint, paint_child, paint_parent, painted_parts
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.bodies import DEPTH_SHIFT, BodyParts, add_body
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description, escape_label

@@ -11,7 +11,7 @@ from matplotlib.patches import Rectangle
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
-from walkerlab.view.inheritance import PartPaint, painted_parts
+from walkerlab.view.painted_bodies import PartPaint, painted_parts
 from walkerlab.view.pedigree import Step, changed_parts, describe_step, genes_of_text, trace_line
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.births import outline_changed

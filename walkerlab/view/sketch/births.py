@@ -5,14 +5,16 @@ import numpy as np
 from walkerlab.analysis.inheritance import Birth
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.settings import Settings
-from walkerlab.view.inheritance import PartPaint, paint_child, paint_parent, painted_parts
+from walkerlab.view.painted_bodies import PartPaint, paint_child, paint_parent, painted_parts, plain_scene
+from walkerlab.view.sketch.marks import draw_marks
 from walkerlab.view.sketch.projection import SIDE_VIEW, Projection
 from walkerlab.view.sketch.solids import draw_solids
 from walkerlab.view.sketch.svg import TEXT_COLOUR, draw_path, write_image
 from walkerlab.world.geometry import ROPE_POINTS, convex_outline
 
 MARGIN = 0.05  # of a drawing, as a share of its width
-CHANGED_WIDTH = 2.2  # pixels, of the outline of a changed part
+CHANGED_WIDTH = 0.01  # of the outline of a changed part, as a share of the drawing's width
+MIN_CHANGED_WIDTH = 1.3  # pixels; other edges are about half as wide
 
 
 def draw_birth(
@@ -41,8 +43,9 @@ def draw_birth(
     margin = MARGIN * width
     scale = min((width - 2 * margin) / widest, (height - 2 * margin) / highest)
     ground = height - margin
+    outline = max(CHANGED_WIDTH * width, MIN_CHANGED_WIDTH)
     drawings: list[str] = []
-    for (parts, changed), points, (_, _, name) in zip(bodies, corners, paints, strict=True):
+    for (parts, changed), points, (genome, _, name) in zip(bodies, corners, paints, strict=True):
         middle = float(points[:, 0].min() + points[:, 0].max()) / 2
         bottom = float(points[:, 1].min())
         projection = Projection(SIDE_VIEW, scale, np.array([width / 2 - scale * middle, ground + scale * bottom]))
@@ -51,6 +54,7 @@ def draw_birth(
             for (one, _), is_changed in zip(parts, changed, strict=True)
             if is_changed and len(one) != ROPE_POINTS
         ]
+        scene = plain_scene(genome, settings)
         line = np.array([(margin / 2, ground), (width - margin / 2, ground)])
         drawings.append(
             write_image(
@@ -58,7 +62,8 @@ def draw_birth(
                 f"Side view of {name}, coloured by parent.",
                 draw_path([line], closed=False, fill="none", stroke=TEXT_COLOUR, stroke_opacity=0.5),
                 draw_solids(parts, projection),
-                draw_path(outlines, fill="none", stroke=TEXT_COLOUR, stroke_width=CHANGED_WIDTH),
+                draw_path(outlines, fill="none", stroke=TEXT_COLOUR, stroke_width=outline),
+                draw_marks(scene, scene.start, projection),
             )
         )
     return drawings

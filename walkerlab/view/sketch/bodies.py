@@ -1,6 +1,5 @@
 """Side view of a robot as it stands: compact enough for a grid of sixty, fast enough to follow a slider."""
 
-from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -14,17 +13,10 @@ from walkerlab.view.sketch.projection import SIDE_VIEW, Projection
 from walkerlab.view.sketch.solids import draw_solids
 from walkerlab.view.sketch.standing import standing_scene
 from walkerlab.view.sketch.svg import TEXT_COLOUR, draw_path, write_image
-from walkerlab.world.entities.walker import SIDES
 from walkerlab.world.geometry import surface_points
-from walkerlab.world.scene import Scene
 
 BODY_MARGIN = 0.06  # margin on all sides, as a share of the drawing's width
 MAX_CACHED_DRAWINGS = 512
-
-RGB = tuple[float, float, float]
-SegmentColours = tuple[RGB, RGB] | None
-"""Colours of the trunk and of the nearer leg of a segment; None for the natural colours."""
-FAR_LEG_BRIGHTNESS = 0.62  # brightness of the farther leg, as a share of that of the nearer one
 
 
 def draw_robot(
@@ -33,7 +25,6 @@ def draw_robot(
     *,
     size: tuple[float, float] = (110, 80),
     span: float | None = None,
-    colours: Sequence[SegmentColours] = (),
 ) -> str:
     """Draw a side view of a robot that stands on level ground and faces right.
 
@@ -48,7 +39,6 @@ def draw_robot(
         size: Width and height of the drawing [pixels].
         span: Width of the drawing [m], to draw several robots to the same scale; if None, or if the robot does not
             fit, the robot fills the drawing.
-        colours: Colours of each segment from the front; further segments have the natural colours.
 
     Returns:
         The text of an SVG element with a description of the robot.
@@ -56,7 +46,7 @@ def draw_robot(
     Raises:
         GenomeError: If ``genome`` is text but not a valid genome.
     """
-    return _draw_robot(Genome.of(genome), robot, size, span, tuple(colours))
+    return _draw_robot(Genome.of(genome), robot, size, span)
 
 
 @lru_cache(maxsize=MAX_CACHED_DRAWINGS)
@@ -65,12 +55,10 @@ def _draw_robot(
     robot: Robot | None,
     size: tuple[float, float],
     span: float | None,
-    colours: tuple[SegmentColours, ...],
 ) -> str:
     repaired = genome.within(robot) if robot else genome
     without_sledge = Settings(robot=robot or Robot()).with_(drag_weight=0.0)
     scene, pose = standing_scene(repaired, without_sledge)
-    _paint(scene, colours)
     parts = surface_points(scene, pose)
     corners = np.concatenate([points @ SIDE_VIEW for points, _ in parts])
     left, bottom = corners.min(axis=0)
@@ -90,17 +78,3 @@ def _draw_robot(
         draw_solids(parts, projection),
         draw_marks(scene, pose, projection),
     )
-
-
-def _paint(scene: Scene, colours: tuple[SegmentColours, ...]) -> None:
-    """Change the colours of a scene that is used for one drawing only."""
-    for number, pair in enumerate(colours[: len(scene.phenotype.segments)], start=1):
-        if pair is None:
-            continue
-        trunk, leg = pair
-        scene.model.geom(f"walker/trunk{number}").rgba[:3] = trunk
-        if scene.phenotype.segments[number - 1].legs:
-            for side in SIDES:
-                brightness = FAR_LEG_BRIGHTNESS if side == "left" else 1.0
-                for bone in ("thigh", "shank"):
-                    scene.model.geom(f"walker/{side}_{bone}{number}").rgba[:3] = brightness * np.array(leg)
