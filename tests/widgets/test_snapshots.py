@@ -23,6 +23,7 @@ from walkerlab.widgets.drawer import Drawer
 from walkerlab.widgets.drawing_thread import DrawingThread
 from walkerlab.widgets.generation_slider import GenerationSlider
 from walkerlab.widgets.landscape import LandscapePicture
+from walkerlab.widgets.playground import Playground
 from walkerlab.widgets.robot import RobotArea
 from walkerlab.widgets.run_folders import ListedRun
 from walkerlab.widgets.run_list import RunList
@@ -114,6 +115,7 @@ MAKE = {
     widgets.Landscape: landscape,
     LandscapePicture: lambda run: landscape(run).plot,
     widgets.Microscope: lambda run: widgets.Microscope(run),
+    Playground: lambda run: Playground({EVIL: run.champion}, run.settings),
     widgets.Population: lambda run: widgets.Population(run),
     widgets.SelectionWheel: lambda run: widgets.SelectionWheel(run),
     widgets.World: lambda run: widgets.World(run.settings.with_(structure="rough")),
@@ -162,6 +164,7 @@ def test_a_snapshot_is_self_contained_named_and_small(kind, done, monkeypatch, t
         widgets.Curve,
         widgets.Lab,
         widgets.Microscope,
+        Playground,
         widgets.Population,
         widgets.World,
         Frame,
