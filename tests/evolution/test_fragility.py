@@ -75,9 +75,9 @@ def test_a_reason_names_what_was_reached_and_what_is_required():
     rated = exclude_fragile(rows, (), SETTINGS, walk_again)
     assert (
         rated["a"].reason
-        == f"from a slightly different start its fitness was 7.00 m; {10 * MIN_KEPT_SHARE:.2f} m or more is required"
+        == f"from a slightly different start, its fitness was 7.00 m; {10 * MIN_KEPT_SHARE:.2f} m or more is required"
     )
-    assert rated["b"].reason == "from a slightly different start its walk did not count: it fell"
+    assert rated["b"].reason == "from a slightly different start, its walk did not count: it fell"
     assert rated["c"] == rows["c"]
 
 
