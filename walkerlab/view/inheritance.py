@@ -1,4 +1,4 @@
-"""How the origin of a gene is shown: a letter and a colour for each parent, in tables, texts and drawings."""
+"""Show the origin of genes: a letter and a colour for each parent, in tables, texts and drawings."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,6 +12,7 @@ from walkerlab.genome.genome import Genome
 from walkerlab.genome.text import FEATURE_WORDS
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import pluralize
 from walkerlab.text.numbers import format_significant
 from walkerlab.world.geometry import surface_points
 from walkerlab.world.scene import scene_of
@@ -23,7 +24,7 @@ OTHER_COLOUR = "#8c8c8c"
 SAME_COLOUR = "#d9d9d9"
 """Colour of genes that are equal in all parents."""
 NEW_COLOUR = "#ffffff"
-"""Colour of genes that come from no parent."""
+"""Colour of genes that do not come from a parent."""
 CELL_STRENGTH = 0.42  # share of the colour in the background of a gene; the rest is white
 UNEXPRESSED_STRENGTH = 0.2
 FAR_LEG_BRIGHTNESS = 0.72
@@ -39,9 +40,9 @@ class GeneMark:
         name: Name of the gene.
         value: Value of the child.
         sign: Letter of its parent, ``=`` if it is equal in all parents, the shares of a blend, or ``new``; "" if there
-            is only one parent. A number is the segment of the parent from which it was moved.
-        change: Signed change of the value by crossover, mutation and repair, or the word that it replaces; "" if there
-            is none.
+            is only one parent. A number is the segment of the parent from which the gene was moved.
+        change: Signed change of the value by crossover, mutation and repair, or ``was`` and the previous word; "" if
+            there is none.
         by_repair: Whether repair made most of the change.
         size: Change as a share of the gene's range.
         colour: Colour of its origin, shape (3,), from 0 to 1.
@@ -59,7 +60,7 @@ class GeneMark:
 
 
 def mark_genes(birth: Birth) -> list[GeneMark]:
-    """Return how each gene of a child is shown, n_genes of them."""
+    """Return the mark of each gene of a child, length n_genes."""
     changes = birth.change.tolist()
     sizes = (birth.change / gene_widths(birth.genes)).tolist()
     by_repair = (np.abs(birth.repair) > np.abs(birth.mutation + birth.crossover)).tolist()
@@ -101,7 +102,7 @@ def origin_colour(birth: Birth, j: int) -> tuple[float, float, float]:
 
 
 def cell_colour(mark: GeneMark) -> tuple[float, float, float]:
-    """Return the background of a gene in a table or text: pale enough for black text."""
+    """Return the background colour of a gene in a table or text, pale enough for black text."""
     if mark.sign in ("", SAME_SIGN, NEW_SIGN):
         return 1.0, 1.0, 1.0
     strength = CELL_STRENGTH if mark.is_expressed else UNEXPRESSED_STRENGTH
@@ -110,7 +111,7 @@ def cell_colour(mark: GeneMark) -> tuple[float, float, float]:
 
 
 def format_gene(genes: Genes, j: int, value: float) -> str:
-    """Return the value of a gene as text: a number with three decimals at most, or the word of the text form."""
+    """Return the value of a gene as text: a number with at most three decimals, or the word in the text of a genome."""
     words = FEATURE_WORDS.get(Feature[genes.names[j].rpartition(".")[2]])
     if words and value in (0, 1):
         return words[int(value)]
@@ -163,11 +164,11 @@ def _rgb(colour: str) -> tuple[float, float, float]:
 
 @dataclass(frozen=True)
 class PartPaint:
-    """Colours of a body: of the trunk and the legs of each segment.
+    """Colours of the trunk and the legs of each segment of a body.
 
     Attributes:
         colours: RGB colour by part: ``trunk1``, ``legs1``, ``trunk2`` and so on; other parts keep their colours.
-        changed: Parts with a changed gene, of their size or of their motion.
+        changed: Parts with a changed gene, for example one of size or of motion.
     """
 
     colours: Mapping[str, tuple[float, float, float]]
@@ -177,8 +178,8 @@ class PartPaint:
 def paint_child(birth: Birth) -> PartPaint:
     """Return the colours of a child.
 
-    Each trunk has the colour of the origin of its length, or of its mass if all parents have the same length; each pair
-    of legs that of the origin of their length, or of their force.
+    A trunk has the colour of the origin of its length, or of its mass if all parents have the same length. A pair of
+    legs has the colour of the origin of its length, or of its force if all parents have the same length.
     """
     values = birth.child[np.newaxis]
     width = len(SEGMENT_FEATURES)
@@ -204,7 +205,7 @@ def paint_child(birth: Birth) -> PartPaint:
 
 
 def paint_parent(genome: Floats, parent: int) -> PartPaint:
-    """Return the colours of a parent: its own in all parts."""
+    """Return the colours of a parent: the same colour for all parts."""
     n_parts = (len(genome) - len(BODY_FEATURES)) // len(SEGMENT_FEATURES)
     names = [f"{part}{segment + 1}" for segment in range(n_parts) for part in ("trunk", "legs")]
     return PartPaint(dict.fromkeys(names, parent_colour(parent)))
@@ -241,7 +242,7 @@ def painted_parts(
 
 
 def describe_birth(birth: Birth) -> str:
-    """Describe a birth in a sentence with the numbers of genes of each origin, and of changed genes."""
+    """Describe a birth in one or two sentences: how many genes have each origin, and how many were changed."""
     origins: list[str] = list(birth.origins)
     parts: list[str] = []
     for parent, name in enumerate(birth.names):
@@ -257,9 +258,9 @@ def describe_birth(birth: Birth) -> str:
             parts.append(f"{n} {text}")
     n_changed = int((birth.change != 0).sum())
     n_visible = int(((birth.change != 0) & birth.is_expressed).sum())
-    parts[4:] = [f"{len(parts) - 4} further origins"] if len(parts) > 4 else []
+    parts[4:] = [f"the others have {pluralize(len(parts) - 4, 'further origin')}"] if len(parts) > 4 else []
     parts.append(f"{n_changed or 'none'} {'was' if n_changed == 1 else 'were'} changed")
     effect = f", {n_visible} of them with an effect on the robot" if n_changed else ""
     listed = f"{', '.join(parts[:-1])} and {parts[-1]}" if parts[1:] else parts[0]
-    inferred = "" if birth.is_exact else " This was inferred from the genomes, because the birth could not be repeated."
+    inferred = "" if birth.is_exact else " Origins are inferred from the genomes, as the birth could not be repeated."
     return f"Of the {len(origins)} genes, {listed}{effect}.{inferred}"

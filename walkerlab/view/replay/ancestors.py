@@ -33,7 +33,7 @@ def race_ancestors(
         ValueError: If ``n`` is less than 1, or the run has no such individual.
     """
     if n < 1:
-        raise ValueError(f"n is {n}; it must be 1 or more: the number of robots in the race")
+        raise ValueError(f"n is {n}; it must be 1 or more. It is the number of robots in the race.")
     steps = trace_line(run, individual)
     if n == 1:
         chosen = [steps[-1]]

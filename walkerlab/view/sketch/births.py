@@ -11,14 +11,14 @@ from walkerlab.view.sketch.solids import draw_solids
 from walkerlab.view.sketch.svg import TEXT_COLOUR, draw_path, write_image
 from walkerlab.world.geometry import ROPE_POINTS, convex_outline
 
-MARGIN = 0.05  # of a drawing, as a share of its width
-CHANGED_WIDTH = 2.2  # pixels, of the outline of a changed part
+MARGIN = 0.05  # margin of a drawing, as a share of its width
+CHANGED_WIDTH = 2.2  # pixels; width of the outline of a changed part
 
 
 def draw_birth(
     birth: Birth, settings: Settings | None = None, *, n_parents: int = 2, size: tuple[float, float] = (240, 130)
 ) -> list[str]:
-    """Draw parents and child on one scale; each part of the child has the colour of the parent of its length.
+    """Draw parents and child at the same scale; each part has the colour of the parent from which its length comes.
 
     Args:
         birth: Birth to draw.

@@ -1,4 +1,4 @@
-"""Side view of a whole walk as an animated SVG, which moves even where it is an image: no OpenGL, no script.
+"""Side view of a whole walk as an animated SVG, without OpenGL or scripts; it moves even if shown as an image.
 
 Each part of the robot is a line whose ends move; the world moves behind the robot. The animation repeats.
 """
@@ -41,7 +41,7 @@ REDUCED_MOTION = "@media (prefers-reduced-motion: reduce) { .moving { display: n
 def draw_walk(scene: Scene, walk: Rollout, *, size: tuple[float, float] = (640, 288), moves: bool = True) -> str:
     """Draw a walk from the side; the camera follows the robot.
 
-    A robot that turns is drawn as if it walked straight on. Loose obstacles are drawn where they lie at the start.
+    A robot that turns is drawn as if it walked straight ahead. Loose obstacles are drawn where they lie at the start.
 
     Args:
         scene: Compiled scene of the walk.
@@ -168,7 +168,7 @@ def _draw_limb(limb: Limb, window: Window, animate: Any, name: str) -> Element:
 
 
 def _animate(attribute: str, values: list[str], seconds: float, name: str = "animate", **attributes: str) -> Element:
-    """Return the animation of an attribute through values that are shown equally long, repeated for ever."""
+    """Return an animation that shows each value of an attribute equally long, and repeats indefinitely."""
     return make_element(
         name,
         attributeName=attribute,
