@@ -11,7 +11,7 @@ import walkerlab as wl
 from walkerlab.evolution.fragility import (
     MIN_KEPT_SHARE,
     N_TEST_STARTS,
-    SUFFICIENT_RANK,
+    SUFFICIENT_QUANTILE,
     exclude_fragile,
     further_starts,
 )
@@ -60,11 +60,11 @@ def test_the_best_are_tested_until_all_elites_have_passed(pairs, n_elites, data)
         before = rows[text]
         if one == before:
             required = before.fitness - (1 - MIN_KEPT_SHARE) * abs(before.fitness)
-            assert text not in walked or again[text] >= min(required, np.quantile(counted, SUFFICIENT_RANK))
+            assert text not in walked or again[text] >= min(required, np.quantile(counted, SUFFICIENT_QUANTILE))
         else:
             assert text in walked
             assert (one.fitness, one.verdict) == (-np.inf, "fragile")
-            assert again[text] < np.quantile(counted, SUFFICIENT_RANK)
+            assert again[text] < np.quantile(counted, SUFFICIENT_QUANTILE)
             assert again[text] < MIN_KEPT_SHARE * before.fitness or before.fitness <= 0
             assert one.distance == before.distance
 
@@ -99,7 +99,7 @@ def test_the_champion_of_a_run_does_not_depend_on_its_start(seed):
     generation = run.records[run.records.generation == champion.generation].drop_duplicates("genome")
     counted = generation.distance[generation.verdict.isin(["ok", "fragile"])]
     assert again.verdict == "ok"
-    assert again.fitness >= min(MIN_KEPT_SHARE * champion.fitness, counted.quantile(SUFFICIENT_RANK))
+    assert again.fitness >= min(MIN_KEPT_SHARE * champion.fitness, counted.quantile(SUFFICIENT_QUANTILE))
 
 
 def test_walks_from_given_starts_are_those_of_several_starts():

@@ -144,7 +144,7 @@ def follow_takeover(selections: Any, *, population_size: int = 100, n_trials: in
 
     Args:
         selections: One or several selection operators; see ``measure_selection``.
-        population_size: Number of individuals, one of which is the best in generation 0.
+        population_size: Number of individuals; a single one is the best in generation 0.
         n_trials: Number of trials; those in which the best individual dies out are left out.
         seed: Seed of the random numbers.
 

@@ -110,7 +110,7 @@ def takeover_theory(curve: Curve, population_size: int, max_generations: int) ->
 
     Args:
         curve: Curve of the operator.
-        population_size: Number of individuals, one of which is the best in generation 0.
+        population_size: Number of individuals; a single one is the best in generation 0.
         max_generations: Number of generations after which the calculation ends.
 
     Returns:

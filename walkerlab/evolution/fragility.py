@@ -19,7 +19,7 @@ from walkerlab.text.numbers import with_unit
 
 N_TEST_STARTS = 4  # number of other starts from which a robot is tested
 MIN_KEPT_SHARE = 0.9  # minimum fitness from the poorest of these starts, as a share of the original fitness
-SUFFICIENT_RANK = 0.9  # quantile of the fitness of the generation that is sufficient, too
+SUFFICIENT_QUANTILE = 0.9  # quantile of the fitness of the generation that is sufficient, too
 FRAGILE = Guard.fragile.name
 
 
@@ -53,7 +53,7 @@ def exclude_fragile(
     counted = [row.fitness for row in rows.values() if row.fitness != NOT_COUNTED]
     if not (counted and further_starts(settings)):
         return dict(rows)
-    sufficient = float(np.quantile(counted, SUFFICIENT_RANK))
+    sufficient = float(np.quantile(counted, SUFFICIENT_QUANTILE))
     unit = name_and_unit(settings.algorithm.fitness)[1]
     n_best = max(1, settings.algorithm.n_elites)
     rated = dict(rows)

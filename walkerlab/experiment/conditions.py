@@ -95,7 +95,7 @@ def read_conditions(given: object, population: object = None) -> list[Condition]
 
     Args:
         given: Dict from names to ``Settings``, optimisers, or pairs of both.
-        population: Genomes for generation 0 of all conditions, or a dict from names of conditions to those of each.
+        population: Genomes for generation 0 of all conditions, or a dict from names of conditions to genomes.
 
     Raises:
         TypeError: If a condition is something else.

@@ -127,7 +127,7 @@ def onemax(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
             "the thin line takes this into account."
         )
     n_runs = table.seed.nunique()
-    add_description(axes, "OneMax beside theory", f"Time until all strings are identical: {text}.")
+    add_description(axes, "OneMax, measured and in theory", f"Time until all strings are identical: {text}.")
     add_caption(
         axes,
         f"Strings of {table.attrs.get('n_bits', 'some')} bits evolve instead of robots; their fitness is the number of "
