@@ -58,7 +58,7 @@ def random_search(
     rng: Generator,  # noqa: ARG001
     population: Floats | None = None,
 ) -> None:
-    """Evaluate random robots only, drawn like those of generation 0; the least that an optimiser has to beat.
+    """Evaluate random robots only, drawn like those of generation 0; the baseline for every optimiser.
 
     The first robots are those of generation 0 of a run with the same seed.
 

@@ -30,7 +30,7 @@ from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description, esca
 from walkerlab.world.geometry import ROPE_POINTS, convex_outline
 
 TITLE = "One birth, gene by gene"
-WIDTH = 12.0  # inches of the figure; the unit of all positions below
+WIDTH = 12.0  # width of the figure in inches, the unit of all positions below
 LABEL_WIDTH = 0.95
 CELL_WIDTH = (WIDTH - LABEL_WIDTH) / len(SEGMENT_FEATURES)
 CELL_HEIGHT = 0.46

@@ -20,11 +20,11 @@ from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, add_desc
 from walkerlab.view.plots.tables import UNKNOWN_FITNESS, format_value, require_table, unit_of
 
 TITLE = "Line of descent, with the genes that changed"
-WIDTH = 12.8  # inches of the figure; the unit of all positions below
+WIDTH = 12.8  # width of the figure in inches, the unit of all positions below
 ROW_HEIGHT = 0.365
 N_COLUMNS = 2
 ROBOTS_PER_SCREEN = 40  # number of robots that fit on a screen of 1280 × 800 pixels
-MAX_LENGTH = 60  # maximum length of a line of text, in characters
+MAX_LINE_LENGTH = 60  # maximum length of a line of text, in characters
 FONT_SIZE = 7.5  # points
 CAPTION_HEIGHT = 0.42
 BAR_LEFT = 0.62
@@ -142,7 +142,7 @@ def _draw_rows(axes: Axes, steps: list[Step], n_rows: int, settings: Settings | 
         origin = (left + BODY_LEFT + BODY_WIDTH / 2 - scale * float(x.max() + x.min()) / 2, bottom + 0.015)
         add_body(axes, parts, at=origin, scale=scale, slant=DEPTH_SHIFT, gid=f"robot-{step.individual}")
         outline_changed(axes, parts, changed, at=origin, scale=scale, width=1.1)
-        first, second = describe_step(step, genes, MAX_LENGTH)
+        first, second = describe_step(step, genes, MAX_LINE_LENGTH)
         axes.text(left + TEXT_LEFT, middle + 0.01, escape_label(second or first), va="top", fontsize=size)
         if second:
             axes.text(left + TEXT_LEFT, middle + 0.015, escape_label(first), va="bottom", **small)

@@ -25,9 +25,9 @@ from walkerlab.view.plots.tables import format_value, require_analysis
 RANK_COLOURS = (0.05, 0.95)
 """Positions of the fittest and the least fit in the colour map, from dark to bright."""
 
-MIN_LABELLED = 0.045  # minimum probability of a slice with a label
+MIN_LABELLED_PROBABILITY = 0.045  # minimum probability of a slice with a label
 RING_WIDTH = 0.75  # as a share of the radius; thin slices cannot be distinguished near the centre
-MAX_EDGED = 100  # maximum number of slices with a white edge
+MAX_EDGED_SLICES = 100  # maximum number of slices with a white edge
 
 LEGEND_SPACE = 1.25  # height of the axis as a multiple of the highest bar
 
@@ -62,13 +62,13 @@ def roulette_wheel(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     axes = ax or new_axes(width=5.2, height=5.6)
     shown: Any = table[table.probability > 0]
     wedge: dict[str, Any] = {"edgecolor": foreground_colour(axes, 0), "width": RING_WIDTH}
-    wedge["linewidth"] = 0.8 if len(shown) <= MAX_EDGED else 0
+    wedge["linewidth"] = 0.8 if len(shown) <= MAX_EDGED_SLICES else 0
     colours = _rank_colours(shown["rank"], len(table))
     wedges: Any = axes.pie(
         shown.probability, startangle=90, counterclock=False, colors=colours, wedgeprops=wedge, normalize=True
     )[0]
     for each, rank, probability in zip(wedges, shown["rank"], shown.probability, strict=True):
-        if probability >= MIN_LABELLED:
+        if probability >= MIN_LABELLED_PROBABILITY:
             angle = np.deg2rad((each.theta1 + each.theta2) / 2)
             x, y = 1.06 * np.cos(angle), 1.06 * np.sin(angle)
             side = "left" if x > 0.05 else "right" if x < -0.05 else "center"

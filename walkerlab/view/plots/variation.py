@@ -21,7 +21,7 @@ from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, add_desc
 Genomes: TypeAlias = Iterable[Genome | str | ArrayLike]
 
 TITLE = "A population before and after an operator"
-OFFSET = 0.19  # distance of the two bars of a gene from the middle of its column
+BAR_OFFSET = 0.19  # distance of the two bars of a gene from the middle of its column
 BEFORE_COLOUR = "#7f7f7f"
 
 
@@ -56,7 +56,7 @@ def before_after(
     axes = ax or new_axes(12.0, 4.2)
     x = np.arange(len(genes))
     for table, offset, colour, face in zip(
-        tables, (-OFFSET, OFFSET), (BEFORE_COLOUR, RUN_COLOURS[0]), ("white", RUN_COLOURS[0]), strict=True
+        tables, (-BAR_OFFSET, BAR_OFFSET), (BEFORE_COLOUR, RUN_COLOURS[0]), ("white", RUN_COLOURS[0]), strict=True
     ):
         positions = (table - genes.low) / gene_widths(genes)
         low, lower, median, upper, high = (np.quantile(positions, share, axis=0) for share in (0, 0.25, 0.5, 0.75, 1))

@@ -20,7 +20,7 @@ def race_ancestors(
     settings: Settings | None = None,
     camera: Camera | str | int | None = None,
 ) -> Replay:
-    """Show robots of one line of descent walking side by side: the first ancestor, some in between, and the robot.
+    """Show robots of one line of descent walking side by side: the first ancestor, some others, and the robot itself.
 
     Args:
         run: Run, or its table.

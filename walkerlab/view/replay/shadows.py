@@ -13,7 +13,7 @@ from walkerlab.world.heights import ground_height, slope
 from walkerlab.world.scene import ORIENTATION, POSITION, Scene
 
 SHADOW_SHIFT = np.array([-0.25, 0.45])
-"""Shift of a shadow along x and y for each metre above the ground: behind the robot, seen from its right."""
+"""Shift of a shadow along x and y for each metre of height: it falls behind the robot, seen from its right."""
 
 _TURN = math.sqrt(0.5)  # cosine of half a quarter turn, which turns the mesh of a shadow from z to x
 

@@ -34,7 +34,7 @@ MAX_DISTANCE = 60.0  # m; the camera does not follow a robot that is thrown fart
 NEAR_SHARE = 0.14  # distance of the ground's near edge from y = 0, as a share of the visible width
 FAR_SHARE = 0.3  # distance of the ground's far edge from y = 0, as a share of the visible width
 SECTION_HEIGHT = 0.16  # height of the ground's section below the robot, as a share of the visible width
-EDGE_WIDTH = 1.4  # pixels, of the dark edge of a part on both sides together
+EDGE_WIDTH = 1.4  # pixels; total width of the dark edges on both sides of a part
 REDUCED_MOTION = "@media (prefers-reduced-motion: reduce) { .moving { display: none } .still { display: inline } }"
 
 
