@@ -114,5 +114,5 @@ def test_walks_from_given_starts_are_those_of_several_starts():
 
 @pytest.mark.parametrize("starts", [[], [-1], [0.5], 3, [[1, 2]], "12"])
 def test_invalid_starts_are_rejected(starts):
-    with pytest.raises(ValueError, match="at least one number of a start"):
+    with pytest.raises(ValueError, match="at least one whole number"):
         wl.evaluate([GENOME], SETTINGS, starts=starts)
