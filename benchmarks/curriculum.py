@@ -2,7 +2,7 @@
 
     python -m benchmarks.curriculum [--seeds 10] [--generations 25] [--population 60] [--switch 12] [--json FILE]
 
-The staged run has one generation less, because its last generation on flat ground walks again on the stairs. The table
+The staged run has one generation fewer, because its last generation on flat ground walks again on the stairs. The table
 has the best fitness on stairs for each seed, the number of evaluations of both runs, and the medians. The lines below
 it give the interval of the difference of the medians and the p-value of the paired test.
 """

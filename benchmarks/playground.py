@@ -2,8 +2,8 @@
 
     python -m benchmarks.playground [--robots 200] [--csv FILE]
 
-Random robots walk on several grounds, once in ``wl.simulate`` and once with the scripts of a playground page, which
-require Node here in place of a browser. Each page contains models of other robots: the page writes the sizes.
+Random robots walk on several grounds, once in ``wl.simulate`` and once with the scripts of a playground page, run by
+Node instead of a browser. Each page contains the model of one robot only; its scripts set the sizes of all others.
 The table shows, for each ground, the largest relative difference between the two compiled models, how many verdicts
 are equal, and how far the centres of mass of the robots are apart after 1, 2 and 4 s.
 """
@@ -28,7 +28,7 @@ GROUNDS = {
 }
 TIMES = (1, 2, 4)  # s
 WALK_SCRIPT = Path(__file__).with_name("playground_walks.mjs")
-MIN_SCALE = 1e-3  # values of a model are compared with the largest of their array and with this
+MIN_SCALE = 1e-3  # differences are relative to the largest value of an array, or to this if it is larger
 
 
 def draw_genomes(n_robots, settings):

@@ -1,4 +1,4 @@
-// Simulates walks in Node with the scripts of a playground page, and prints one JSON object a line; see playground.py.
+// Simulates walks in Node with the scripts of a playground page, and prints one JSON object per line; see playground.py.
 //
 //     node benchmarks/playground_walks.mjs PHYSICS_SCRIPT MUJOCO_JS MUJOCO_WASM TASKS
 import { copyFileSync, readFileSync } from "node:fs";

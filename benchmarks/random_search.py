@@ -20,7 +20,7 @@ from walkerlab.system.files import write_text
 def create_conditions(
     generations: int, population: int, duration: float
 ) -> dict[str, wl.Settings | tuple[Optimiser, wl.Settings]]:
-    """Return both searches on each ground, as ``wl.compare`` takes them.
+    """Return the conditions for ``wl.compare``: both searches on each ground.
 
     Args:
         generations: Number of generations of the genetic algorithm.

@@ -1,10 +1,10 @@
 """Three searches for a fast walker: evolution, random search and CMA-ES, each of which can be resumed.
 
 An evaluation is one walk; a robot that walks from two starts takes two of them, and the walks with which evolution
-tests its best robots from other starts count too. Random search evaluates the random robots of other seeds. CMA-ES
-evaluates ``N_RANDOM`` random robots, keeps the body of the best one, and optimises its gait. Both store the fitness of
-each batch in a text file, one line for each batch. They propose the same robots again when they are given the same
-fitness, so a search is resumed by replaying that file without any walk.
+tests its best robots from other starts are counted, too. Random search evaluates the random robots of other seeds.
+CMA-ES evaluates ``N_RANDOM`` random robots, keeps the body of the best one, and optimises its gait. Both store the
+fitness of each batch in a text file, one line for each batch. They propose the same robots again when they are given
+the same fitness, so a search is resumed by replaying that file without any walk.
 """
 
 import json
@@ -92,8 +92,8 @@ def search_by_evolution(
 def count_walks(table: pd.DataFrame, settings: wl.Settings) -> Indices:
     """Return the number of walks up to each generation of a run, shape (n_generations,).
 
-    The best robots of each generation walk again from other starts: those that were excluded as fragile, and those
-    that passed, which are its new elites.
+    The best robots of each generation are tested in further walks from other starts. They are the robots excluded as
+    fragile, and the new elites, which passed the test.
     """
     n_best = max(1, settings.algorithm.n_elites)
     n_test_starts = len(further_starts(settings))

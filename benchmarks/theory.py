@@ -1,7 +1,7 @@
-"""Known answers: how far selection, takeover, OneMax and the Price equation are from theory, over several seeds.
+"""Measure how far selection, takeover, OneMax and the Price equation are from theory, over several seeds.
 
-``python -m benchmarks.theory`` prints a row for each quantity, and fails if one exceeds its limit. The runs are real
-evolutions, with elites and walks that do not count.
+``python -m benchmarks.theory`` prints a row for each quantity, and fails if an error exceeds its limit. The Price
+equation is tested on real runs, with elites and walks that do not count.
 """
 
 import math
@@ -26,7 +26,7 @@ KNOWN = {
 
 
 def main() -> int:
-    """Print the table; return 1 if a quantity exceeds its limit."""
+    """Print the table; return 1 if an error exceeds its limit."""
     table = pd.DataFrame([*selection_rows(), *onemax_rows(), *takeover_rows(), *price_rows()])
     table["ok"] = table.worst_error <= table.limit
     print(table.to_string(index=False, float_format=lambda number: f"{number:.4g}"))
@@ -34,7 +34,7 @@ def main() -> int:
 
 
 def row(what, measured, theory, errors, limit):
-    """Return one row: the mean over the seeds, theory, and the greatest error of a seed."""
+    """Return one row: the mean over the seeds, theory, and the largest error of a seed."""
     return {"what": what, "measured": np.mean(measured), "theory": theory, "worst_error": max(errors), "limit": limit}
 
 
@@ -72,7 +72,7 @@ def price_rows():
         means = table[table.verdict == "ok"].groupby("generation").fitness.mean()
         errors += [*abs(terms - np.diff(means))]
         counted.append((table.verdict == "ok").mean())
-    assert min(counted) < 1, "every walk counted, so that the treatment of the others is not tested"
+    assert min(counted) < 1, "every walk counts, so walks that do not count are not tested"
     yield row(f"Price equation: {len(errors)} generations", errors, 0, errors, 1e-9)
 
 

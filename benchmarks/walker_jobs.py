@@ -34,7 +34,7 @@ DECISIVE_SOURCES = (
     *("breeding.py", "randomness.py", "evolution/fragility.py", "evolution/rating.py"),
     *("ga/*.py", "genome/*.py", "simulation/*.py", "world/**/*.py"),
 )
-"""Modules of walkerlab that decide how a search proceeds and how a robot walks."""
+"""Modules of walkerlab that determine how a search proceeds and how a robot walks."""
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,7 @@ def run_job(job: Job) -> str:
 
 
 def source_digest(settings: wl.Settings) -> str:
-    """Return a digest of all that decides the results, so that results of different versions can be distinguished.
+    """Return a digest of all that determines the results, so that results of different versions can be distinguished.
 
     Args:
         settings: Settings of the search; the seed of the algorithm has no effect.

@@ -68,8 +68,8 @@ def test_values_cover_the_range_or_the_span(slice_of_one, slice_of_two, pool):
     ("arguments", "message"),
     [
         ({"genes": "wings"}, "there is no gene 'wings'"),
-        ({"genes": []}, "the name of one gene, or of two different ones"),
-        ({"genes": ["lag", "lag"]}, "the name of one gene, or of two different ones"),
+        ({"genes": []}, "the name of one gene or the names of two different genes"),
+        ({"genes": ["lag", "lag"]}, "the name of one gene or the names of two different genes"),
         ({"n": 1}, "n is 1; it must be between 2 and 100"),
         ({"span": 0}, "span is 0; it must be above 0"),
     ],

@@ -74,7 +74,7 @@ def test_incomplete_tables_are_rejected(run):
     table = run.records
     with pytest.raises(ValueError, match=r"run\.records"):
         wl.analysis.price_equation(table[(table.generation > 0) | (table.individual > 5)])
-    with pytest.raises(ValueError, match="not a number"):
+    with pytest.raises(ValueError, match="is not numeric"):
         wl.analysis.price_equation(run, "genome")
     with pytest.raises(ValueError, match="no column 'height'"):
         wl.analysis.price_equation(run, "height")

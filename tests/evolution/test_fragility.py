@@ -11,7 +11,7 @@ import walkerlab as wl
 from walkerlab.evolution.fragility import (
     MIN_KEPT_SHARE,
     N_TEST_STARTS,
-    SUFFICIENT_RANK,
+    SUFFICIENT_QUANTILE,
     exclude_fragile,
     further_starts,
 )
@@ -62,11 +62,11 @@ def test_the_best_are_tested_until_all_elites_have_passed(pairs, n_elites, data)
         before = rows[text]
         if one == before:
             required = before.fitness - (1 - MIN_KEPT_SHARE) * abs(before.fitness)
-            assert text not in walked or again[text] >= min(required, np.quantile(counted, SUFFICIENT_RANK))
+            assert text not in walked or again[text] >= min(required, np.quantile(counted, SUFFICIENT_QUANTILE))
         else:
             assert text in walked
             assert (one.fitness, one.verdict) == (-np.inf, "fragile")
-            assert again[text] < np.quantile(counted, SUFFICIENT_RANK)
+            assert again[text] < np.quantile(counted, SUFFICIENT_QUANTILE)
             assert again[text] < MIN_KEPT_SHARE * before.fitness or before.fitness <= 0
             assert one.distance == before.distance
 
@@ -77,9 +77,9 @@ def test_a_reason_names_what_was_reached_and_what_is_required():
     rated = exclude_fragile(rows, (), SETTINGS, walk_again)
     assert (
         rated["a"].reason
-        == f"from a slightly different start its fitness was 7.00 m; {10 * MIN_KEPT_SHARE:.2f} m or more is required"
+        == f"from a slightly different start, its fitness was 7.00 m; {10 * MIN_KEPT_SHARE:.2f} m or more is required"
     )
-    assert rated["b"].reason == "from a slightly different start its walk did not count: it fell"
+    assert rated["b"].reason == "from a slightly different start, its walk did not count: it fell"
     assert rated["c"] == rows["c"]
 
 
@@ -101,7 +101,7 @@ def test_the_champion_of_a_run_does_not_depend_on_its_start(seed):
     generation = run.records[run.records.generation == champion.generation].drop_duplicates("genome")
     counted = generation.distance[generation.verdict.isin(["ok", "fragile"])]
     assert again.verdict == "ok"
-    assert again.fitness >= min(MIN_KEPT_SHARE * champion.fitness, counted.quantile(SUFFICIENT_RANK))
+    assert again.fitness >= min(MIN_KEPT_SHARE * champion.fitness, counted.quantile(SUFFICIENT_QUANTILE))
 
 
 def test_walks_from_given_starts_are_those_of_several_starts():
@@ -116,5 +116,5 @@ def test_walks_from_given_starts_are_those_of_several_starts():
 
 @pytest.mark.parametrize("starts", [[], [-1], [0.5], 3, [[1, 2]], "12"])
 def test_invalid_starts_are_rejected(starts):
-    with pytest.raises(ValueError, match="at least one number of a start"):
+    with pytest.raises(ValueError, match="at least one whole number"):
         wl.evaluate([GENOME], SETTINGS, starts=starts)

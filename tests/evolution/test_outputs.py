@@ -124,7 +124,7 @@ def test_every_function_expands_the_home_folder(here, threads, monkeypatch):
     lab = wl.Lab(SMALL, "~/runs", executor=threads)
     assert [file["path"] for file in lab.runs.drawer.files] == [os.path.join("home", "runs", "run.walk")]
     monkeypatch.chdir(here / "home")
-    lab.runs.drawer._handle_message(None, {"load": lab.runs.drawer.files[0]}, [])
+    lab.runs.drawer._handle_message(None, {"load": lab.runs.drawer.files[0]["path"]}, [])
     assert lab.run.path == run.path, "a listed run can be loaded from any folder"
     lab.close()
     monkeypatch.chdir(here)

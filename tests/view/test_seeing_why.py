@@ -60,7 +60,7 @@ def test_measured_and_theoretical_pressure_are_drawn():
 
 def test_takeover_and_onemax_are_drawn_beside_theory():
     takeover = wl.plots.takeover(wl.analysis.follow_takeover(["top_half", "rank"], population_size=8, n_trials=3))
-    assert "top_half in 3 generations" in caption(takeover)
+    assert "slowest trial: top_half 3" in caption(takeover)
     assert takeover.lines[0].get_ydata().tolist() == pytest.approx([12.5, 25, 50, 100])
     table = wl.analysis.evolve_onemax("top_half", n_bits=9, population_size=20, n_matings=1, seeds=[0])
     onemax = wl.plots.onemax(table)

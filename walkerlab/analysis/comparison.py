@@ -15,12 +15,13 @@ from walkerlab.settings.robot import Robot
 
 
 def compare_with_parents(child: AnyGenome, parents: Sequence[AnyGenome], robot: Robot, names: Sequence[str]) -> Birth:
-    """Infer from the values where the genes of a child come from.
+    """Infer the origin of each gene of a child from the values alone.
 
-    A gene that equals that of a parent at the same position comes from it; a segment that mostly equals another segment
-    of a parent was moved. If most genes that differ between two parents lie the same share of the way from one to the
-    other, they are blends. All other genes are assigned to the parent with the nearest value, and the difference counts
-    as mutation.
+    A gene with the same value as the gene at the same position in a parent comes from that parent. A segment that
+    matches another segment of a parent better than the segments at its own position was moved. If most genes that
+    differ between two parents lie at the same fraction of the way from one parent to the other, the genes at this
+    fraction are blends. All other genes are assigned to the parent with the nearest value, and the difference counts as
+    mutation.
 
     Args:
         child: Genome of the child.
@@ -54,10 +55,10 @@ def compare_with_parents(child: AnyGenome, parents: Sequence[AnyGenome], robot: 
 
 
 def _match_parts(values: Floats, table: Floats, genes: Genes) -> tuple[Sources, NDArray[np.bool_]]:
-    """Find the parts of a child that were moved: they equal a part of a parent better than the genes at their position.
+    """Find the moved parts of a child: each matches a part of a parent better than the genes at its own position.
 
     Returns:
-        Sources of all genes of the parts, and whether each gene belongs to a moved part.
+        Sources, valid only for the genes of moved parts, and whether each gene belongs to a moved part.
     """
     n_genes = len(genes)
     parent = np.zeros(n_genes, dtype=np.intp)
@@ -65,23 +66,23 @@ def _match_parts(values: Floats, table: Floats, genes: Genes) -> tuple[Sources, 
     is_moved = np.zeros(n_genes, dtype=np.bool_)
     if not genes.n_parts:
         return Sources(parent, gene, np.zeros((len(table), n_genes))), is_moved
-    of_child = genes.parts(values[np.newaxis])[0]
-    of_parents = genes.parts(table)
-    n_equal = (of_child[:, np.newaxis, np.newaxis] == of_parents).sum(axis=-1)  # (parts, parents, parts)
+    child_parts = genes.parts(values[np.newaxis])[0]
+    parent_parts = genes.parts(table)
+    n_equal = (child_parts[:, np.newaxis, np.newaxis] == parent_parts).sum(axis=-1)  # (parts, parents, parts)
     for part, counts in enumerate(n_equal):
-        at_position = (of_child[part] == of_parents[:, part]).any(axis=0).sum()
+        at_position = (child_parts[part] == parent_parts[:, part]).any(axis=0).sum()
         row, column = np.unravel_index(np.argmax(counts), counts.shape)
         if counts[row, column] > at_position:
-            width = of_child.shape[1]
-            mine = genes.n_whole + part * width + np.arange(width)
-            parent[mine] = row
-            gene[mine] = genes.n_whole + column * width + np.arange(width)
-            is_moved[mine] = True
+            width = child_parts.shape[1]
+            positions = genes.n_whole + part * width + np.arange(width)
+            parent[positions] = row
+            gene[positions] = genes.n_whole + column * width + np.arange(width)
+            is_moved[positions] = True
     return Sources(parent, gene, np.zeros((len(table), n_genes))), is_moved
 
 
 def _blend_share(values: Floats, table: Floats, genes: Genes) -> float | None:
-    """Return the share of the second of two parents in most genes that differ; None if there is no such share."""
+    """Return the share of the second parent that most differing genes have in common; None if there is none."""
     difference = shortest_change(table[0], table[1], genes)
     is_used = (np.abs(difference) > 20 * ROUNDING_TOLERANCE) & ~genes.is_count
     if not is_used.any():

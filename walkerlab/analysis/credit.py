@@ -15,12 +15,12 @@ SEPARATOR = " > "  # between selection, crossover and mutation in the column ``o
 def operator_credit(records: Any) -> pd.DataFrame:
     """Compare the children of each pair of crossover and mutation with their parents.
 
-    Elites, random genomes and genomes inserted by hand are left out. A child whose walk does not count is not better,
-    and is left out of the gains, because its fitness, -inf, has no mean. Generations rated by an earlier fitness
-    function are left out.
+    Elites, random genomes and genomes inserted by hand are left out. A child whose walk does not count is never
+    better, and is left out of the gains, because its fitness is -inf. Generations rated by an earlier fitness function
+    are left out, too.
 
     Args:
-        records: Table of a run, or the run; an experiment, or its table. To combine several runs, give an experiment.
+        records: Run, experiment, or the table of either. To combine several runs, give an experiment.
 
     Returns:
         Table with a row for each pair of operators, most children first: ``crossover``, ``mutation``, ``children``,
@@ -30,7 +30,7 @@ def operator_credit(records: Any) -> pd.DataFrame:
         its fitter parent).
 
     Raises:
-        ValueError: If the parents of a robot are not in the generation before it.
+        ValueError: If a parent of a robot is not in the previous generation.
     """
     table = getattr(records, "records", records)
     columns = ("individual", "born", "parents", "operators", "fitness", "verdict")
@@ -41,7 +41,8 @@ def operator_credit(records: Any) -> pd.DataFrame:
     children = pd.concat([_compare_with_parents(run) for run in runs], ignore_index=True)
     pairs: Any = children.groupby(["crossover", "mutation"], sort=False)
     rows = [
-        {"crossover": crossover, "mutation": mutation, **_summarise(group)} for (crossover, mutation), group in pairs
+        {"crossover": crossover, "mutation": mutation, **_summarise_children(group)}
+        for (crossover, mutation), group in pairs
     ]
     names = ("children", "counted", "better", "better_error", "mean_gain", "gain_error", "best_gain")
     result = pd.DataFrame(rows, columns=["crossover", "mutation", *names])
@@ -52,7 +53,7 @@ def operator_credit(records: Any) -> pd.DataFrame:
 
 
 def _compare_with_parents(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the fitness of each child of a run, beside the mean and the highest fitness of its parents."""
+    """Return the fitness of each child of a run, with the mean and the highest fitness of its parents."""
     since = max(table.attrs.get("rated_since", 0), table.attrs.get("fitness_since", 0))
     previous: dict[int, float] = {}
     rows: list[tuple[str, str, float, float, float]] = []
@@ -62,7 +63,7 @@ def _compare_with_parents(table: pd.DataFrame) -> pd.DataFrame:
             children: pd.DataFrame = generation[generation.born == number]
             made = zip(children.operators, children.fitness.tolist(), parents_of(children), strict=True)
             rows += [
-                (*operators.split(SEPARATOR)[1:], fitness, *_rate_parents(parents, previous))
+                (*operators.split(SEPARATOR)[1:], fitness, *_summarise_parents(parents, previous))
                 for operators, fitness, parents in made
                 if parents
             ]
@@ -70,7 +71,7 @@ def _compare_with_parents(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["crossover", "mutation", "fitness", "mean_of_parents", "better_parent"])
 
 
-def _rate_parents(parents: tuple[int, ...], fitness: dict[int, float]) -> tuple[float, float]:
+def _summarise_parents(parents: tuple[int, ...], fitness: dict[int, float]) -> tuple[float, float]:
     """Return the mean and the highest fitness of parents.
 
     Raises:
@@ -78,15 +79,15 @@ def _rate_parents(parents: tuple[int, ...], fitness: dict[int, float]) -> tuple[
     """
     if missing := [number for number in parents if number not in fitness]:
         raise ValueError(
-            f"robot {missing[0]}, a parent, is not in the generation before its child. This needs the complete table "
-            "of a run, run.records."
+            f"robot {missing[0]} is a parent, but it is not in the generation before its child. Give the complete "
+            "table of the run, run.records."
         )
     values = [fitness[number] for number in parents]
     return sum(values) / len(values), max(values)
 
 
-def _summarise(children: pd.DataFrame) -> dict[str, float]:
-    """Return the numbers of one pair of operators."""
+def _summarise_children(children: pd.DataFrame) -> dict[str, float]:
+    """Return the results of the children of one pair of operators."""
     n = len(children)
     is_better = (children.fitness > children.better_parent).to_numpy()
     counted = children[np.isfinite(children.fitness) & np.isfinite(children.mean_of_parents)]

@@ -12,16 +12,16 @@ from walkerlab.settings.robot import Robot
 
 
 def aligned_distances(genomes: Iterable[Genome | str | ArrayLike]) -> Floats:
-    """Return the distance between each two genomes: how much two bodies typically differ in one gene.
+    """Return the distance between each pair of genomes: the typical difference of two robots in one gene.
 
     The bodies are compared segment by segment, from the front. A gene that has an effect on both robots contributes the
-    difference of its values, as a fraction of the range of that gene in the gene table of the default limits; for a
-    cyclic gene, it is the chord between two points on a circle, as a fraction of the diameter. A gene that has an
-    effect on only one of them, such as those of a segment or of legs that the other lacks, contributes 1. Genes without
-    effect on either are left out. The distance is the root mean square over the genes, from 0 to 1.
+    difference of its values, as a fraction of its range in the default limits. For a cyclic gene, the difference is the
+    chord between two points on a circle, as a fraction of the diameter. A gene that has an effect on only one of the
+    robots contributes 1, for example a gene of a segment or of legs that the other robot lacks. Genes without an effect
+    on either robot are left out. The distance is the root mean square of the contributions, from 0 to 1.
 
     Args:
-        genomes: Genomes or their texts; they may have different numbers of segments, grown or not.
+        genomes: Genomes or their texts; their numbers of segments, grown or not, may differ.
 
     Returns:
         Distances, shape (n, n); symmetric, with zeros on the diagonal.
@@ -37,7 +37,7 @@ def aligned_diversity(genomes: Iterable[Genome | str | ArrayLike]) -> float:
     """Return the diversity of a population: the root mean square of ``aligned_distances`` over all pairs.
 
     Args:
-        genomes: Genomes or their texts; fewer than two have the diversity 0.
+        genomes: Genomes or their texts; the diversity of fewer than two is 0.
     """
     values, genes = _align(read_genomes(genomes))
     n = len(values)
@@ -45,7 +45,7 @@ def aligned_diversity(genomes: Iterable[Genome | str | ArrayLike]) -> float:
 
 
 def _align(genomes: Sequence[Genome]) -> tuple[Floats, Genes]:
-    """Return the values of genomes with zeros for the segments that a genome lacks, and a gene table for all."""
+    """Return the values of genomes with zeros for the segments that a genome lacks, and their gene table."""
     n_parts = max((genome.n_parts for genome in genomes), default=1)
     genes = build_genes(Robot(segments=(1, n_parts), legs=(2, 2 * n_parts)))
     values = np.zeros((len(genomes), len(BODY_FEATURES) + n_parts * len(SEGMENT_FEATURES)))
@@ -55,11 +55,11 @@ def _align(genomes: Sequence[Genome]) -> tuple[Floats, Genes]:
 
 
 def _mean_squares(values: Floats, genes: Genes) -> Floats:
-    """Return the mean square difference over the genes that have an effect on at least one of each two robots.
+    """Return the mean square difference of each pair of robots over the genes with an effect on at least one of them.
 
     Args:
         values: Aligned genomes, shape (n, n_genes).
-        genes: Gene table; its ranges are the scale.
+        genes: Gene table; differences are fractions of its ranges.
 
     Returns:
         Mean squares, shape (n, n).

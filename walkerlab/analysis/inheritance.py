@@ -1,4 +1,4 @@
-"""One birth gene by gene: which gene came from which parent, and what mutation and repair changed."""
+"""One birth, gene by gene: which parent each gene comes from, and what mutation and repair changed."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -20,15 +20,15 @@ Origin = Literal["parent", "same", "blend", "new"]
 """Where a gene comes from: one parent, parents that have the same value, a blend of parents, or none of them."""
 
 ROUNDING_TOLERANCE = 0.51 * 10.0**-GRID_DECIMALS
-"""Smaller changes by repair only round a value to the grid."""
+"""Changes by repair up to this size only round a value to the grid."""
 
 SAME_TOLERANCE = 1e-9
-"""Smaller differences from a parent's value, as a fraction of the gene's range, are rounding errors."""
+"""Differences from a parent's value up to this size, as a fraction of the gene's range, are rounding errors."""
 
 
 @dataclass(frozen=True, eq=False)
 class Birth(ReadOnlyArrays):
-    """How one child was made, gene by gene.
+    """Origin and changes of each gene of one child.
 
     A gene passes through three steps: crossover takes it from the parents, mutation changes it, and repair brings it
     within the limits of the robots and rounds it.
@@ -42,7 +42,7 @@ class Birth(ReadOnlyArrays):
         mutated: Values after mutation, shape (n_genes,).
         child: Values after repair, shape (n_genes,).
         name: Name of the child.
-        operators: Names of the operators that made it, in their order.
+        operators: Names of the operators that produced the child, in the order in which they were applied.
         is_exact: Whether the sources were traced through the operators; otherwise they were inferred from the values.
     """
 
@@ -64,7 +64,7 @@ class Birth(ReadOnlyArrays):
 
     @cached_property
     def origins(self) -> tuple[Origin, ...]:
-        """Origin of each gene, n_genes of them."""
+        """Origin of each gene, length n_genes."""
         return tuple(self._origin(j) for j in range(len(self.genes)))
 
     def _origin(self, j: int) -> Origin:
@@ -87,7 +87,7 @@ class Birth(ReadOnlyArrays):
 
     @property
     def crossover(self) -> Floats:
-        """Change by crossover of each gene that comes from a single parent, in its unit, shape (n_genes,)."""
+        """Change of each gene from a single parent by crossover, in the gene's unit, shape (n_genes,)."""
         has_source = self.sources.parent != NO_SOURCE
         values = np.where(has_source, self.parents[self.sources.parent, self.sources.gene], self.inherited)
         change = shortest_change(values, self.inherited, self.genes)
@@ -95,12 +95,12 @@ class Birth(ReadOnlyArrays):
 
     @property
     def mutation(self) -> Floats:
-        """Change of each gene by mutation in its unit, shape (n_genes,); the shorter way around for a cyclic gene."""
+        """Change of each gene by mutation, in its unit, shape (n_genes,); the shorter way around for a cyclic gene."""
         return shortest_change(self.inherited, self.mutated, self.genes)
 
     @property
     def repair(self) -> Floats:
-        """Change of each gene by repair in its unit, including rounding, shape (n_genes,)."""
+        """Change of each gene by repair, in its unit, including rounding, shape (n_genes,)."""
         return shortest_change(self.mutated, self.child, self.genes)
 
     @property
@@ -110,7 +110,7 @@ class Birth(ReadOnlyArrays):
 
     @property
     def change(self) -> Floats:
-        """Change of each gene by all three steps in its unit, shape (n_genes,); 0 if repair only rounded it."""
+        """Change of each gene by all three steps, in its unit, shape (n_genes,); 0 if repair only rounded it."""
         repaired = np.where(self.is_repaired | (self.mutation != 0) | (self.crossover != 0), self.repair, 0.0)
         return self.crossover + self.mutation + repaired
 
@@ -118,16 +118,18 @@ class Birth(ReadOnlyArrays):
     def table(self) -> pd.DataFrame:
         """Table with a row for each gene: its origin, its values, and its changes.
 
-        ``change`` is the change by all steps as a share of the gene's range. ``source`` is the gene of the parent from
-        which it comes, and ``share A`` the share of parent A in the inherited value.
+        ``change`` is the change by all steps as a share of the gene's range. ``source`` is the parent's gene from
+        which the value comes, and ``share A`` is the share of parent A in the inherited value.
         """
         letters = list(map(parent_letter, range(len(self.names))))
-        of_one = [letters[parent] if parent != NO_SOURCE else "" for parent in self.sources.parent]
+        parents = [letters[parent] if parent != NO_SOURCE else "" for parent in self.sources.parent]
         columns = {
             "gene": self.genes.names,
             "unit": self.genes.units,
             "expressed": self.is_expressed,
-            "origin": [one if origin == "parent" else origin for one, origin in zip(of_one, self.origins, strict=True)],
+            "origin": [
+                one if origin == "parent" else origin for one, origin in zip(parents, self.origins, strict=True)
+            ],
             "source": [self.genes.names[gene] if gene != NO_SOURCE else "" for gene in self.sources.gene],
             **{f"parent {letter}": values for letter, values in zip(letters, self.parents, strict=True)},
             **{f"share {letter}": shares for letter, shares in zip(letters, self.sources.shares, strict=True)},

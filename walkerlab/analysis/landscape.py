@@ -1,4 +1,4 @@
-"""Slices of the fitness landscape: the fitness of a genome in which one or two genes vary and all others are held."""
+"""Slices of the fitness landscape: the fitness of a genome in which one or two genes vary and all others are fixed."""
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
@@ -17,7 +17,7 @@ from walkerlab.settings.settings import Settings
 from walkerlab.simulation.evaluation import evaluate
 from walkerlab.simulation.fitness import name_and_unit
 
-MAX_POINTS = 100
+MAX_VALUES_PER_GENE = 100
 
 
 def landscape(
@@ -32,15 +32,15 @@ def landscape(
     """Measure the fitness around a genome along one gene, or on a grid of two genes.
 
     All other genes keep their values. If repair must change genes to keep the robot within its limits, the column
-    ``n_repaired`` counts them, and the walk is not exactly on the slice.
+    ``n_repaired`` counts them, and the robot is not exactly on the slice.
 
     Args:
         genome: Genome in the centre: a genome, its text, its values, or an individual.
         settings: Settings of the world, the limits and the fitness; the defaults if None.
-        genes: Name of a gene, such as ``frequency`` or ``seg1.leg_length``; or of two genes.
-        n: Number of values of each gene; a count has at most as many as its range contains.
+        genes: Name of a gene, such as ``frequency`` or ``seg1.leg_length``; or the names of two genes.
+        n: Number of values of each gene; for a count, at most the number of values in its range.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
-        span: Part of the gene's range that is covered, around the value of the genome; 1 covers the whole range.
+        span: Fraction of the gene's range to cover, around the value of the genome; 1 for the whole range.
 
     Returns:
         Table with a row for each walk: a column with the value of each gene, ``fitness``, ``verdict``, ``distance`` in
@@ -48,19 +48,21 @@ def landscape(
         the genes, their units, the name and unit of the fitness, and the settings.
 
     Raises:
-        ValueError: If there is no such gene, or not one or two different ones, or ``n`` or ``span`` is out of range.
+        ValueError: If ``genes`` does not name one gene or two different genes, or ``n`` or ``span`` is out of range.
     """
     settings = Settings() if settings is None else require_settings(settings)
     table = build_genes(settings.robot)
     names = [genes] if isinstance(genes, str) else list(genes)
     if len(names) not in (1, 2) or len(set(names)) != len(names):
-        raise ValueError(f"genes must be the name of one gene, or of two different ones; got {names}")
+        raise ValueError(f"genes must be the name of one gene or the names of two different genes; got {names}")
     if unknown := [name for name in names if name not in table.names]:
         raise ValueError(f"there is no gene {unknown[0]!r}; the genes are {', '.join(table.names)}")
-    if not 2 <= n <= MAX_POINTS:
-        raise ValueError(f"n is {n}; it must be between 2 and {MAX_POINTS}: the number of values of each gene")
+    if not 2 <= n <= MAX_VALUES_PER_GENE:
+        raise ValueError(
+            f"n is {n}; it must be between 2 and {MAX_VALUES_PER_GENE}. It is the number of values of each gene."
+        )
     if not 0 < span <= 1:
-        raise ValueError(f"span is {span}; it must be above 0 and at most 1: the part of the gene's range")
+        raise ValueError(f"span is {span}; it must be above 0 and at most 1. It is a fraction of the gene's range.")
     centre = Genome.of(genome).within(settings.robot).values
     indices = [table.names.index(name) for name in names]
     axes = [_gene_values(table, j, centre[j], n, span) for j in indices]
@@ -89,7 +91,7 @@ def landscape(
 
 
 def _gene_values(genes: Genes, j: int, centre: float, n: int, span: float) -> Floats:
-    """Return the values of a gene in ascending order: evenly spaced, on the grid of repair, whole for a count."""
+    """Return the values of a gene in ascending order: evenly spaced, rounded as by repair, and whole for a count."""
     low, high = float(genes.low[j]), float(genes.high[j])
     width = span * (high - low)
     start = min(max(low, centre - width / 2), high - width)

@@ -22,7 +22,7 @@ from walkerlab.settings.settings import Settings
 
 AnyGenome: TypeAlias = Genome | str | Floats | HasGenome
 
-GENERATION = 1  # generation passed to operators that ask for it
+ASSUMED_GENERATION = 1  # generation number for operators that take one
 
 
 def mate(
@@ -36,13 +36,13 @@ def mate(
         second: Second parent.
         settings: Settings with the operators and the limits of the robots; the defaults if None.
         rng: Random generator.
-        others: Further selected parents, which some operators also use, such as ``randomized``.
-        fitness: Fitness of all parents in this order; if None, that of individuals, and 0 for genomes.
-        mutates: Whether the mutation operators of the settings change the child too.
-        child: Index of the child, from 0; the couple's children are 0 and 1.
+        others: Further selected parents, for operators that use them, such as ``randomized``.
+        fitness: Fitness of all parents, in the order of the arguments; if None, that of individuals, and 0 for genomes.
+        mutates: Whether to mutate the child, too, with the mutation operators of the settings.
+        child: Index of the child, from 0; the children of the first two parents are 0 and 1.
 
     Returns:
-        The birth, with the parents that contributed, or the couple if it was not possible to trace any.
+        Birth with both parents of the child; if the operators use more than two, with those that contributed genes.
 
     Raises:
         OperatorError: If an operator does not work.
@@ -61,7 +61,7 @@ def mate(
     names = tuple(_parent_name(one, position) for position, one in enumerate(given))
     seed = int(require_generator(rng).integers(2**31))
     return trace_birth(
-        pool, rated, settings, names=names, seed=seed, generation=GENERATION, n_children=len(pool), child=child,
+        pool, rated, settings, names=names, seed=seed, generation=ASSUMED_GENERATION, n_children=len(pool), child=child,
         mutates=mutates,
     )  # fmt: skip
 
@@ -75,7 +75,7 @@ def mutate(genome: AnyGenome, settings: Settings | None = None, *, rng: Generato
         rng: Random generator.
 
     Returns:
-        The birth, whose only parent is the genome.
+        Birth with the genome as the only parent.
 
     Raises:
         OperatorError: If an operator does not work.
@@ -87,7 +87,7 @@ def mutate(genome: AnyGenome, settings: Settings | None = None, *, rng: Generato
     copied = Sources(np.zeros(len(genes), dtype=np.intp), np.arange(len(genes)), np.ones((1, len(genes))))
     name = "parent" if getattr(genome, "individual", None) is None else _parent_name(genome, 0)
     birth = Birth(genes, parent, (name,), copied, parent[0], parent[0], parent[0], "mutant")
-    return _complete_birth(birth, parent, 0, settings, seed, GENERATION)
+    return _complete_birth(birth, parent, 0, settings, seed, ASSUMED_GENERATION)
 
 
 def trace_birth(
@@ -99,7 +99,7 @@ def trace_birth(
 
     Args:
         pool: Genomes of the selected parents, shape (n_parents, n_genes).
-        fitness: Fitness of each, shape (n_parents,); finite.
+        fitness: Fitness of each parent, shape (n_parents,); finite.
         settings: Settings with the operators and the limits of the robots.
         names: Name of each parent.
         seed: Seed of the operators' random generators.
@@ -108,7 +108,7 @@ def trace_birth(
         child: Index of the child to trace.
         name: Name of the child.
         mutates: Whether the children are mutated.
-        repair_rows: Repair of (n, n_genes) genomes; that of the settings' limits if None.
+        repair_rows: Function that repairs (n, n_genes) genomes; by default, to the limits of the settings.
 
     Raises:
         OperatorError: If an operator does not work.
@@ -154,7 +154,7 @@ def _complete_birth(
         settings: Settings with the operators and the limits of the robots.
         seed: Seed of the operators' random generators.
         generation: Number of the generation that is created.
-        repair_rows: Repair of (n, n_genes) genomes; that of the limits if None.
+        repair_rows: Function that repairs (n, n_genes) genomes; by default, to the limits of the settings.
     """
     operators = resolve_operators(settings.algorithm)
     genes = birth.genes
@@ -186,7 +186,8 @@ def _merge_parents(sources: Sources, indices: Indices, names: Sequence[str]) -> 
     """Merge parents with the same name, and keep those that contributed genes, or both parents of a couple.
 
     Returns:
-        Sources with indices into the kept parents, and the kept parents, by number of genes if they are not a couple.
+        Sources with indices into the kept parents, and the indices of these parents; if there are more than two,
+        sorted by the number of genes that they contributed.
     """
     first = {name: index for index, name in reversed(list(enumerate(names)))}
     same = np.array([first[name] for name in names])

@@ -24,7 +24,7 @@ from walkerlab.ga.operators import Operators
 from walkerlab.randomness import random_stream
 from walkerlab.settings.arguments import require_count
 
-MAX_GENERATIONS = 1000  # generations after which a population that has not converged is given up
+MAX_GENERATIONS = 1000  # generations after which a run ends even if the population has not converged
 
 
 class _Count(NamedTuple):
@@ -41,17 +41,17 @@ def evolve_onemax(
     n_matings: int = 3,
     seeds: Iterable[int] = range(5),
 ) -> pd.DataFrame:
-    """Evolve strings of bits until all are alike, with uniform crossover and no mutation, beside theory.
+    """Evolve strings of bits with uniform crossover and no mutation until all are identical, and compare with theory.
 
     Args:
         selections: Selection operator, in any form that ``Algorithm.selection`` accepts; to compare several, a list or
             a dict from names to operators.
         n_bits: Number of bits, L.
-        population_size: Number of strings; if it is small, some bits become zero in all strings by chance, which theory
-            leaves out. 4 L is enough.
+        population_size: Number of strings; 4 L is enough. In a small population, some bits become zero in all strings
+            by chance, which theory ignores.
         n_matings: Number of times that all strings exchange bits with random partners in each generation. Theory
             assumes many; 3 are almost as good. With 1, the population needs up to a fifth more generations, because
-            good bits remain together on fewer strings (linkage), and the fitness varies less: see ``theory_linked``.
+            good bits occur together less often (linkage), so that the fitness varies less: see ``theory_linked``.
         seeds: Seed of each run.
 
     Returns:
@@ -89,7 +89,7 @@ def evolve_onemax(
 
 
 def onemax_theory(intensity: float, n_bits: int, generation: Any) -> Floats:
-    """Return the mean fitness that theory predicts, from random bits on; see the head of this module.
+    """Return the mean fitness that theory predicts if generation 0 is random; see the docstring of this module.
 
     Args:
         intensity: Selection intensity.
@@ -101,14 +101,14 @@ def onemax_theory(intensity: float, n_bits: int, generation: Any) -> Floats:
 
 
 def onemax_times(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the number of generations until all strings are alike, beside theory.
+    """Return the number of generations until all strings are identical, measured and in theory.
 
     Args:
         table: Table from ``evolve_onemax``.
 
     Returns:
         Table with a row for each operator: ``selection``, ``generations`` (mean over the seeds), ``lowest`` and
-        ``highest`` over the seeds, ``theory``, (π / 2) √L / I, and ``ratio`` of the mean to theory.
+        ``highest`` over the seeds, ``theory``, which is (π / 2) √L / I, and ``ratio``, the mean divided by theory.
     """
     scale = math.pi / 2 * math.sqrt(table.attrs["n_bits"])
     rows: list[dict[str, object]] = []
@@ -126,7 +126,7 @@ def read_times(table: pd.DataFrame) -> dict[str, Floats]:
 
 
 def _evolve_bits(operators: Operators, n_bits: int, population_size: int, seed: int) -> list[tuple[float, float]]:
-    """Evolve strings until all are alike; return mean and best fitness of each generation."""
+    """Evolve strings until all are identical; return the mean and the best fitness of each generation."""
     bits = tuple(f"bit{i}" for i in range(n_bits))
     texts = ("",) * n_bits
     genes = Genes(bits, texts, ("count",) * n_bits, texts, np.zeros(n_bits), np.ones(n_bits))
@@ -158,10 +158,10 @@ def _keep(genomes: Floats, genes: Genes, *, rng: Generator) -> Floats:  # noqa: 
 
 
 def _linked_theory(theory: Theory, n_bits: int, n_matings: int, n_generations: int) -> Floats:
-    """Return the mean fitness in each generation that theory predicts if a few matings do not mix the bits thoroughly.
+    """Return the mean fitness that theory predicts for each generation if few matings mix the bits incompletely.
 
-    Selection reduces the variance of the fitness by the share 1 - ``theory.variance``: good bits that occur together
-    become rarer (Bulmer 1971, American Naturalist 105). Each mating undoes half of this linkage.
+    Selection reduces the variance of the fitness by the share 1 - ``theory.variance``: good bits occur together
+    less often (Bulmer 1971, American Naturalist 105). Each mating halves this linkage.
     """
     share = 0.5
     linkage = 0.0

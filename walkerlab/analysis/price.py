@@ -14,8 +14,8 @@ from walkerlab.runfile.records import RECORD_COLUMNS, parent_numbers
 from walkerlab.runfile.tables import require_table
 
 TERMS = {
-    "selection": "the parents differ from the mean of their generation, because the fitter were selected",
-    "failed_walks": "children whose walks do not count are left out, and with them their parents' values",
+    "selection": "the parents differ from the mean of their generation, because fitter robots were selected",
+    "failed_walks": "children whose walks do not count are left out, together with their parents' values",
     "variation": "children differ from the mean of their parents, because of crossover and mutation",
     "insertion": "genomes inserted by hand have no parents",
 }
@@ -25,14 +25,14 @@ TERMS = {
 def price_equation(records: Any, trait: str = "fitness") -> pd.DataFrame:
     """Split the change of the mean from each generation to the next into selection, variation and two smaller terms.
 
-    A robot whose walk does not count has the fitness -inf, which has no mean. It is therefore left out of the means of
-    its generation. Parents are always robots that count. A child with several parents is attributed to each in equal
-    parts; an elite has one parent, itself. With that, four terms add up to the change of the mean:
+    A robot whose walk does not count has the fitness -inf, and is therefore left out of the means of its generation.
+    Parents are always robots whose walks count. A child with several parents is attributed to each in equal parts; an
+    elite has one parent, itself. Four terms add up to the change of the mean:
 
     - ``selection``: mean of the parents, each weighted by its children, minus the mean of their generation. This is the
       covariance of the trait and the number of children, divided by the mean number of children.
     - ``failed_walks``: change of the weighted mean of the parents if only children whose walks count are included.
-    - ``variation``: mean difference between those children and the mean of their parents.
+    - ``variation``: mean difference between the counted children and the mean of their parents.
     - ``insertion``: change of the mean through genomes that were inserted by hand.
 
     In the first generation with changed settings, ``variation`` includes the effect of the settings. Generations rated
@@ -48,11 +48,13 @@ def price_equation(records: Any, trait: str = "fitness") -> pd.DataFrame:
         generations counts. ``.attrs`` has the trait and its unit.
 
     Raises:
-        ValueError: If the table has no such column, or the parents of a robot are not in the generation before it.
+        ValueError: If the table has no such column, or a parent of a robot is not in the previous generation.
     """
     table = require_table(records, "individual", "born", "parents", "verdict", trait)
     if not pd.api.types.is_numeric_dtype(table[trait]):
-        raise ValueError(f"the trait {trait!r} is not a number; numeric are {', '.join(_numeric_columns(table))}")
+        raise ValueError(
+            f"the column {trait!r} is not numeric; the numeric columns are {', '.join(_numeric_columns(table))}"
+        )
     since = max(table.attrs.get("rated_since", 0), table.attrs.get("fitness_since", 0))
     grouped: Any = table.loc[table.generation >= since, :].groupby("generation")
     generations: dict[int, pd.DataFrame] = {int(number): rows for number, rows in grouped}
@@ -69,7 +71,7 @@ def price_equation(records: Any, trait: str = "fitness") -> pd.DataFrame:
 
 
 def parents_of(rows: pd.DataFrame) -> list[tuple[int, ...]]:
-    """Return the parents in the previous generation of each robot; an elite is its own parent."""
+    """Return the parents of each robot in the previous generation; an elite is its own parent."""
     numbers = zip(rows.individual.tolist(), rows.born.tolist(), rows.generation.tolist(), rows.parents, strict=True)
     return [
         (individual,) if born < generation else parent_numbers(parents)
@@ -93,13 +95,13 @@ def mean_of_parents(rows: pd.DataFrame, values: Mapping[int, float]) -> Floats:
         )
     except KeyError as error:
         raise ValueError(
-            f"robot {error.args[0]}, a parent in generation {rows.generation.iloc[0]}, is not in the generation before "
-            "it. This needs the complete table of a run, run.records."
+            f"robot {error.args[0]} is a parent of a robot of generation {rows.generation.iloc[0]}, but it is not in "
+            "the generation before. Give the complete table of the run, run.records."
         ) from error
 
 
 def _split(before: pd.DataFrame, after: pd.DataFrame, trait: str) -> dict[str, float]:
-    """Return the means of two successive generations, their difference, and its terms."""
+    """Return the means of two successive generations, their difference, and the terms of the difference."""
     values = dict(zip(before.individual.tolist(), before[trait].astype(np.float64).tolist(), strict=True))
     inherited = mean_of_parents(after, values)
     has_parents = np.isfinite(inherited)

@@ -1,4 +1,4 @@
-"""Rate the robots of a finished run by another fitness, and compare the ranks."""
+"""Rate the robots of a finished run by another fitness function, and compare the ranks."""
 
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -41,17 +41,18 @@ def rescore(
     *,
     on_done: Callable[[int], None] = lambda _: None,
 ) -> pd.DataFrame:
-    """Rate all robots of a run by another fitness, and compare their ranks before and after.
+    """Rate all robots of a run by another fitness function, and compare their ranks before and after.
 
-    Distance and velocity are recorded for every walk, so no robot walks again for them. For any other fitness, each
-    robot walks again, with the settings of the run; so it does in a run with several starts, of which only the poorest
-    is recorded. This rates the robots that evolved; a run with the other fitness would have evolved others.
+    Distance and velocity are recorded for every walk, so they require no new walks. For any other fitness function,
+    each robot walks again with the settings of the run. The same holds for all fitness functions if the run has several
+    starts, because only the poorest walk is recorded. Only robots that evolved are rated; a run with the other fitness
+    function would have produced other robots.
 
     Args:
         run: Finished run. If its settings or its fitness were changed, only robots since the last change are rated.
-        fitness: Other fitness: a name, a ``Fitness``, or a function of a rollout.
+        fitness: Other fitness function: a name, a ``Fitness``, or a function of a rollout.
         executor: Executor for new walks; loky on all cores if None.
-        on_done: Function called with the number of robots that have walked again after each task.
+        on_done: Function called after each task with the number of robots that have newly walked again.
 
     Returns:
         Table with a row for each robot, in the order of the new ranks: ``individual``, ``generation`` (of its birth),
@@ -103,19 +104,19 @@ def rescore(
 
 
 def _ranks(fitness: Floats) -> Indices:
-    """Return the rank of each robot, 1 for the fittest; of equals, the first is first."""
+    """Return the rank of each robot, 1 for the fittest; equal robots are ranked in their order."""
     ranks = np.empty(len(fitness), dtype=np.intp)
     ranks[np.argsort(-fitness, kind="stable")] = np.arange(1, len(fitness) + 1)
     return ranks
 
 
 def _summarise(table: pd.DataFrame) -> str:
-    """Describe how the champion by the new fitness differs from that of the run."""
+    """Describe the champions by both fitness functions in one or two sentences."""
     before, after = table.attrs["fitness"], table.attrs["fitness_after"]
     old = table.loc[table["rank"].idxmin()]
     new = table.iloc[0]
     if not np.isfinite(new.fitness_after):
-        return f"No walk counts by {after}."
+        return f"No walk counts when rated by {after}."
     if old.individual == new.individual:
         return f"Robot {new.individual} is the champion by {before} and by {after}."
     return (

@@ -1,4 +1,4 @@
-"""Selection, measured: the probability of each individual as a parent, and the pressure that an operator exerts."""
+"""Measure selection: the probability of each individual to become a parent, and the pressure of an operator."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -28,17 +28,17 @@ from walkerlab.settings.choices import Choice
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.values import function_name
 
-N_DRAWS = 20_000  # parents from which the probabilities of an operator without formula are estimated
-MIN_CALLS = 30  # minimum number of calls for an estimate, from which the standard error is computed
-MAX_CALLS = 300  # maximum number of calls for an estimate, which bounds its time
-MAX_TAKEOVER = 1000  # generations after which a takeover that is not complete is given up
+N_DRAWS = 20_000  # number of parents drawn to estimate the probabilities of an operator without a formula
+MIN_CALLS = 30  # minimum number of calls for an estimate; their variation gives the standard error
+MAX_CALLS = 300  # maximum number of calls for an estimate; limits its duration
+MAX_TAKEOVER_GENERATIONS = 1000  # generations after which a trial ends even if the takeover is not complete
 
 MEASURES = {
     "intensity": "mean fitness of the parents minus that of the population, in standard deviations",
-    "loss_of_diversity": "share of the parents' places that poorer individuals lose to fitter ones",
+    "loss_of_diversity": "share of the places among the parents that poorer individuals lose to fitter ones",
     "unselected": "share of the population that is never selected",
     "takeover": "generations until all individuals are copies of the best, without crossover and mutation",
-    "best_lost": "share of the trials in which the best individual died out instead",
+    "best_lost": "share of the trials in which the best individual died out",
 }
 """Each measure of a selection operator, and its meaning."""
 
@@ -50,8 +50,9 @@ def selection_probabilities(
 ) -> pd.DataFrame:
     """Return the probability of each individual to be selected as the next parent.
 
-    It is exact for the operators of walkerlab with any parameters. For other functions, and for several operators in
-    turn, it is estimated from 30 to 300 calls, which select 20,000 parents or more if the population has 67 or more.
+    The probability is exact for the operators of walkerlab, with any parameters. For other functions, and for several
+    operators applied in turn, it is estimated from 30 to 300 calls. They select at least 20,000 parents in total if
+    ``n_parents`` is 67 or more.
 
     Args:
         fitness: Fitness of each individual, shape (n,); higher is better. Individuals with -inf do not count, and have
@@ -66,7 +67,7 @@ def selection_probabilities(
         the fittest), ``probability`` and ``standard_error`` (0 if exact). ``.attrs`` has the name of the operator.
 
     Raises:
-        ValueError: If ``fitness`` is empty, not a row of numbers, or contains NaN or +inf.
+        ValueError: If ``fitness`` is empty, is not one-dimensional, or contains NaN or +inf.
         OperatorError: If a user function does not work.
     """
     values = _as_fitness(fitness)
@@ -83,7 +84,7 @@ def selection_probabilities(
         probability[counted] = exact
     else:
         n_calls = min(max(MIN_CALLS, math.ceil(N_DRAWS / n_parents)), MAX_CALLS)
-        calls = _select_often(operators, values, n_parents, n_calls, seed)
+        calls = _select_repeatedly(operators, values, n_parents, n_calls, seed)
         copies = np.array([np.bincount(selected, minlength=n) for selected in calls])
         probability = copies.mean(axis=0) / n_parents
         error = copies.std(axis=0, ddof=1) / n_parents / math.sqrt(n_calls)
@@ -98,12 +99,12 @@ def selection_probabilities(
 def measure_selection(
     selections: Any, *, population_size: int = 400, n_populations: int = 100, seed: int = 0
 ) -> pd.DataFrame:
-    """Measure the pressure of selection operators on populations with normally distributed fitness, beside theory.
+    """Measure selection operators on populations with normally distributed fitness, and compare them with theory.
 
     Args:
         selections: Selection operator, in any form that ``Algorithm.selection`` accepts; to compare several, a list or
-            a dict from names to operators. Operators that are applied in turn are a list within it.
-        population_size: Number of individuals, and of parents that are selected.
+            a dict from names to operators. A list inside it contains operators applied in turn.
+        population_size: Number of individuals, and of selected parents.
         n_populations: Number of random populations, and of trials of the takeover.
         seed: Seed of the random numbers.
 
@@ -126,7 +127,7 @@ def measure_selection(
         measured["best_lost"] = (lost, math.sqrt(lost * (1 - lost) / n_populations))
         theory = {} if curve is None else selection_theory(curve)._asdict()
         if curve is not None:
-            expected = takeover_theory(curve, n, MAX_TAKEOVER)
+            expected = takeover_theory(curve, n, MAX_TAKEOVER_GENERATIONS)
             theory["takeover"] = len(expected) - 1 if expected[-1] >= 1 - 1 / n else math.nan
         for measure, meaning in MEASURES.items():
             value, error = measured[measure]
@@ -139,11 +140,11 @@ def measure_selection(
 
 
 def follow_takeover(selections: Any, *, population_size: int = 100, n_trials: int = 20, seed: int = 0) -> pd.DataFrame:
-    """Follow the copies of the best individual over the generations, by selection alone, beside theory.
+    """Measure how copies of the best individual spread by selection alone, and compare this with theory.
 
     Args:
         selections: One or several selection operators; see ``measure_selection``.
-        population_size: Number of individuals, one of which is the best in generation 0.
+        population_size: Number of individuals; a single one is the best in generation 0.
         n_trials: Number of trials; those in which the best individual dies out are left out.
         seed: Seed of the random numbers.
 
@@ -163,7 +164,7 @@ def follow_takeover(selections: Any, *, population_size: int = 100, n_trials: in
         histories = [_takeover_shares(operators, n, trial, seed) for trial in range(n_trials)]
         survived = [shares for shares in histories if shares[-1] > 0]
         curve = curve_of(operators)
-        theory = np.empty(0) if curve is None else takeover_theory(curve, n, MAX_TAKEOVER)
+        theory = np.empty(0) if curve is None else takeover_theory(curve, n, MAX_TAKEOVER_GENERATIONS)
         length = max(map(len, [*survived, theory, [0.0]]))
         padded = np.full((max(1, len(survived)), length), 1.0 if survived else np.nan)
         for row, shares in zip(padded, survived, strict=False):
@@ -205,7 +206,7 @@ def _selection_name(entry: Any) -> str:
 
 
 def curve_of(operators: Operators) -> Curve | None:
-    """Return the curve of an operator; None if its theory is unknown, as for several in turn."""
+    """Return the curve of an operator; None if its theory is unknown, as for several operators in turn."""
     return selection_curve(operators[0]) if len(operators) == 1 else None
 
 
@@ -216,7 +217,7 @@ def _as_fitness(given: ArrayLike) -> Floats:
     return values
 
 
-def _select_often(
+def _select_repeatedly(
     operators: Operators, fitness: Floats, n_parents: int, n_calls: int, seed: int, genomes: Floats | None = None
 ) -> list[Indices]:
     """Select parents several times, each time with other random numbers."""
@@ -244,10 +245,10 @@ def _measure_populations(operators: Operators, n: int, n_populations: int, seed:
     intensity = np.empty(n_populations)
     for i in range(n_populations):
         fitness = np.sort(rng.normal(size=n))
-        (selected,) = _select_often(operators, fitness, n, 1, int(rng.integers(2**62)))
+        (selected,) = _select_repeatedly(operators, fitness, n, 1, int(rng.integers(2**62)))
         copies[i] = np.bincount(selected, minlength=n)
         intensity[i] = (fitness[selected].mean() - fitness.mean()) / fitness.std()
-    others = (copies.sum(axis=0) - copies) / (n_populations - 1)  # without each population in turn: the jackknife
+    others = (copies.sum(axis=0) - copies) / (n_populations - 1)  # jackknife: the mean over all populations but one
     losses = np.array([_loss_of_diversity(mean_copies) for mean_copies in others])
     loss_error = math.sqrt((n_populations - 1) * losses.var())
     return {
@@ -263,10 +264,10 @@ def _loss_of_diversity(copies: Floats) -> float:
 
 
 def _takeover_times(operators: Operators, n: int, n_trials: int, seed: int) -> tuple[Floats, float]:
-    """Return the generations until the best individual has taken over in each trial in which it does.
+    """Return the takeover time of each trial in which the best individual takes over.
 
     Returns:
-        The generations, and the share of the trials in which it died out.
+        Takeover times [generations], and the share of the trials in which the best individual died out.
     """
     histories = [_takeover_shares(operators, n, trial, seed) for trial in range(n_trials)]
     times = np.array([len(shares) - 1 for shares in histories if shares[-1] == 1.0], dtype=np.float64)
@@ -280,8 +281,8 @@ def _takeover_shares(operators: Operators, n: int, trial: int, seed: int) -> Flo
     genomes = _random_genomes(operators, n, rng)
     best = fitness.max()
     shares = [1 / n]
-    while 0 < shares[-1] < 1 and len(shares) <= MAX_TAKEOVER:
-        (selected,) = _select_often(operators, fitness, n, 1, int(rng.integers(2**62)), genomes)
+    while 0 < shares[-1] < 1 and len(shares) <= MAX_TAKEOVER_GENERATIONS:
+        (selected,) = _select_repeatedly(operators, fitness, n, 1, int(rng.integers(2**62)), genomes)
         fitness = fitness[selected]
         genomes = None if genomes is None else genomes[selected]
         shares.append(float((fitness == best).mean()))

@@ -1,4 +1,4 @@
-"""Theory of selection: what an operator does to a large population, and how probable each individual is as a parent.
+"""Theory of selection: what an operator does to a large population, and how probably each individual becomes a parent.
 
 All values for a large population follow from one curve: the share of the parents that come from the poorest fraction u
 of the population. It is u if selection has no effect, and u² for tournaments of two.
@@ -24,8 +24,8 @@ class Curve(NamedTuple):
 
     Attributes:
         share: Function from the poorest fraction of the population to its share of the parents.
-        is_drawn: Whether each parent is drawn independently; otherwise every individual is selected as often as the
-            curve says.
+        is_drawn: Whether each parent is drawn independently; otherwise every individual is selected exactly as often as
+            the curve predicts.
     """
 
     share: Callable[[Floats], Floats]
@@ -72,8 +72,8 @@ class Theory(NamedTuple):
     Attributes:
         intensity: Mean fitness of the parents minus that of the population, in standard deviations of the population.
         variance: Variance of the parents' fitness, as a fraction of that of the population.
-        loss_of_diversity: Share of the parents' places that poorer individuals lose to fitter ones (Blickle & Thiele
-            1996, Evolutionary Computation 4(4)).
+        loss_of_diversity: Share of the places among the parents that poorer individuals lose to fitter ones (Blickle &
+            Thiele 1996, Evolutionary Computation 4(4)).
         unselected: Share of the population that is never selected if there are as many parents as individuals (Motoki
             2002, Evolutionary Computation 10(4)).
     """
@@ -110,7 +110,7 @@ def takeover_theory(curve: Curve, population_size: int, max_generations: int) ->
 
     Args:
         curve: Curve of the operator.
-        population_size: Number of individuals, one of which is the best in generation 0.
+        population_size: Number of individuals; a single one is the best in generation 0.
         max_generations: Number of generations after which the calculation ends.
 
     Returns:
@@ -128,7 +128,7 @@ def takeover_theory(curve: Curve, population_size: int, max_generations: int) ->
 
 
 def exact_probabilities(select: Select, fitness: Floats, n_parents: int) -> Floats | None:
-    """Return the probability of each individual as a parent; None if there is no formula for the operator.
+    """Return the probability of each individual to become a parent; None if there is no formula for the operator.
 
     Args:
         select: Operator, with its parameters bound by ``functools.partial``.
@@ -159,7 +159,7 @@ def _top_half_probabilities(fitness: Floats, n_parents: int) -> Floats:
 
 
 def _tournament_probabilities(fitness: Floats, _n_parents: int, *, size: int = 3) -> Floats:
-    """Return the probability that an individual wins a tournament; tied individuals share that of their level."""
+    """Return the probability of each individual to win a tournament; equally fit individuals are equally probable."""
     _, level, n_equal = np.unique(fitness, return_inverse=True, return_counts=True)
     below = np.concatenate([[0.0], np.cumsum(n_equal) / len(fitness)])
     return (np.diff(below**size) / n_equal)[level]

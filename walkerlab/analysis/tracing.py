@@ -18,7 +18,7 @@ from walkerlab.ga.ranges import wrap
 from walkerlab.system.readonly import ReadOnlyArrays
 
 TAG_SIZE = 1e-5  # largest tag, as a fraction of the gene's range
-COUNT_TAG_SIZE = 1e-7  # largest tag of a count; added, so that rounding and truncation remove it
+COUNT_TAG_SIZE = 1e-7  # largest tag of a count; positive, so that rounding and truncation remove it
 MIN_TAG_RUNS = 3
 MAX_BLENDED = 12  # maximum number of parents whose shares in a blend are determined
 SHARE_TOLERANCE = 1e-5
@@ -26,7 +26,7 @@ BLEND_TOLERANCE = 1e-5  # of a blended value, as a fraction of the gene's range
 COUNT_TOLERANCE = 1e-3  # by which a tagged count may differ from the original one
 
 NO_SOURCE = -1
-"""Index of the parent or gene of a value that does not come from a single one."""
+"""Index of the parent and of its gene if a value does not come from a single parent."""
 
 Operation = Callable[[Floats], Floats]
 """Function from the (k, n_genes) genomes of the parents to the (n_genes,) genome of one child."""
@@ -37,8 +37,8 @@ class Sources(ReadOnlyArrays):
     """Where each gene of a child comes from.
 
     Attributes:
-        parent: Index of the parent of each gene that comes from a single one, or ``NO_SOURCE``, shape (n_genes,). The
-            operator may have changed its value.
+        parent: Index of the parent from which each gene comes, shape (n_genes,); ``NO_SOURCE`` if it does not come from
+            a single parent. The operator may have changed the value.
         gene: Index of the gene of that parent, or ``NO_SOURCE``, shape (n_genes,); differs from the position if the
             gene was moved.
         shares: Share of each parent in each value, shape (n_parents, n_genes): a single 1 for a gene of one parent; all
@@ -63,8 +63,8 @@ def trace_sources(
         involved: Indices of the parents that may contribute; all if None.
 
     Returns:
-        Sources with indices into ``parents``. If the tags of a gene do not reach the child, as when the operator rounds
-        it, its value is compared with those of the parents, and the first equal one is its source.
+        Sources with indices into ``parents``. If the tags of a gene do not reach the child, for example because the
+        operator rounds the gene, the first parent with the same value is the source.
     """
     rows = np.arange(len(parents)) if involved is None else np.unique(np.asarray(involved, dtype=np.intp))
     child = operation(parents)
@@ -110,7 +110,7 @@ class _Trial:
         tags: Tags of the parents in each run, shape (n_runs, n_rows, n_genes).
         tagged: Tagged genomes of the parents, same shape.
         results: Child of each run, shape (n_runs, n_genes).
-        changes: Its difference from the original child, same shape.
+        changes: Difference of each child from the original child, same shape.
     """
 
     tags: Floats
@@ -119,18 +119,18 @@ class _Trial:
     changes: Floats
 
     def find_copy(self, j: int) -> tuple[int, int] | None:
-        """Return row and gene of which gene ``j`` is a copy in every run; its own position if there are several."""
+        """Return the row and gene that gene ``j`` copies in every run; its own position is preferred."""
         is_copy = (self.tagged == self.results[:, j, np.newaxis, np.newaxis]).all(axis=0) & (self.tags != 0).all(axis=0)
-        return _choose(is_copy, j)
+        return _find_true_element(is_copy, j)
 
     def find_single_source(self, j: int) -> tuple[int, int] | None:
-        """Return row and gene to whose tags the changes of gene ``j`` are proportional in all runs."""
+        """Return the row and gene whose tags are proportional to the changes of gene ``j`` in all runs."""
         changes = self.changes[:, j, np.newaxis, np.newaxis]
         if not changes.all():
             return None
         ratios = np.divide(changes, self.tags, out=np.full(self.tags.shape, np.nan), where=self.tags != 0)
         spread = np.ptp(ratios, axis=0)
-        return _choose(spread <= SHARE_TOLERANCE * np.abs(ratios[0]), j)
+        return _find_true_element(spread <= SHARE_TOLERANCE * np.abs(ratios[0]), j)
 
     def find_blend(self, j: int) -> Floats | None:
         """Return the share of each row in gene ``j`` that explains its changes in all runs, shape (n_rows,)."""
@@ -144,7 +144,7 @@ class _Trial:
 
 
 def _find_source(trial: _Trial, values: Floats, child: Floats, j: int) -> tuple[int, int] | None:
-    """Return row and gene from which gene ``j`` of a child was copied, or computed without other genes."""
+    """Return the row and gene from which gene ``j`` of a child was copied, or computed without other genes."""
     copied = trial.find_copy(j)
     return copied if copied is not None and values[copied] == child[j] else trial.find_single_source(j)
 
@@ -160,9 +160,9 @@ def _run_tagged(
     tag_counts: bool,
     rng: Generator,
 ) -> _Trial | None:
-    """Run an operation on tagged genomes; None if the tags alter a count, and with it a decision of the operator.
+    """Run an operation on tagged genomes; return None if tags of counts change a count of the child.
 
-    Tags point towards the middle of the range, so that no value leaves it; those of counts point upward.
+    Tags point towards the middle of the range, so that no value leaves it; tags of counts point upward.
     """
     width = _widths(genes)
     middle = (genes.low + genes.high) / 2
@@ -186,8 +186,8 @@ def _widths(genes: Genes) -> Floats:
     return np.where(genes.high > genes.low, genes.high - genes.low, 1.0)
 
 
-def _choose(mask: NDArray[np.bool_], j: int) -> tuple[int, int] | None:
-    """Return row and column of a true element, in column ``j`` if there is one there; None if there is none."""
+def _find_true_element(mask: NDArray[np.bool_], j: int) -> tuple[int, int] | None:
+    """Return row and column of a true element, preferably in column ``j``; None if all elements are false."""
     found = np.argwhere(mask)
     if not len(found):
         return None

@@ -1,4 +1,4 @@
-"""How a robot of a run was made: its birth is repeated with the operators, and compared with the stored genome."""
+"""Explain the birth of a robot: repeat it with the operators, and compare the result with the stored genome."""
 
 from dataclasses import replace
 from functools import partial
@@ -24,9 +24,9 @@ from walkerlab.settings.settings import Settings
 def explain_birth(run: Run, individual: int | None = None) -> Birth:
     """Explain gene by gene how a robot of a run was made from its parents.
 
-    The selection, crossover and mutation of its generation are repeated with the same random numbers. If that does not
-    give the stored genome, for example because a function of the run is missing, the genome is compared with those of
-    its parents instead, and ``Birth.is_exact`` is false.
+    The selection, crossover and mutation of its generation are repeated with the same random numbers. If the
+    result differs from the stored genome, for example because a user function is missing, the stored genome is compared
+    with those of its parents instead, and ``Birth.is_exact`` is false.
 
     Args:
         run: Run of the robot.
@@ -58,7 +58,7 @@ def explain_birth(run: Run, individual: int | None = None) -> Birth:
 
 
 def _repeat_birth(run: Run, records: pd.DataFrame, settings: Settings, number: int, born: int) -> Birth | None:
-    """Repeat the birth of a robot; None if the table lacks the previous generation, or an operator does not work."""
+    """Repeat a birth; return None if the table lacks the previous generation, or an operator does not work."""
     earlier = records.loc[records.generation < born, :]
     if earlier.empty or earlier.generation.max() != born - 1:
         return None

@@ -87,7 +87,7 @@ class Evolution(RunProperties):
             path: Run file to create; if None, the run is discarded when it is no longer referenced.
             executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
             on_walks: Function that is called with the number of newly finished walks.
-            on_rated: Function that is called with the index of a robot among those that walk, and its evaluation.
+            on_rated: Function that is called with the index of each robot, among those that walk, and its evaluation.
             stop: Conditions under which the iteration stops before the last generation.
             population: First individuals of generation 0, as for ``evolve``.
             recall: Function that returns known evaluations by genome text; its caller stores the generations.

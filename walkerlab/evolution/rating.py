@@ -1,4 +1,4 @@
-"""Rate the new robots of a generation: each genome once, and the best of them also from other starts."""
+"""Rate the new robots of a generation: each genome once, and the best genomes also from other starts."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -23,11 +23,11 @@ def rate_children(
     settings: Settings,
     evaluate: Callable[..., Sequence[Evaluation]],
 ) -> dict[str, EvaluationRow]:
-    """Evaluate the genomes that are not known, and test those that would be elites.
+    """Evaluate the genomes without a known evaluation, and test the robots that would be elites.
 
     Args:
         genomes: Genomes of the children, shape (n, n_genes).
-        texts: Their texts.
+        texts: Texts of these genomes.
         known: Known evaluations, by text.
         previous: Previous generation, whose elites have passed the test; None for generation 0.
         settings: Settings of the run.
@@ -51,7 +51,7 @@ def rate_children(
             error.context = f"for individual {individual} of generation {generation}"
             raise
         rows |= {text: EvaluationRow.of(one, text) for text, one in zip(new, evaluations, strict=True)}
-    elites = _elites(previous, settings.algorithm.n_elites)
+    elites = _find_elites(previous, settings.algorithm.n_elites)
     return retest_best(elites | rows, list(elites), settings, evaluate, generation)
 
 
@@ -62,7 +62,7 @@ def retest_best(
     evaluate: Callable[..., Sequence[Evaluation]],
     generation: int,
 ) -> dict[str, EvaluationRow]:
-    """Return the evaluations of a generation with the verdict ``fragile`` for robots that depend on their start.
+    """Test the best robots of a generation from other starts, and give those that fail the verdict ``fragile``.
 
     Args:
         rows: Evaluations, by text of the genome.
@@ -87,7 +87,7 @@ def retest_best(
     return exclude_fragile(rows, passed, settings, walk_again)
 
 
-def _elites(previous: Population[EvaluationRow] | None, n_elites: int) -> dict[str, EvaluationRow]:
+def _find_elites(previous: Population[EvaluationRow] | None, n_elites: int) -> dict[str, EvaluationRow]:
     """Return the elites of a generation, by text of the genome."""
     if previous is None:
         return {}

@@ -1,4 +1,4 @@
-"""Preparation of a stored run for further generations, with the same settings or with changed ones."""
+"""Prepare a stored run for further generations, with the same or with changed settings."""
 
 import warnings
 from collections.abc import Mapping
@@ -76,9 +76,9 @@ def prepare_resume(
     _, facts = store.read_facts(path)
     if changed := provenance.describe_differences(facts, provenance.current_facts()):
         warnings.warn(
-            f"{display_path(path)} was made with {changed}. The generations that are done stay the same; later ones "
-            "can differ in the last digits from what they would have been there, and so can everything that depends "
-            "on them. The file records for each generation what it was made with.",
+            f"{display_path(path)} was made with {changed}. The generations that are done stay the same. In "
+            "later generations, the last digits can differ from those that the same versions would give, and with them "
+            "all that follows. The file records the versions of each generation.",
             stacklevel=stacklevel,
         )
     settings = run.settings.with_(**changes, **({} if generations is None else {"generations": generations}))

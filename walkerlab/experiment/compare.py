@@ -56,7 +56,7 @@ def compare(
         path: File of the experiment; if None, the experiment is discarded when it is no longer referenced.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: Whether to show a forecast of the duration and a progress bar.
-        population: First individuals of generation 0, as for ``wl.evolve``, of all conditions; or a dict from names of
+        population: First individuals of generation 0 of all conditions, as for ``wl.evolve``; or a dict from names of
             conditions to the first individuals of each. Conditions with ``frozen`` genes require it.
 
     Returns:

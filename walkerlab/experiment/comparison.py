@@ -35,7 +35,7 @@ def evaluations_to_reach(table: pd.DataFrame, threshold: float) -> float:
 
 
 def compared_groups(conditions: Sequence[Condition]) -> list[list[int]]:
-    """Return the groups of conditions that are compared with each other, by their numbers.
+    """Return the groups of conditions that are compared with each other, as numbers of conditions.
 
     If there are several worlds with several conditions each, the conditions of each world are a group. Otherwise all
     are one group.

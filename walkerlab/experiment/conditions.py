@@ -95,7 +95,7 @@ def read_conditions(given: object, population: object = None) -> list[Condition]
 
     Args:
         given: Dict from names to ``Settings``, optimisers, or pairs of both.
-        population: Genomes for generation 0 of all conditions, or a dict from names of conditions to those of each.
+        population: Genomes for generation 0 of all conditions, or a dict from names of conditions to genomes.
 
     Raises:
         TypeError: If a condition is something else.
@@ -161,31 +161,31 @@ def _read_populations(given: Any, conditions: list[Condition]) -> Iterator[tuple
     """Yield each condition with the genomes given for its generation 0.
 
     Raises:
-        ValueError: If there is no condition of a name, or the genomes are not valid.
+        ValueError: If a name is not that of a condition, or the genomes are not valid.
     """
     names = [condition.name for condition in conditions]
     by_name = cast(Mapping[Any, Any], given) if isinstance(given, Mapping) else None
     for name in by_name or ():
         if name not in names:
             raise ValueError(
-                f"population has the name {short_repr(name)}, and there is no such condition. The conditions are "
+                f"population contains {short_repr(name)}, but there is no condition of this name. The conditions are "
                 f"{', '.join(map(repr, names))}.{did_you_mean(name, names)}"
             )
     if isinstance(given, Iterator):
-        given = list(cast(Iterator[Any], given))  # all conditions read it
+        given = list(cast(Iterator[Any], given))  # an iterator can be read only once
     for condition in conditions:
         genomes = given if by_name is None else by_name.get(condition.name)
         founders = read_founders(genomes, condition.settings)
         if founders and condition.function and "population" not in unbound_keywords(condition.function):
             raise ValueError(
                 f"condition {condition.name!r} has a first population, but its optimiser {condition.optimiser} does "
-                "not receive it. Give the function a keyword-only parameter population: genomes, shape (n, n_genes)."
+                "not take it. Add the keyword-only parameter population, which receives genomes, shape (n, n_genes)."
             )
         yield condition, founders
 
 
 def task_of(settings: Settings) -> object:
-    """Return everything that an optimiser meets: all settings but the operators."""
+    """Return everything that affects an optimiser: all settings except the operators."""
     algorithm = settings.algorithm
     kept = ("fitness", "population_size", "generations", "n_elites")
     plain = Algorithm().model_copy(update={name: getattr(algorithm, name) for name in kept})

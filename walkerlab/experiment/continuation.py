@@ -1,4 +1,4 @@
-"""Checks before an experiment is continued: the same conditions, the same code, and a warning about more seeds."""
+"""Check that an experiment can be continued with these conditions and functions; warn about added seeds."""
 
 import warnings
 from pathlib import Path
@@ -17,7 +17,7 @@ def check_continuation(path: Path, stored: StoredExperiment, planned: list[Condi
     """Check that a stored experiment can be continued with these conditions, and return all of its seeds.
 
     Raises:
-        RunFileError: If it has other conditions, or was made with different code for a user function.
+        RunFileError: If the experiment has other conditions, or was made with different code for a user function.
     """
     theirs = {plain["name"]: plain for plain in stored.conditions}
     ours = {condition.name: condition.to_plain() for condition in planned}
@@ -48,15 +48,15 @@ def check_continuation(path: Path, stored: StoredExperiment, planned: list[Condi
     changed_versions = provenance.describe_differences(made_with, provenance.current_facts())
     if changed_versions and (added or not is_complete):
         warnings.warn(
-            f"{display_path(path)} was made with {changed_versions}. The runs that have ended stay the same; further "
-            "ones can differ in the last digits from what they would have been there.",
+            f"{display_path(path)} was made with {changed_versions}. The runs that have ended stay the same. In "
+            "further runs, the last digits can differ from those that the same versions would give.",
             stacklevel=4,
         )
     if added and is_complete:
         warnings.warn(
-            f"{pluralize(len(added), 'seed')} added to a complete experiment. If the reason is that its result was not "
-            "clear, p-values become too small: seeds that are added until a difference appears always find one. Choose "
-            "the number of seeds before the experiment.",
+            f"{pluralize(len(added), 'seed')} added to a complete experiment. If seeds are added because the result is "
+            "not clear, p-values become too small: adding seeds until a difference appears eventually finds one by "
+            "chance. Choose the number of seeds before the experiment.",
             stacklevel=4,
         )
     return [*stored.seeds, *added]

@@ -58,7 +58,7 @@ def random_search(
     rng: Generator,  # noqa: ARG001
     population: Floats | None = None,
 ) -> None:
-    """Evaluate random robots only, drawn like those of generation 0; the least that an optimiser has to beat.
+    """Evaluate random robots only, drawn like those of generation 0; the baseline for every optimiser.
 
     The first robots are those of generation 0 of a run with the same seed.
 
@@ -92,14 +92,14 @@ def run_optimiser(
         recall: Function that returns the known evaluations of genomes.
         on_generation: Function that is called with the table of as many robots as a generation of the genetic algorithm
             evaluates, and of those that remain at the end.
-        founders: Genomes given for generation 0; the first of them has the values of frozen genes.
+        founders: Genomes given for generation 0; the first contains the values of frozen genes.
     """
     rng = random_stream(settings.algorithm.seed, "search")
     evaluator = _Evaluator(settings, function_name(optimise), walk, recall, on_generation, founders)
     population = np.array([Genome.parse(founder.genome).values for founder in founders])
-    offered: dict[str, Any] = {"population": population} if founders else {}
+    keywords: dict[str, Any] = {"population": population} if founders else {}
     with suppress(EvaluationsUsedError):
-        optimise(evaluator, settings, n_walks(settings), rng=rng, **offered)
+        optimise(evaluator, settings, n_walks(settings), rng=rng, **keywords)
     evaluator.flush()
 
 

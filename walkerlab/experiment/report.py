@@ -31,9 +31,9 @@ TERMS = (
 
 
 CAPTION = (
-    "Left: the best fitness until each generation; each line is the median of the runs of a condition, and the area "
-    "around it holds the middle half of them. Right: the best fitness of each run; lines join runs with the same seed, "
-    "and a bar marks the median."
+    "Left: the best fitness found up to each generation. Each line is the median of the runs of a condition, and the "
+    "area around it contains the middle half of these runs. Right: the best fitness of each run. Thin lines connect "
+    "runs with the same seed, and a thick line marks the median of each condition."
 )
 
 
@@ -87,10 +87,10 @@ def save_report(experiment: Any, folder: str | Path) -> Path:
 
 
 def _notes(condition: Condition) -> list[str]:
-    """Return sentences about a condition that its settings do not contain."""
+    """Return sentences with the facts about a condition that its settings do not contain."""
     notes: list[str] = []
     if condition.optimiser:
-        notes.append(f"Searched by {condition.optimiser} instead of the genetic algorithm.")
+        notes.append(f"The optimiser {condition.optimiser} replaces the genetic algorithm.")
     if condition.founders:
         n = len(condition.founders)
         notes.append(f"Generation 0 begins with {pluralize(n, 'given genome')}: {condition.founders[0].genome:.300}")

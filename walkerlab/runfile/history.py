@@ -79,7 +79,7 @@ def read_founder(item: Any) -> Founder:
     """Read a founder from plain data.
 
     Raises:
-        ValueError: If it has an unknown form.
+        ValueError: If the data has an unknown form.
     """
     match item:
         case {"genome": str(genome), "origin": str(origin)} if origin.isprintable():

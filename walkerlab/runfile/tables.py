@@ -13,15 +13,15 @@ def require_table(records: Any, *columns: str) -> pd.DataFrame:
         *columns: Required columns besides ``generation``.
 
     Raises:
-        TypeError: If ``records`` is neither.
+        TypeError: If ``records`` is neither a table nor a run.
         ValueError: If the table lacks a column, or contains several runs.
     """
     table = getattr(records, "records", records)
     if not isinstance(table, pd.DataFrame):
-        raise TypeError(f"this needs the table of a run, run.records; got a {type(records).__name__}")
+        raise TypeError(f"records must be a run or its table, run.records; got a {type(records).__name__}")
     if missing := [name for name in ("generation", *columns) if name not in table]:
         raise ValueError(
-            f"the table has no column {' and no column '.join(map(repr, missing))}, which this needs; it has "
+            f"the table has no column {' and no column '.join(map(repr, missing))}; it has "
             f"{', '.join(map(str, table.columns)) or 'no columns'}. The complete table of a run is run.records."
         )
     if "individual" in table and (repeated := table.duplicated(["generation", "individual"])).any():

@@ -91,8 +91,8 @@ def evaluate(
         settings: Complete settings of the run.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         on_done: Function called with the number of newly finished robots after each task, in the order of the tasks.
-        starts: Numbers of the starts from which each robot walks: 0 is the exact start, each other number a slightly
-            different one. By default, 0 up to the number in ``settings.simulation.n_starts``.
+        starts: Numbers of the starts from which each robot walks: 0 is the exact start, and each other number is a
+            slightly different start. By default, 0 up to the number in ``settings.simulation.n_starts``.
         on_rated: Function called with the index of each genome and its evaluation, before ``on_done``.
 
     Returns:
@@ -143,8 +143,8 @@ def _read_starts(starts: Sequence[int] | None, settings: Settings) -> list[int]:
     numbers = np.asarray(starts)
     if not numbers.size or numbers.ndim != 1 or numbers.dtype.kind not in "iu" or numbers.min() < 0:
         raise ValueError(
-            f"starts is {short_repr(starts)}; it must list at least one number of a start: 0 for the exact start, and "
-            "1, 2, … for slightly different ones, such as range(1, 6)"
+            f"starts is {short_repr(starts)}; it must contain at least one whole number: 0 for the exact start, and 1, "
+            "2, … for slightly different starts, such as range(1, 6)"
         )
     return numbers.tolist()
 

@@ -110,8 +110,8 @@ def count_settling_steps(scene: Scene) -> int:
 def settled_pose(scene: Scene) -> Floats:
     """Return the pose in which the robot stands after settling and from which its walk begins, shape (nq,).
 
-    This is the first of the poses that ``simulate_walk`` records, computed in the same way; the pose in which the robot
-    starts to settle if the physics breaks down.
+    It is the first pose that ``simulate_walk`` records, computed in the same way. If the physics becomes unstable, it
+    is the pose in which the robot starts to settle.
     """
     data = mujoco.MjData(scene.model)
     with warnings_counted_not_printed():

@@ -59,7 +59,7 @@ class Step:
         verdict: Verdict on its walk.
         genome: Text of its genome.
         other_parent: Fittest of its parents outside the line; None if there is none in the table.
-        n_births: Number of births since the robot before it: more than 1 if robots between them are left out.
+        n_births: Number of births since the robot before it: more than 1 if robots in between are left out.
         n_generations: Number of generations since the birth of the robot before it; 0 for the first.
         changes: All genes that differ from the robot before it; the largest visible changes first.
     """
@@ -79,8 +79,8 @@ def trace_line(records: Any, individual: int | None = None, max_robots: int | No
     """Trace the line of descent of a robot through the fitter parent of each, oldest first.
 
     A robot that looks and walks exactly like the robot before it, because no gene with an effect differs, is left out.
-    If the line is still longer than ``max_robots``, the robots whose fitness differs least from the one before are
-    left out, too.
+    If the line is still longer than ``max_robots``, the robots whose fitness differs least from that of the robot
+    before are left out, too.
 
     Args:
         records: Table of a run, or the run.
@@ -94,10 +94,10 @@ def trace_line(records: Any, individual: int | None = None, max_robots: int | No
         ValueError: If the table is empty or has no such individual, or ``max_robots`` is less than 2.
     """
     if max_robots is not None and max_robots < 2:
-        raise ValueError(f"max_robots is {max_robots}; it must be 2 or more: the first and the last robot")
+        raise ValueError(f"max_robots is {max_robots}; it must be 2 or more, for the first and the last robot")
     table = require_table(records, "individual", "born", "parents", "fitness", "verdict", "genome")
     number = find_champion(table).individual if individual is None else individual
-    select_lineage(table, number)  # checks the number
+    select_lineage(table, number)  # raises an error if there is no such robot
     births = birth_rows(table)
     line = fitter_line(births, number)[::-1]
     texts: dict[int, str] = {one: births.genome[one] for one in line}
@@ -177,9 +177,9 @@ def lineage_changes(records: Any, individual: int | None = None, max_robots: int
         max_robots: Maximum number of robots in the line; all if None.
 
     Returns:
-        Table with the later robot of each step and its generation, the gene, its values before and after, the change as
-        a share of the gene's range, whether the gene has an effect, and the parent from which it comes: ``other`` for a
-        value of the other parent, or "" for a changed value.
+        Table with the columns ``individual`` and ``born`` (later robot of the step, and its generation), ``gene``,
+        ``before``, ``after``, ``change`` (as a share of the gene's range), ``expressed`` (whether the gene has an
+        effect) and ``from_other_parent`` (whether the value is that of the other parent).
 
     Raises:
         ValueError: If the table is empty or has no such individual.
@@ -194,7 +194,7 @@ def lineage_changes(records: Any, individual: int | None = None, max_robots: int
 
 
 def _leave_out(kept: list[int], fitness: Sequence[float], max_robots: int) -> list[int]:
-    """Leave out the robots whose fitness differs least from that of the robot before, but neither end of the line."""
+    """Leave out the robots whose fitness differs least from that of the robot before; keep both ends of the line."""
     kept = list(kept)
     while len(kept) > max_robots:
         gains = [abs(fitness[kept[i]] - fitness[kept[i - 1]]) for i in range(1, len(kept) - 1)]
@@ -224,7 +224,7 @@ def describe_step(step: Step, genes: Genes, max_length: int) -> tuple[str, str]:
         max_length: Maximum length of a line, in characters.
     """
     if not step.n_generations:
-        return "the first of the line", ""
+        return "the first robot of the line", ""
     waited = f"{step.n_generations} generations later" if step.n_generations > 1 else "next generation"
     origin = f"{step.n_births} births" if step.n_births > 1 else "crossed"
     inherited = [one for one in step.changes if one.is_inherited]
@@ -254,7 +254,7 @@ def describe_step(step: Step, genes: Genes, max_length: int) -> tuple[str, str]:
 
 
 def _count(changes: Sequence[GeneChange]) -> str:
-    """Count genes, and those of them without effect: ``12 genes (9 no effect)``."""
+    """Count changed genes, and how many of them have no effect: ``12 genes (9 no effect)``."""
     n = len(changes)
     hidden = sum(not one.is_expressed for one in changes)
     genes = f"{n} gene{'' if n == 1 else 's'}"

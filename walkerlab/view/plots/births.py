@@ -21,18 +21,18 @@ from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description, esca
 from walkerlab.world.geometry import ROPE_POINTS, convex_outline
 
 TITLE = "One birth, gene by gene"
-WIDTH = 12.0  # inches of the figure; the unit of all positions below
+WIDTH = 12.0  # width of the figure in inches, the unit of all positions below
 LABEL_WIDTH = 0.95
 CELL_WIDTH = (WIDTH - LABEL_WIDTH) / len(SEGMENT_FEATURES)
 CELL_HEIGHT = 0.46
-BODY_HEIGHT = 1.75  # of the drawings of the bodies
-BODY_SCALE = 3.0  # maximum, inches per metre
+BODY_HEIGHT = 1.75  # height of the drawings of the bodies
+BODY_SCALE = 3.0  # maximum scale of the bodies, in inches per metre
 MAX_BODIES = 3  # maximum number of parents that are drawn
 HEADING_HEIGHT = 0.42
 CAPTION_HEIGHT = 0.6
 GROUPS = ("trunk",) * 4 + ("legs",) * 2 + ("hip",) * 3 + ("knee",) * 3 + ("left/right",)
 """Heading above the name of each feature of a segment."""
-FONT_SIZE = 8.5  # points, in a figure of unrestricted size
+FONT_SIZE = 8.5  # points, in a figure of full size
 TEXT_COLOUR = "#1a1a1a"
 FAINT_TEXT_COLOUR = "#6b6b6b"
 
@@ -43,8 +43,8 @@ def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None
 
     Each cell is a gene of the child. Its letter and colour name the parent from which it comes; a number after the
     letter is the segment of the parent from which it was moved. Changed genes have a bold frame and the amount of the
-    change in the unit of the gene; the frame is dashed if the change was made by repair. Genes without effect on the
-    child are hatched. In the drawings, the trunk and the legs of each segment have the colour of the parent from
+    change in the unit of the gene; the frame is dashed if the change was made by repair. Genes without an effect on
+    the child are hatched. In the drawings, the trunk and the legs of each segment have the colour of the parent from
     which their size comes, and changed parts have a bold outline.
 
     Args:
@@ -92,7 +92,7 @@ def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None
 
 
 def _caption(birth: Birth) -> str:
-    """Explain the signs, colours and frames that occur."""
+    """Explain the signs, colours and frames that the plot contains."""
     origins = birth.origins
     signs: list[str] = []
     if len(birth.parents) > 1:
@@ -104,7 +104,7 @@ def _caption(birth: Birth) -> str:
     if "blend" in origins:
         signs.append("Percentages: the share of each parent.")
     if "new" in origins:
-        signs.append("new: from no parent.")
+        signs.append("new: not from a parent.")
     frames: list[str] = []
     if (birth.change != 0).any():
         frames.append("Bold frame: changed, with the amount in the gene's unit.")
@@ -113,7 +113,7 @@ def _caption(birth: Birth) -> str:
     if not birth.is_expressed.all():
         frames.append("Hatched: no effect on this robot.")
     if not birth.is_exact:
-        frames.append("Inferred from the genomes.")
+        frames.append("Origins inferred from the genomes.")
     return " ".join(signs) + "\n" + " ".join(frames)
 
 
@@ -159,7 +159,7 @@ def _draw_cell(axes: Axes, mark: GeneMark, x: float, y: float, size: float) -> N
 
 
 def _draw_bodies(axes: Axes, birth: Birth, settings: Settings | None, ground: float, size: float) -> None:
-    """Draw the parents, an arrow, and the child, all on one scale."""
+    """Draw the parents, an arrow, and the child, all at the same scale."""
     n_drawn = min(len(birth.parents), MAX_BODIES)
     genomes = [Genome(values) for values in birth.parents[:n_drawn]] + [birth.genome]
     paints: list[PartPaint] = [paint_parent(values, i) for i, values in enumerate(birth.parents[:n_drawn])]

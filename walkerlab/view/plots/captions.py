@@ -1,4 +1,4 @@
-"""Captions below plots: one or two sentences that say how to read the picture, with its main numbers."""
+"""Captions below plots: a few sentences that explain how to read the plot, with its main numbers."""
 
 import textwrap
 from typing import Any

@@ -31,10 +31,10 @@ from walkerlab.view.plots.tables import fitness_label, format_value, unit_of
 
 TITLE = "Best fitness of each run"
 MAX_PAIR_LINES = 40  # seeds, above which lines between pairs would hide the points
-HEIGHT = 4.4  # of a figure with one row of plots, in inches
-ROW_HEIGHT = 3.6  # of each of several rows, in inches
+HEIGHT = 4.4  # height of a figure with one row of plots, in inches
+ROW_HEIGHT = 3.6  # height of each of several rows, in inches
 MEDIAN_WIDTH = 0.28  # of half the line at the median, in conditions
-MAX_HORIZONTAL_NAMES = 44  # characters of the longest name for each condition, above which names are at an angle
+MAX_HORIZONTAL_NAMES = 44  # length of the longest name times the number of names, above which they are slanted
 
 
 @styled_plot

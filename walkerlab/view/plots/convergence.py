@@ -1,4 +1,4 @@
-"""Plots of convergence beside theory: the takeover by the best individual, and OneMax."""
+"""Plots of convergence, measured and in theory: the takeover by the best individual, and OneMax."""
 
 from typing import Any
 
@@ -22,8 +22,8 @@ from walkerlab.view.plots.style import (
 )
 from walkerlab.view.plots.tables import require_analysis
 
-WELL_MIXED = 3
-"""Number of matings in each generation of OneMax, from which the theory for well mixed bits holds."""
+MIN_WELL_MIXED_MATINGS = 3
+"""Minimum number of matings in each generation of OneMax for which the theory of well-mixed bits holds."""
 
 
 @styled_plot
@@ -55,11 +55,7 @@ def takeover(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
         axes.plot(rows.generation, 100 * rows.share, lw=2, markevery=every, **line, label=escape_label(name))
         axes.plot(rows.generation, 100 * rows.theory, lw=1.6, ls=(0, (2, 2)), color=foreground_colour(axes, 0.8))
         complete = rows[rows.share >= 1]
-        times.append(
-            f"{name} in {pluralize(int(complete.generation.iloc[0]), 'generation')}"
-            if len(complete)
-            else f"{name} never"
-        )
+        times.append(f"{name} {int(complete.generation.iloc[0])}" if len(complete) else f"{name} never")
     axes.plot([], [], lw=1.6, ls=(0, (2, 2)), color=foreground_colour(axes, 0.8), label="theory")
     if not table.share.notna().any():
         annotate_no_data(axes, "the best individual died out in every trial")
@@ -70,19 +66,19 @@ def takeover(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     axes.set_xlim(left=0)
     style_axes(axes)
     add_legend(axes, n_legend_columns(len(names) + 1))
-    text = f"Slowest trial until all are copies of the best: {', '.join(times)}."
+    text = f"Generations until all individuals are copies of the best, in the slowest trial: {', '.join(times)}."
     add_description(axes, "Takeover by the best individual", text)
     add_caption(
         axes,
-        "One individual is the best at the start, and there is neither crossover nor mutation. A steeper curve is a "
-        f"stronger selection. Lines: mean over the trials; areas: from the slowest to the fastest trial. {text}",
+        "At the start, one individual is the best. There is no crossover and no mutation. A steeper curve means "
+        f"stronger selection. Lines: mean of the trials; areas: from the slowest to the fastest trial. {text}",
     )
     return axes
 
 
 @styled_plot
 def onemax(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
-    """Draw the mean fitness of strings of bits over the generations, beside the curve that theory predicts.
+    """Draw the mean fitness of strings of bits over the generations, with the curve that theory predicts.
 
     Args:
         table: Table from ``wl.analysis.evolve_onemax``.
@@ -99,7 +95,7 @@ def onemax(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     )
     axes = ax or new_axes()
     names: list[str] = list(dict.fromkeys(table.selection))
-    few_matings = table.attrs.get("n_matings", WELL_MIXED) < WELL_MIXED
+    few_matings = table.attrs.get("n_matings", MIN_WELL_MIXED_MATINGS) < MIN_WELL_MIXED_MATINGS
     texts: list[str] = []
     for number, name in enumerate(names):
         rows: Any = table[table.selection == name]
@@ -114,7 +110,7 @@ def onemax(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
         last = rows.groupby("seed").generation.max().mean()
         reached = theory.generation[theory.theory >= theory.theory.max() - 1e-9]
         texts.append(f"{name}: {last:.1f} generations" + (f" (theory {reached.iloc[0]})" if len(reached) else ""))
-    axes.plot([], [], lw=2, ls=(0, (2, 2)), color=foreground_colour(axes, 0.8), label="theory: well mixed bits")
+    axes.plot([], [], lw=2, ls=(0, (2, 2)), color=foreground_colour(axes, 0.8), label="theory: well-mixed bits")
     if few_matings:
         axes.plot([], [], lw=1, color=foreground_colour(axes, 0.8), label="theory: linked bits")
     axes.set_xlabel("generation")
@@ -127,15 +123,15 @@ def onemax(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     linked = ""
     if few_matings:
         linked = (
-            " With so few matings in each generation, good bits remain linked to others, and evolution is slower; the "
-            "thin line takes this into account."
+            " With so few matings in each generation, the bits are not well mixed (linkage), and evolution is slower; "
+            "the thin line takes this into account."
         )
     n_runs = table.seed.nunique()
-    add_description(axes, "OneMax beside theory", f"Until all strings are alike: {text}.")
+    add_description(axes, "OneMax, measured and in theory", f"Time until all strings are identical: {text}.")
     add_caption(
         axes,
         f"Strings of {table.attrs.get('n_bits', 'some')} bits evolve instead of robots; their fitness is the number of "
-        f"ones. A stronger selection reaches all ones sooner, as theory predicts from its intensity alone. Until all "
-        f"strings are alike (mean of {pluralize(n_runs, 'run')}): {text}.{linked}",
+        f"ones. With stronger selection, all bits become ones sooner; theory predicts this from the selection "
+        f"intensity alone. Time until all strings are identical (mean of {pluralize(n_runs, 'run')}): {text}.{linked}",
     )
     return axes

@@ -56,7 +56,7 @@ def diversity(records: Any, ax: Axes | None = None, *, label: str = "", aligned:
         ax: Axes to draw on; if None, a new figure is created. Each run on the same Axes has its own colour and marker.
         label: Name of the run in the legend.
         aligned: Whether to compare bodies segment by segment, as in ``wl.analysis.aligned_distances``: genes without
-            effect are left out, and those that only one of two robots has count fully.
+            an effect are left out, and a gene with an effect on only one of two robots counts fully.
 
     Returns:
         The Axes drawn on.

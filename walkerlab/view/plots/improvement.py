@@ -35,7 +35,7 @@ TERM_STYLES = {
 }
 """Label, colour and hatching of each term of the split."""
 
-MIN_SHARE = 0.005  # minimum size of a term that is drawn, as a fraction of the sizes of all terms
+MIN_SHARE = 0.005  # minimum size of a drawn term, as a fraction of the sum of the sizes of all terms
 
 
 @styled_plot
@@ -80,15 +80,15 @@ def improvement(records: Any, ax: Axes | None = None, *, trait: str = "fitness")
     add_description(axes, "Why the mean changed", text, quantity)
     add_caption(
         axes,
-        "Why the mean of the generation changed. Selection: the parents are better than the mean of their generation. "
-        "Crossover and mutation: the children differ from the mean of their parents. The black line is the sum, "
-        f"the change that the fitness curve shows. {text}",
+        "Why the mean changes from each generation to the next. Selection: the parents differ from the mean of their "
+        "generation, because fitter robots are selected. Crossover and mutation: the children differ from the mean of "
+        f"their parents. The line with dots is the sum: the actual change of the mean. {text}",
     )
     return axes
 
 
 def _large_terms(split: pd.DataFrame) -> list[str]:
-    """Return the terms that are large enough to be drawn."""
+    """Return the terms that are large enough to draw."""
     sizes = split[[*TERMS]].abs().sum()
     return [term for term in TERM_STYLES if sizes[term] > MIN_SHARE * sizes.sum()]
 
@@ -130,7 +130,7 @@ def _describe_terms(split: pd.DataFrame, terms: list[str], name: str, unit: str)
 
 @styled_plot
 def operator_credit(records: Any, ax: Axes | None = None) -> Axes:
-    """Draw how often the children of each pair of crossover and mutation are fitter than both of their parents.
+    """Draw how often the children of each pair of crossover and mutation are fitter than all of their parents.
 
     The numbers are those of ``wl.analysis.operator_credit``.
 
@@ -171,7 +171,7 @@ def operator_credit(records: Any, ax: Axes | None = None) -> Axes:
     add_caption(
         axes,
         "How often each pair of crossover and mutation makes a child that is fitter than all of its parents (± "
-        "standard error). Mean gain: fitness of a child minus the mean of its parents, if its walk counts. "
-        "Most children are worse: progress comes from selecting the few that are better.",
+        "standard error). Mean gain: fitness of a child minus the mean fitness of its parents, for walks that count. "
+        "Usually, most children are worse; progress comes from selecting the few that are better.",
     )
     return axes

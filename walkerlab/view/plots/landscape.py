@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, add_description, escape_label, style_axes
 from walkerlab.view.plots.tables import UNKNOWN_FITNESS, axis_label, format_value
@@ -20,7 +21,7 @@ def landscape(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
 
     With one gene, the fitness is a curve with a dot for each walk; with two genes, it is a map on which brighter cells
     are fitter. A star marks the genome itself. Crosses mark walks that do not count. Small rings, on a map small
-    triangles, mark walks in which repair changed genes, so that they are not exactly on the slice.
+    triangles, mark walks in which repair changed genes, so that the robot is not exactly on the slice.
 
     Args:
         table: Table from ``wl.analysis.landscape``.
@@ -56,12 +57,12 @@ def _draw_curve(axes: Axes, table: pd.DataFrame, names: list[str], labels: list[
     counts = (walks.verdict == "ok").to_numpy()
     x = walks[names[0]].to_numpy()
     y = walks.fitness.to_numpy()
-    held = walks.n_repaired.to_numpy() == 0
+    is_on_slice = walks.n_repaired.to_numpy() == 0
     axes.plot(x, np.where(counts, y, np.nan), color=RUN_COLOURS[0], lw=1.5)
-    axes.plot(x[counts & held], y[counts & held], "o", ms=4, color=RUN_COLOURS[0], label="a walk")
-    if (counts & ~held).any():
+    axes.plot(x[counts & is_on_slice], y[counts & is_on_slice], "o", ms=4, color=RUN_COLOURS[0], label="a walk")
+    if (counts & ~is_on_slice).any():
         axes.plot(
-            x[counts & ~held], y[counts & ~held], "o", ms=5, mfc="white", mec=RUN_COLOURS[0],
+            x[counts & ~is_on_slice], y[counts & ~is_on_slice], "o", ms=5, mfc="white", mec=RUN_COLOURS[0],
             label="a walk; repair changed genes",
         )  # fmt: skip
     if (~counts).any():
@@ -120,8 +121,9 @@ def _describe(table: pd.DataFrame, names: list[str], units: dict[str, str]) -> s
     centre: Any = table[table.is_centre].iloc[0]
     place = " and ".join(f"{spell(name)} {format_value(float(best[name]), units.get(name, ''))}" for name in names)
     own = format_value(float(centre.fitness), units.get("fitness", "")) if centre.verdict == "ok" else centre.verdict
+    n_void = len(table) - len(counted)
     return (
-        f"Fitness of {len(table) - 1} walks in which only {varied} varies, around a genome with {own}. The best, "
-        f"{format_value(float(best.fitness), units.get('fitness', ''))}, has {place}; "
-        f"{len(table) - len(counted)} do not count."
+        f"Fitness of {len(table) - 1} walks in which only {varied} varies, around a genome with the result {own}. The "
+        f"best walk, {format_value(float(best.fitness), units.get('fitness', ''))}, has {place}; "
+        f"{pluralize(n_void, 'walk')} {'does' if n_void == 1 else 'do'} not count."
     )

@@ -1,4 +1,4 @@
-"""Plot of the line of descent of a robot: all its bodies, and the genes that changed from each to the next."""
+"""Plot of the line of descent of a robot: the robots of the line, and the genes that changed at each step."""
 
 import math
 from typing import Any
@@ -20,11 +20,11 @@ from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, add_desc
 from walkerlab.view.plots.tables import UNKNOWN_FITNESS, format_value, require_table, unit_of
 
 TITLE = "Line of descent, with the genes that changed"
-WIDTH = 12.8  # inches of the figure; the unit of all positions below
+WIDTH = 12.8  # width of the figure in inches, the unit of all positions below
 ROW_HEIGHT = 0.365
 N_COLUMNS = 2
-ROBOTS_PER_SCREEN = 40  # a screen of 1280 × 800 pixels has space for so many
-MAX_LENGTH = 60  # maximum length of a line of text, in characters
+ROBOTS_PER_SCREEN = 40  # number of robots that fit on a screen of 1280 × 800 pixels
+MAX_LINE_LENGTH = 60  # maximum length of a line of text, in characters
 FONT_SIZE = 7.5  # points
 CAPTION_HEIGHT = 0.42
 BAR_LEFT = 0.62
@@ -46,9 +46,9 @@ def pedigree(
     """Draw the line of descent of a robot through its fitter parents, with the genes that changed at each step.
 
     The line begins at the top left and continues in the second column. Each row shows the generation and number of a
-    robot, its fitness as a bar and a number, its body, and the genes that differ from the robot in the row above it:
+    robot, its fitness as a bar and a number, its body, and the genes that differ from the robot before it:
     how many came from the other parent, how many have new values, and the largest of these changes. Branches that died
-    out are not part of a line of descent. A robot without visible difference from its parent is left out, so that
+    out are not part of a line of descent. A robot without a visible difference from its parent is left out, so that
     generations without change form one step.
 
     Args:
@@ -90,10 +90,11 @@ def pedigree(
     fitness_name = str(table.attrs.get("fitness", UNKNOWN_FITNESS))
     n_births = sum(step.n_births for step in steps)
     caption = (
-        f"Line of robot {last.individual} through the fitter parents, {pluralize(n_births, 'birth')} in "
-        f"{pluralize(last.born + 1, 'generation')}; {len(steps)} robots drawn. Bar: {fitness_name}.\n"
-        "Text: how a robot differs from the robot above it; each gene with its value before → after. "
-        "Bold outline: part of another size or force. Numbers after +: further changed genes."
+        f"Line of descent of robot {last.individual} through the fitter parent of each robot, "
+        f"{pluralize(n_births, 'birth')} in {pluralize(last.born + 1, 'generation')}; {len(steps)} robots drawn. "
+        f"Bar: {fitness_name}.\n"
+        "Text: how a robot differs from the robot before it; each gene with its value before → after. "
+        "Bold outline: part whose size or force changed. Number after +: further changed genes."
     )
     axes.text(0, height, escape_label(caption), va="top", fontsize=size, color=foreground_colour(axes, 0.85))
     first = steps[0]
@@ -141,7 +142,7 @@ def _draw_rows(axes: Axes, steps: list[Step], n_rows: int, settings: Settings | 
         origin = (left + BODY_LEFT + BODY_WIDTH / 2 - scale * float(x.max() + x.min()) / 2, bottom + 0.015)
         add_body(axes, parts, at=origin, scale=scale, slant=DEPTH_SHIFT, gid=f"robot-{step.individual}")
         outline_changed(axes, parts, changed, at=origin, scale=scale, width=1.1)
-        first, second = describe_step(step, genes, MAX_LENGTH)
+        first, second = describe_step(step, genes, MAX_LINE_LENGTH)
         axes.text(left + TEXT_LEFT, middle + 0.01, escape_label(second or first), va="top", fontsize=size)
         if second:
             axes.text(left + TEXT_LEFT, middle + 0.015, escape_label(first), va="bottom", **small)

@@ -25,19 +25,23 @@ from walkerlab.view.plots.tables import format_value, require_analysis
 RANK_COLOURS = (0.05, 0.95)
 """Positions of the fittest and the least fit in the colour map, from dark to bright."""
 
-MIN_LABELLED = 0.045  # minimum probability of a slice with a label
-RING_WIDTH = 0.75  # of the radius; thin slices cannot be distinguished near the centre
-MAX_EDGED = 100  # maximum number of slices with a white edge
+MIN_LABELLED_PROBABILITY = 0.045  # minimum probability of a slice with a label
+RING_WIDTH = 0.75  # as a share of the radius; thin slices cannot be distinguished near the centre
+MAX_EDGED_SLICES = 100  # maximum number of slices with a white edge
 
 LEGEND_SPACE = 1.25  # height of the axis as a multiple of the highest bar
 
 MEASURE_LABELS = {
     "intensity": "selection intensity [standard deviations of fitness]",
-    "loss_of_diversity": "loss of diversity [share of the parents' places]",
+    "loss_of_diversity": "loss of diversity [share of the places among the parents]",
     "unselected": "never selected [share of the population]",
     "takeover": "takeover time [generations]",
     "best_lost": "best individual lost [share of the trials]",
 }
+
+
+FALLING_MEASURES = ("takeover", "best_lost")
+"""Measures that are smaller if selection is stronger."""
 
 
 @styled_plot
@@ -58,13 +62,13 @@ def roulette_wheel(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     axes = ax or new_axes(width=5.2, height=5.6)
     shown: Any = table[table.probability > 0]
     wedge: dict[str, Any] = {"edgecolor": foreground_colour(axes, 0), "width": RING_WIDTH}
-    wedge["linewidth"] = 0.8 if len(shown) <= MAX_EDGED else 0
+    wedge["linewidth"] = 0.8 if len(shown) <= MAX_EDGED_SLICES else 0
     colours = _rank_colours(shown["rank"], len(table))
     wedges: Any = axes.pie(
         shown.probability, startangle=90, counterclock=False, colors=colours, wedgeprops=wedge, normalize=True
     )[0]
     for each, rank, probability in zip(wedges, shown["rank"], shown.probability, strict=True):
-        if probability >= MIN_LABELLED:
+        if probability >= MIN_LABELLED_PROBABILITY:
             angle = np.deg2rad((each.theta1 + each.theta2) / 2)
             x, y = 1.06 * np.cos(angle), 1.06 * np.sin(angle)
             side = "left" if x > 0.05 else "right" if x < -0.05 else "center"
@@ -76,8 +80,9 @@ def roulette_wheel(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     axes.set_title(f"selection: {escape_label(_selection_of(table))}", fontsize=10, loc="left")
     add_caption(
         axes,
-        "The wheel is spun once for each parent. A slice is one individual, and as wide as it is probable that the "
-        f"pointer stops there. The darkest slice, on the right of it, is the fittest; others follow clockwise. {text}",
+        "The wheel is spun once for each parent. Each slice is one individual, and its share of the wheel is the "
+        "probability that the pointer stops there. The darkest slice, to the right of the pointer, is the fittest "
+        f"individual; less fit ones follow clockwise. {text}",
     )
     return axes
 
@@ -142,7 +147,7 @@ def selection_pressure(table: pd.DataFrame, measure: str = "intensity", ax: Axes
     """
     table = require_analysis(table, "measure_selection", "selection", "measure", "measured", "standard_error", "theory")
     if measure not in MEASURE_LABELS:
-        raise ValueError(f"there is no measure {measure!r}; allowed are {', '.join(MEASURE_LABELS)}")
+        raise ValueError(f"there is no measure {measure!r}; the measures are {', '.join(MEASURE_LABELS)}")
     rows: Any = table[table.measure == measure]
     axes = ax or new_axes(height=1.9 + 0.42 * len(rows))
     y = np.arange(len(rows))
@@ -171,12 +176,13 @@ def selection_pressure(table: pd.DataFrame, measure: str = "intensity", ax: Axes
     )
     add_description(axes, f"Selection pressure: {measure}", f"{MEASURE_LABELS[measure]}: {values}.")
     meaning = MEASURES[measure]
-    size = f" Populations of {table.attrs['population_size']}." if "population_size" in table.attrs else ""
-    unknown = " An operator without a diamond depends on the fitness values, so there is no single theory for it."
+    stronger = "left" if measure in FALLING_MEASURES else "right"
+    size = f" Populations of {table.attrs['population_size']} individuals." if "population_size" in table.attrs else ""
+    unknown = " No theory is known for operators without a diamond; their result can depend on the fitness values."
     add_caption(
         axes,
-        f"{meaning[0].upper()}{meaning[1:]}. Further right means stronger selection; a dot in its diamond agrees with "
-        f"theory.{size}{unknown if rows.theory.isna().any() and rows.theory.notna().any() else ''}",
+        f"{meaning[0].upper()}{meaning[1:]}. Further {stronger} means stronger selection; a dot inside its diamond "
+        f"agrees with theory.{size}{unknown if rows.theory.isna().any() and rows.theory.notna().any() else ''}",
     )
     return axes
 
@@ -203,6 +209,6 @@ def _describe_probabilities(table: pd.DataFrame) -> str:
     how = "exact" if _is_exact(table) else "estimated"
     zero = f" {pluralize(never, 'individual')} cannot be selected." if never else ""
     return (
-        f"The fittest of {n} has a chance of {percent:.1f} %, {percent / 100 * n:.1f} times an equal share ({how} "
-        f"probabilities).{zero}"
+        f"The fittest of {n} individuals has a chance of {percent:.1f} %, {percent / 100 * n:.1f} times an equal share "
+        f"({how} probabilities).{zero}"
     )

@@ -16,7 +16,7 @@ def require_analysis(table: Any, source: str, *columns: str) -> pd.DataFrame:
     """Return a table of ``wl.analysis`` after checking its columns.
 
     Raises:
-        ValueError: If it is not a table, or lacks a column; the message names the function that returns one.
+        ValueError: If ``table`` is not a table, or lacks a column; the message names the function that returns it.
     """
     if not isinstance(table, pd.DataFrame) or not {*columns} <= {*table.columns}:
         found = f"the columns {', '.join(map(str, table.columns))}" if isinstance(table, pd.DataFrame) else type(table)

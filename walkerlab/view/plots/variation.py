@@ -21,7 +21,7 @@ from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, add_desc
 Genomes: TypeAlias = Iterable[Genome | str | ArrayLike]
 
 TITLE = "A population before and after an operator"
-OFFSET = 0.19  # of the values before and after from the middle of a gene's column
+BAR_OFFSET = 0.19  # distance of the two bars of a gene from the middle of its column
 BEFORE_COLOUR = "#7f7f7f"
 
 
@@ -31,9 +31,9 @@ def before_after(
 ) -> Axes:
     """Draw the values of each gene in a population before and after an operator.
 
-    Each gene has two bars: grey with a hollow dot before, blue with a filled dot after. The thin bar contains all
-    values, the thick bar their middle half, and the dot is the median, as positions in the range of the gene. A
-    mutation lengthens bars, selection and a weighted crossover shorten them, and a crossover that only exchanges genes
+    Each gene has two bars: grey with a hollow dot before, blue with a filled dot after. The thin bar spans all
+    values, the thick bar spans their middle half, and the dot is the median, as positions in the range of the gene.
+    Mutation lengthens bars, selection and weighted crossover shorten them, and a crossover that only exchanges genes
     leaves them almost the same.
 
     Args:
@@ -47,7 +47,7 @@ def before_after(
         The Axes drawn on.
 
     Raises:
-        ValueError: If the genomes have another length than the limits require, or there are none.
+        ValueError: If there are no genomes, or their length does not match the limits.
     """
     robot = settings.robot if settings else Robot()
     genes = build_genes(robot)
@@ -56,7 +56,7 @@ def before_after(
     axes = ax or new_axes(12.0, 4.2)
     x = np.arange(len(genes))
     for table, offset, colour, face in zip(
-        tables, (-OFFSET, OFFSET), (BEFORE_COLOUR, RUN_COLOURS[0]), ("white", RUN_COLOURS[0]), strict=True
+        tables, (-BAR_OFFSET, BAR_OFFSET), (BEFORE_COLOUR, RUN_COLOURS[0]), ("white", RUN_COLOURS[0]), strict=True
     ):
         positions = (table - genes.low) / gene_widths(genes)
         low, lower, median, upper, high = (np.quantile(positions, share, axis=0) for share in (0, 0.25, 0.5, 0.75, 1))
@@ -69,7 +69,7 @@ def before_after(
     axes.set_yticks([0, 0.5, 1], ["minimum", "middle", "maximum"])
     axes.set_ylabel("position in the gene's range")
     axes.set_xlabel(
-        "For each gene: thin bar, all robots; thick bar, the middle half of them; dot, the median.", fontsize=8
+        "For each gene, thin bar: all robots; thick bar: the middle half of the robots; dot: the median.", fontsize=8
     )
     axes.spines[["top", "right", "bottom"]].set_visible(False)
     spreads = [_mean_spread(table, genes) for table in tables]

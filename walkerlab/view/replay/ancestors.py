@@ -20,7 +20,7 @@ def race_ancestors(
     settings: Settings | None = None,
     camera: Camera | str | int | None = None,
 ) -> Replay:
-    """Show robots of one line of descent walking side by side: the first ancestor, some in between, and the robot.
+    """Show robots of one line of descent walking side by side: the first ancestor, some others, and the robot itself.
 
     Args:
         run: Run, or its table.
@@ -33,7 +33,7 @@ def race_ancestors(
         ValueError: If ``n`` is less than 1, or the run has no such individual.
     """
     if n < 1:
-        raise ValueError(f"n is {n}; it must be 1 or more: the number of robots in the race")
+        raise ValueError(f"n is {n}; it must be 1 or more. It is the number of robots in the race.")
     steps = trace_line(run, individual)
     if n == 1:
         chosen = [steps[-1]]

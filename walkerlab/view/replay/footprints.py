@@ -1,4 +1,4 @@
-"""Footprints: a disc on the ground wherever a foot has touched down, which appears at that time."""
+"""Footprints: discs that appear on the ground where and when a foot touches down."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +14,7 @@ from walkerlab.world.geometry import body_placements, rotate, valid_poses
 from walkerlab.world.heights import ground_height
 from walkerlab.world.scene import ORIENTATION, POSITION, Scene
 
-MIN_STEP = 0.03  # m between two prints of one foot; a foot that touches down again closer leaves no print
+MIN_STEP = 0.03  # m; minimum distance between two successive prints of one foot
 PRINT_SIZE = 2.0  # radius of a print as a multiple of the radius of the shank
 MAX_PRINTS = 600  # for each walk
 
@@ -38,7 +38,7 @@ def make_footprints(scene: Scene, rollout: Rollout, lane: float, colour: meshes.
     Args:
         scene: Compiled scene.
         rollout: Rollout with its poses.
-        lane: Distance to the left by which the walk is moved [m].
+        lane: Distance by which the walk is shifted to the left [m].
         colour: Colour of the racer, or None for the natural colours of the legs.
     """
     poses = valid_poses(scene, rollout.poses)

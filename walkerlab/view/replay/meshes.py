@@ -25,8 +25,8 @@ RGB = tuple[float, float, float]
 BALL_BRIGHTNESS = (1.0, 0.62)  # brightness of the two kinds of patches on a ball, which make its rolling visible
 MAX_TEXTURE_COLOURS = 32  # small, to keep the file small
 LIMB_LIGHTENING = 0.45  # share of white that is mixed into the colour of a racer's right legs
-LIMB_DARKENING = 0.4  # share of black that is mixed into the colour of its left legs
-MIN_RIGHT_RED = 0.2  # red component that distinguishes the natural colour of right legs from that of left legs
+LIMB_DARKENING = 0.4  # share of black that is mixed into the colour of a racer's left legs
+MIN_RIGHT_RED = 0.2  # minimum red component of the natural colour of right legs; left legs have less
 ROPE_RADIUS = 0.006  # m
 ROPE_SIDES = 8
 SHADOW_OPACITY = 0.28
@@ -117,7 +117,7 @@ def tint_surface(surface: Surface, colour: RGB) -> Surface:
 
 
 def race_colour(natural: Floats, colour: RGB) -> Floats:
-    """Return the colour in a race of a surface whose natural RGBA colour, (4,), is given.
+    """Return the colour of a surface in a race, from its natural RGBA colour, shape (4,).
 
     As in the natural colours, the legs of the right side become lighter and those of the left side darker.
     """
@@ -152,7 +152,7 @@ def shadow_mesh(length: float) -> Any:
 
 
 def bone_shadow_mesh(radius: float) -> Any:
-    """Create the shadow of a bone of this radius [m], which lies along z with length 1 and is scaled to its length."""
+    """Create the shadow of a bone with this radius [m]: along z, with length 1, to be scaled to the bone's length."""
     angle = np.linspace(0, math.tau, SHADOW_CORNERS, endpoint=False)
     across, along = (np.sign(wave) * np.sqrt(np.abs(wave)) for wave in (np.sin(angle), np.cos(angle)))
     rim = np.stack([0 * angle, radius * across, along / 2], axis=1)

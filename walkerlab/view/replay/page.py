@@ -5,7 +5,7 @@ The page is K3D's snapshot of the plot with the player (player.js), which receiv
     meshes, walks, cameras, marks     moving meshes, facts about each walk, camera names, distance marks on the ground
     channels, resolution, duration    positions over time, encoded by ``tracks.pack_channels``
     shadows                           meshes that must not darken each other
-    footprints, footprint_indices     a mesh for each walk with the times of its prints; vertex indices of each print
+    footprints, footprint_indices     a mesh for each walk with the times of its prints; number of indices per print
     camera                            camera at the start
 
 Because browsers limit the number of WebGL contexts, a notebook shows a preview image first; a click replaces it with

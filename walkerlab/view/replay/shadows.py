@@ -1,4 +1,4 @@
-"""Shadows of trunks and legs on the ground: each the shadow of a bone, in the light of a high sun on the near side."""
+"""Shadows of trunks and legs on the ground, in the light of a high sun on the near side."""
 
 import math
 from collections.abc import Iterator
@@ -13,9 +13,9 @@ from walkerlab.world.heights import ground_height, slope
 from walkerlab.world.scene import ORIENTATION, POSITION, Scene
 
 SHADOW_SHIFT = np.array([-0.25, 0.45])
-"""Shift of a shadow along x and y for each metre above the ground: it falls behind the robot, seen from its right."""
+"""Shift of a shadow along x and y for each metre of height: it falls behind the robot, seen from its right."""
 
-_TURN = math.sqrt(0.5)  # turns the mesh of a shadow, which lies along z, to x
+_TURN = math.sqrt(0.5)  # cosine of half a quarter turn, which turns the mesh of a shadow from z to x
 
 
 def bone_ends(scene: Scene, tracks: Tracks) -> Iterator[tuple[int, Floats]]:

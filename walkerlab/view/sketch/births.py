@@ -12,15 +12,15 @@ from walkerlab.view.sketch.solids import draw_solids
 from walkerlab.view.sketch.svg import TEXT_COLOUR, draw_path, write_image
 from walkerlab.world.geometry import ROPE_POINTS, convex_outline
 
-MARGIN = 0.05  # of a drawing, as a share of its width
-CHANGED_WIDTH = 0.01  # of the outline of a changed part, as a share of the drawing's width
+MARGIN = 0.05  # margin of a drawing, as a share of its width
+CHANGED_WIDTH = 0.01  # width of the outline of a changed part, as a share of the drawing's width
 MIN_CHANGED_WIDTH = 1.3  # pixels; other edges are about half as wide
 
 
 def draw_birth(
     birth: Birth, settings: Settings | None = None, *, n_parents: int = 2, size: tuple[float, float] = (240, 130)
 ) -> list[str]:
-    """Draw parents and child on one scale; each part of the child has the colour of the parent of its length.
+    """Draw parents and child at the same scale; each part has the colour of the parent from which its length comes.
 
     Args:
         birth: Birth to draw.

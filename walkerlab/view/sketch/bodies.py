@@ -28,9 +28,10 @@ def draw_robot(
 ) -> str:
     """Draw a side view of a robot that stands on level ground and faces right.
 
-    The pose is that in which the robot stands after settling, from which its walk begins; it is simulated, which takes
-    about 8 ms. A robot that topples is drawn lying. The legs on its right side, which is nearer, are light; those on
-    its left side are dark. An eye marks the front of segment 1; large drawings also have the numbers of the segments.
+    The robot is drawn in the pose in which its walk begins, after settling; simulating it takes about 8 ms. A robot
+    that topples over while settling is drawn lying down. The legs on its right side, which is nearer, are light; those
+    on its left side are dark. An eye marks the front of segment 1; large drawings also have the numbers of the
+    segments.
 
     Args:
         genome: Genome or its text.

@@ -11,7 +11,7 @@ from walkerlab.view.sketch.svg import draw_text, make_element
 from walkerlab.world.geometry import body_placements, rotate
 from walkerlab.world.scene import ORIENTATION, POSITION, Scene
 
-EYE_PLACE = np.array([-0.75, -0.6, 0.35])  # from the front of segment 1, as multiples of its radius
+EYE_POSITION = np.array([-0.75, -0.6, 0.35])  # from the front of segment 1, as multiples of its radius
 EYE_RADIUS = 0.3  # as a share of the radius of segment 1
 PUPIL_RADIUS = 0.55  # as a share of the radius of the eye
 MIN_EYE_RADIUS = 1.5  # pixels
@@ -43,11 +43,11 @@ def eye_circle(scene: Scene, pose: Floats) -> tuple[Floats, float]:
     """Return the centre [m], shape (3,), and the radius [m] of the eye of a robot in a pose."""
     front, orientation = _segment_placement(scene, pose, 1)
     trunk_radius = _trunk_radius(scene, 1)
-    return front + rotate(orientation[np.newaxis], trunk_radius * EYE_PLACE)[0], EYE_RADIUS * trunk_radius
+    return front + rotate(orientation[np.newaxis], trunk_radius * EYE_POSITION)[0], EYE_RADIUS * trunk_radius
 
 
 def _draw_numbers(scene: Scene, pose: Floats, projection: Projection) -> Iterator[Element]:
-    """Draw the number of each segment at its rear end, where its legs rarely cover it; none if they would be small."""
+    """Draw the number of each segment at its rear end, where its legs rarely cover it; none if too small."""
     segments = scene.phenotype.segments
     radii = [_trunk_radius(scene, number) for number in range(1, len(segments) + 1)]
     smallest = min(radii) * projection.scale

@@ -11,7 +11,7 @@ from walkerlab.simulation.starts import settled_pose
 from walkerlab.world.scene import POSITION, Scene, scene_of
 
 MAX_CACHED_POSES = 2048  # of some 200 bytes each
-MAX_SHIFT = 1.0  # m and a body length; a robot that moves farther floats or slides away, and its start is drawn
+MAX_SHIFT = 1.0  # m plus the body length; a robot that moves farther while settling is drawn in its start pose
 
 
 def standing_scene(genome: Genome, settings: Settings) -> tuple[Scene, Floats]:
@@ -28,8 +28,8 @@ def standing_scene(genome: Genome, settings: Settings) -> tuple[Scene, Floats]:
 def standing_pose(genome: Genome, settings: Settings) -> Floats:
     """Return the pose in which the walk of a robot begins, shape (nq,).
 
-    The pose is simulated as for a walk, because in the pose of the gait's offsets only the lowest foot of most robots
-    reaches the ground. On level ground this takes about 8 ms; the latest poses are cached.
+    The pose is simulated as for a walk, because in the start pose, which has the offsets of the gait, only the lowest
+    foot of most robots touches the ground. On level ground, this takes about 8 ms; the latest poses are cached.
 
     Args:
         genome: Genome within the robot limits.

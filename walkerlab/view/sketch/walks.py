@@ -1,4 +1,4 @@
-"""Side view of a whole walk as an animated SVG, which moves even where it is an image: no OpenGL, no script.
+"""Side view of a whole walk as an animated SVG, without OpenGL or scripts; it moves even if shown as an image.
 
 Each part of the robot is a line whose ends move; the world moves behind the robot. The animation repeats.
 """
@@ -34,14 +34,14 @@ MAX_DISTANCE = 60.0  # m; the camera does not follow a robot that is thrown fart
 NEAR_SHARE = 0.14  # distance of the ground's near edge from y = 0, as a share of the visible width
 FAR_SHARE = 0.3  # distance of the ground's far edge from y = 0, as a share of the visible width
 SECTION_HEIGHT = 0.16  # height of the ground's section below the robot, as a share of the visible width
-EDGE_WIDTH = 1.4  # pixels, of the dark edge of a part on both sides together
+EDGE_WIDTH = 1.4  # pixels; total width of the dark edges on both sides of a part
 REDUCED_MOTION = "@media (prefers-reduced-motion: reduce) { .moving { display: none } .still { display: inline } }"
 
 
 def draw_walk(scene: Scene, walk: Rollout, *, size: tuple[float, float] = (640, 288), moves: bool = True) -> str:
     """Draw a walk from the side; the camera follows the robot.
 
-    A robot that turns is drawn as if it walked straight on. Loose obstacles are drawn where they lie at the start.
+    A robot that turns is drawn as if it walked straight ahead. Loose obstacles are drawn where they lie at the start.
 
     Args:
         scene: Compiled scene of the walk.
@@ -168,7 +168,7 @@ def _draw_limb(limb: Limb, window: Window, animate: Any, name: str) -> Element:
 
 
 def _animate(attribute: str, values: list[str], seconds: float, name: str = "animate", **attributes: str) -> Element:
-    """Return the animation of an attribute through values that are shown equally long, repeated for ever."""
+    """Return an animation that shows each value of an attribute equally long, and repeats indefinitely."""
     return make_element(
         name,
         attributeName=attribute,
