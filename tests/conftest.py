@@ -12,7 +12,7 @@ import sys
 import pytest
 from hypothesis import HealthCheck, settings
 
-from tests.frontends import PACKAGES, is_ours, serving
+from tests.frontends import MAX_CONTEXTS, PACKAGES, is_ours, serving
 
 on_shared_machines = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
 settings.register_profile("repeatable", derandomize=True, database=None, print_blob=True, **on_shared_machines)
@@ -37,6 +37,7 @@ def browser():
     if not chromium:
         skip_without("chromium")
     flags = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    flags += [f"--max-active-webgl-contexts={MAX_CONTEXTS}"]
     with playwright.sync_playwright() as running:
         started = running.chromium.launch(executable_path=chromium, args=flags)
         yield started

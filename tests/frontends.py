@@ -18,6 +18,8 @@ from socket import socket
 import nbformat
 from nbformat import NotebookNode
 
+MAX_CONTEXTS = 6  # WebGL contexts that the browser of the tests keeps; usually 16, which takes minutes to exceed
+
 PACKAGES = {"JupyterLab": "jupyterlab", "Notebook 7": "notebook", "Voila": "voila"}
 
 # The workspace is named after the notebook; otherwise, JupyterLab also reopens the notebook of an earlier test.
@@ -29,6 +31,7 @@ PLACES = {
 
 # Console messages of the front ends, also for an empty notebook; Voila requests icons and formulas from the internet.
 KNOWN_MESSAGES = {
+    PLACES["JupyterLab"]: r"^Plugin .* took [\d.]+ms to activate",  # on a busy computer
     PLACES[
         "Notebook 7"
     ]: r"^Menu entry for command|^\[yjs#509\]|reading 'schema'|'filebrowser:open-path' not registered",

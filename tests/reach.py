@@ -56,10 +56,10 @@ def reached_by_keyboard(page, root):
         root,
     )
     reached = []
-    inside = "root => document.querySelector(root).contains(document.activeElement)"
+    focused = "root => document.querySelector(root).contains(document.activeElement) ? document.activeElement : null"
     page.keyboard.press("Tab")
-    while page.evaluate(inside, root):
-        reached.append(page.evaluate_handle("document.activeElement"))
+    while element := page.evaluate_handle(focused, root).as_element():
+        reached.append(element)
         assert len(reached) < 500, "Tab does not come out of it"
         page.keyboard.press("Tab")
     page.evaluate("document.getElementById('before-the-root').remove()")

@@ -1,9 +1,6 @@
 """The benchmarks run and measure what they claim; no test depends on the speed of the computer."""
 
-import os
-import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -12,21 +9,22 @@ from mujoco.rollout import rollout
 
 import walkerlab as wl
 from benchmarks import floor, growth
+from benchmarks.__main__ import main
 
-ROOT = Path(floor.__file__).parents[1]
 
-
-def test_one_command_prints_a_table_and_writes_it_as_csv(tmp_path):
-    command = [sys.executable, "-m", "benchmarks", "--only", "floor", "--pairs", "1", "--csv", tmp_path / "table.csv"]
-    environment = os.environ | {"BENCHMARK_WALKS": "2"}
-    process = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True)
+def test_the_command_prints_a_table_and_writes_it_as_csv(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(floor, "N_WALKS", 2)
+    monkeypatch.setattr(floor, "GROUNDS", {"flat": {}})
+    command = ["benchmarks", "--only", "floor", "--pairs", "1", "--csv", str(tmp_path / "table.csv")]
+    monkeypatch.setattr(sys, "argv", command)
+    main()
     table = pd.read_csv(tmp_path / "table.csv")
     assert list(table) == ["benchmark", "case", "compared", "median", "least", "most", "pairs", "aim"]
     assert len(table) == len(floor.GROUNDS) + 1
     assert (table.least <= table["median"]).all()
     assert (table["median"] <= table.most).all()
     assert (table.least > 0).all()
-    head, *lines = process.stdout.splitlines()
+    head, *lines = capsys.readouterr().out.splitlines()
     assert head.split() == list(table)
     assert [line.split("  ")[0] for line in lines] == list(table.benchmark)
 

@@ -7,6 +7,7 @@ import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
+from functools import partial
 
 import pytest
 
@@ -35,24 +36,33 @@ def unmodified(tmp_path_factory):
         return wl.evolve(settings, path, executor=pool, progress=False).path
 
 
+def write_forged(path, unmodified, *statements, settings=lambda plain: plain):
+    """Copy a run to a path, change it, and seal it; return the path."""
+    path.write_bytes(unmodified.read_bytes())
+    with closing(sqlite3.connect(path)) as db, db:
+        for statement in statements:
+            db.execute(*([statement] if isinstance(statement, str) else [statement[0], statement[1:]]))
+        schema.write_settings(db, json.dumps(settings(json.loads(schema.read_fact(db, "settings")))))
+        made_with = [row for (row,) in db.execute("SELECT made_with FROM provenance")]
+        db.execute("DELETE FROM generations")
+        for (generation,) in db.execute("SELECT DISTINCT generation FROM records").fetchall():
+            schema.seal_generation(db, generation, made_with[0])
+    return path
+
+
 @pytest.fixture
 def forge(unmodified, tmp_path):
-    """Return a function that copies the run, changes it, and seals it: forge("UPDATE …", ["UPDATE … ?", text])."""
+    """Return a function that writes a changed copy of the run: forge("UPDATE …", ["UPDATE … ?", text])."""
+    return partial(write_forged, tmp_path / "run.walk", unmodified)
 
-    def forged(*statements, settings=lambda plain: plain):
-        path = tmp_path / "run.walk"
-        path.write_bytes(unmodified.read_bytes())
-        with closing(sqlite3.connect(path)) as db, db:
-            for statement in statements:
-                db.execute(*([statement] if isinstance(statement, str) else [statement[0], statement[1:]]))
-            schema.write_settings(db, json.dumps(settings(json.loads(schema.read_fact(db, "settings")))))
-            made_with = [row for (row,) in db.execute("SELECT made_with FROM provenance")]
-            db.execute("DELETE FROM generations")
-            for (generation,) in db.execute("SELECT DISTINCT generation FROM records").fetchall():
-                schema.seal_generation(db, generation, made_with[0])
-        return path
 
-    return forged
+@pytest.fixture(scope="module")
+def reported(unmodified, tmp_path_factory):
+    """Return a run with hostile texts, beside whose file is the folder "report" with its report."""
+    path = tmp_path_factory.mktemp("hostile") / "run.walk"
+    run = wl.load(write_forged(path, unmodified, *TEXTS, settings=with_functions))
+    run.save_report(path.with_name("report"))
+    return run
 
 
 def with_functions(plain):
@@ -174,15 +184,12 @@ def test_a_text_with_a_declared_size_of_a_gigabyte_uses_no_memory(forge):
     assert int(growth) < 50_000, "kB"
 
 
-def test_only_the_given_folder_is_written_to(forge, tmp_path):
-    path = forge(*TEXTS, settings=with_functions)
-    before = {one.name for one in tmp_path.iterdir()}
-    run = wl.load(path)
-    run.save_report(tmp_path / "report")
-    wl.export_mjcf(run.champion.genome, run.settings, tmp_path / "report")
-    assert {one.name for one in tmp_path.iterdir()} == before | {"report"}
+def test_only_the_given_folder_is_written_to(reported):
+    folder = reported.path.parent
+    wl.export_mjcf(reported.champion.genome, reported.settings, folder / "report")
+    assert {one.name for one in folder.iterdir()} == {"run.walk", "report"}
     with pytest.raises(wl.RunFileError, match="holds no code"):
-        wl.resume(path, progress=False)
+        wl.resume(reported.path, progress=False)
 
 
 def test_hostile_texts_are_plain_text_in_a_terminal(forge, capsys):
@@ -198,11 +205,10 @@ def ran_no_script(page):
     return all(frame.evaluate("window.hacked") is None for frame in page.frames)
 
 
-def test_hostile_texts_are_plain_text_in_a_browser(forge, page, tmp_path):
-    run = wl.load(forge(*TEXTS, settings=with_functions))
-    report = run.save_report(tmp_path / "report")
+def test_hostile_texts_are_plain_text_in_a_browser(reported, page, tmp_path):
+    report = reported.path.with_name("report") / "report.html"
     card = tmp_path / "card.html"
-    card.write_text(f"<!doctype html><meta charset=utf-8>{run._repr_html_()}", encoding="utf-8")
+    card.write_text(f"<!doctype html><meta charset=utf-8>{reported._repr_html_()}", encoding="utf-8")
     for shown in (report, report.with_name("replay.html"), card):
         page.goto(shown.as_uri())
         page.wait_for_load_state("networkidle")

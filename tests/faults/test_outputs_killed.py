@@ -40,14 +40,21 @@ print("done", flush=True)
 
 @pytest.fixture(scope="module")
 def states(tmp_path_factory):
-    """Folder with all files of a run of two generations, whose run file then received a third."""
+    """Folder with all files of a run of two generations, whose run file then received a third; times [s]."""
     folder = tmp_path_factory.mktemp("states") / "walk"
     with ThreadPoolExecutor(2) as pool:
         run = wl.evolve(SMALL, folder / RUN_FILE, pool, progress=False)
-        run.save_report(folder)
-        outputs.write_outputs(run, folder)
+        report_s = measure(lambda: run.save_report(folder))
+        export_s = measure(lambda: outputs.write_outputs(run, folder))
         wl.resume(folder, 3, pool, progress=False)
-    return folder
+    return folder, {"command": export_s, "export": export_s, "report": report_s}
+
+
+def measure(write):
+    """Return the duration of a call [s]."""
+    began = time.monotonic()
+    write()
+    return time.monotonic() - began
 
 
 def names_of(writer):
@@ -79,12 +86,13 @@ def test_all_files_show_one_state_after_a_kill(writer, states, tmp_path, request
     names = names_of(writer)
     root = request.config.rootpath
     found = []
-    shutil.copytree(states, tmp_path / "timed", copy_function=shutil.copy2)
-    longest = go(writer, tmp_path / "timed", root)
+    complete, seconds = states
+    shutil.copytree(complete, tmp_path / "timed", copy_function=shutil.copy2)
+    longest = number(seconds[writer], 0) or go(writer, tmp_path / "timed", root)
     rng = np.random.default_rng([2026, len(writer)])
     for n in range(number(1, 20)):
         folder = tmp_path / f"{n}"
-        shutil.copytree(states, folder, copy_function=shutil.copy2)
+        shutil.copytree(complete, folder, copy_function=shutil.copy2)
         others = {path.name for path in folder.iterdir()}
         before = times(folder, names)
         go(writer, folder, root, rng.uniform(0, longest))

@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 import walkerlab as wl
-from tests.frontends import book, open_notebook, start_all
+from tests.frontends import MAX_CONTEXTS, book, open_notebook, start_all
 from tests.text.test_html import assert_harmless
 from walkerlab.commands.worlds import WALKER_GENOME as GENOME
 from walkerlab.settings.choices import Camera
@@ -408,7 +408,7 @@ def test_controls_change_the_state_of_the_player(page, crowded):
 
 # ------------------------------------------------------------------------------------------- in JupyterLab
 
-N_REPLAYS = 17  # one more than the WebGL contexts that a browser keeps
+N_REPLAYS = MAX_CONTEXTS + 1
 
 
 def many_replays():
@@ -446,6 +446,5 @@ def test_more_replays_than_webgl_contexts_can_all_be_played_in_one_notebook(page
         assert page.locator("iframe").count() <= 4
         if number == 0:
             assert_it_plays(frame)
-            assert_every_camera_shows_the_robot(frame, 1, 1.7)
     page.locator('button[title="Close the replay"]').last.click()
     assert external_requests == []

@@ -89,7 +89,7 @@ def test_a_robot_fits_into_its_drawing_and_is_to_scale(genome_and_limits, size, 
     parts = surface_points(wl.compile_scene(genome, settings), rollout.poses[0])
     corners = np.concatenate([points for points, _ in parts]) @ [(1, 0), (-SHIFT, 0), (0, 1)]
     extent = np.ptp(corners, axis=0)
-    scale = (np.ptp(whole, axis=0) / extent)[extent.argmax()]  # coordinates are rounded to 0.1 px; flat robots are 1 px high
+    scale = (np.ptp(whole, axis=0) / extent)[extent.argmax()]  # a flat robot is only 1 px high, rounded to 0.1
     assert np.ptp(whole, axis=0) == pytest.approx(scale * extent, abs=0.3)
     assert span is None or scale <= size[0] / span * 1.01 + 0.2 / extent.max()
     (ground,) = (part for part in root.iter(f"{SVG}path") if part.get("stroke") == "currentColor")

@@ -11,7 +11,7 @@ CELLS = (
 
 
 def test_sliders_and_python_change_the_same_genome(page, jupyter):
-    page.set_viewport_size({"width": 1280, "height": 900})
+    page.set_viewport_size({"width": 900, "height": 700})
     open_notebook(page, jupyter.put(book(*CELLS)))
     start_all(page)
     page.locator('.wl-playground button[title="Walk live"]').click(timeout=60_000)
