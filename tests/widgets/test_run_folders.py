@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.widgets.run_folders import best_result, describe_differences, find_run_files, new_run_path
+from walkerlab.widgets.run_folders import best_result, describe_differences, find_run_files, new_run_path, run_name
 
 
 def test_a_new_run_has_a_new_folder(tmp_path):
@@ -54,3 +54,12 @@ def test_the_description_of_many_differences_is_shortened():
     [words] = describe_differences([many])
     assert words.count(",") == 3
     assert words.endswith(" and 2 more")
+
+
+@pytest.mark.parametrize(("folder", "name"), [
+    ("2026-11-30-024936", "30 Nov, 02:49:36"),
+    ("2026-11-30-024936-2", "30 Nov, 02:49:36-2"),
+    ("moon", "moon"),
+])  # fmt: skip
+def test_a_run_is_named_after_the_time_in_the_name_of_its_folder(folder, name, tmp_path):
+    assert run_name(tmp_path / folder / "run.walk") == name

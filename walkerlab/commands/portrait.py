@@ -19,6 +19,7 @@ from walkerlab.simulation.rollout import simulate
 from walkerlab.system.files import file_path, replace_atomically
 from walkerlab.text.numbers import with_unit
 from walkerlab.view import plots
+from walkerlab.view.plots.style import add_legend
 from walkerlab.world.scene import compile_scene
 
 IMAGE_SIZE = (1500, 620)  # pixels, width and height
@@ -72,6 +73,7 @@ def draw_champion(run: Run, path: str) -> None:
         f"{with_unit(distance, 'm')} in {run.settings.simulation.duration:g} s: four moments of the walk", fontsize=9
     )
     plots.fitness_curve(run.records, curve_axes)
+    add_legend(curve_axes, n_columns=1)  # the Axes are narrow
     with replace_atomically(file_path(path)) as temporary:
         figure.savefig(temporary, dpi=120, format="png")
 

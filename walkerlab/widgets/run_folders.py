@@ -117,7 +117,7 @@ def run_name(path: Path) -> str:
         moment = time.strptime(stamp[1], TIMESTAMP_FORMAT)
     except ValueError:
         return name
-    return f"{moment.tm_mday} {time.strftime('%b, %H:%M:%S', moment)}{stamp[2]}"
+    return f"{moment.tm_mday} {time.strftime('%b, %H:%M:%S', moment)}{stamp[2] or ''}"
 
 
 def n_further(entry: ListedRun) -> int:
