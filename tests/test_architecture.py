@@ -285,3 +285,16 @@ def test_importing_makes_no_file_thread_or_variable(folder):
     _, changed = watched(folder, "walkerlab", *ours, after=["dm_control.composer", "matplotlib.pyplot", "pandas"])
     assert changed == {name: [] for name in ["walkerlab", *ours]}
     assert not list(folder.iterdir())
+
+
+def test_every_module_with_a_public_name_can_be_imported_first():
+    """An import cycle through the ``__init__.py`` of a folder fails only if this module is imported first."""
+    script = """
+import importlib, sys
+import walkerlab
+for name in sorted({*walkerlab._DEFINING_MODULE.values(), *walkerlab._PUBLIC_MODULES.values()}):
+    for module in [module for module in sys.modules if module.startswith("walkerlab.")]:
+        del sys.modules[module]
+    importlib.import_module(f"walkerlab.{name}")
+"""
+    subprocess.run([sys.executable, "-c", script], check=True)

@@ -107,7 +107,7 @@ def test_credit_is_drawn_for_each_pair_of_operators(run):
     axes = wl.plots.operator_credit(run)
     assert [bar.get_width() for bar in axes.patches] == pytest.approx((100 * credit.better).tolist())
     assert [label.get_text() for label in axes.get_yticklabels()] == [
-        " × ".join(credit.loc[0, ["crossover", "mutation"]])
+        "crossover {}\nmutation {}".format(*credit.loc[0, ["crossover", "mutation"]])
     ]
     assert "no robot has parents yet" in wl.plots.alt_text(wl.plots.operator_credit(run.records.head(0))).lower()
 

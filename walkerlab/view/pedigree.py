@@ -21,10 +21,10 @@ from walkerlab.genome.features import (
 from walkerlab.genome.frozen import BODY
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile.records import birth_rows, find_champion, fitter_line, parent_numbers, select_lineage
+from walkerlab.runfile.tables import require_table
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.robot import Robot
 from walkerlab.view.inheritance import format_gene
-from walkerlab.view.plots.tables import require_table
 
 
 @dataclass(frozen=True)
@@ -235,7 +235,7 @@ def describe_step(step: Step, genes: Genes, max_length: int) -> tuple[str, str]:
         first = f"{waited}: {_count(inherited)} from robot {step.other_parent}, {len(changed)} changed"
     else:
         first = f"{waited}: {_count(changed)} changed"
-    visible = [one for one in changed if one.is_expressed] or [one for one in inherited if one.is_expressed]
+    visible = [one for one in [*changed, *inherited] if one.is_expressed]
     if not visible:
         return first, "no gene with an effect"
     second = ""

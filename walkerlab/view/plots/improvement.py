@@ -143,7 +143,7 @@ def operator_credit(records: Any, ax: Axes | None = None) -> Axes:
     """
     credit: Any = compare_with_parents(records)
     axes = ax or new_axes(height=2.0 + 0.55 * max(1, len(credit)))
-    names = [f"{row.crossover} × {row.mutation}" for row in credit.itertuples()]
+    names = [f"crossover {row.crossover}\nmutation {row.mutation}" for row in credit.itertuples()]
     unit = str(credit.attrs["unit"])
     y = np.arange(len(credit))
     ink = foreground_colour(axes)
@@ -165,7 +165,7 @@ def operator_credit(records: Any, ax: Axes | None = None) -> Axes:
     text = "; ".join(
         f"{name}: {100 * row.better:.1f} % of {row.children} children are fitter than their fittest parent, mean gain "
         f"{format_value(row.mean_gain, unit)}, best gain {format_value(row.best_gain, unit)}"
-        for name, row in zip(names, credit.itertuples(), strict=True)
+        for name, row in zip((name.replace("\n", ", ") for name in names), credit.itertuples(), strict=True)
     )
     add_description(axes, "Credit of the operators", f"{text or 'No robot has parents yet'}.")
     add_caption(

@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
+from walkerlab.view.plots.captions import add_caption
 from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, add_description, escape_label, style_axes
 from walkerlab.view.plots.tables import UNKNOWN_FITNESS, axis_label, format_value
 
@@ -42,6 +43,7 @@ def landscape(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     labels = [axis_label(spell(name), units.get(name, "")) for name in names]
     (_draw_curve if len(names) == 1 else _draw_map)(axes, table, names, labels, fitness)
     add_description(axes, TITLE, _describe(table, names, units))
+    add_caption(axes, _explain(table, names))
     return axes
 
 
@@ -109,6 +111,18 @@ def _draw_map(axes: Axes, table: pd.DataFrame, names: list[str], labels: list[st
     axes.set_ylabel(labels[1])
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False, loc="lower left", bbox_to_anchor=(0, 1), ncols=3, fontsize=8.5, borderaxespad=0.2)
+
+
+def _explain(table: pd.DataFrame, names: list[str]) -> str:
+    """Explain how to read the plot."""
+    varied = " and ".join(map(spell, names))
+    each = "dot" if len(names) == 1 else "cell"
+    settings = table.attrs.get("settings")
+    seconds = f" of {settings.simulation.duration:g} s" if settings else ""
+    return (
+        f"How well one robot does if only its {varied} had other values; all other genes stay the same. Each {each} is "
+        f"one walk{seconds}. The star is the robot as it is. A negative distance is a walk backward."
+    )
 
 
 def _describe(table: pd.DataFrame, names: list[str], units: dict[str, str]) -> str:
