@@ -90,10 +90,11 @@ def search_by_evolution(
 
 
 def count_walks(table: pd.DataFrame, settings: wl.Settings) -> Indices:
-    """Return the number of walks up to each generation of a run, shape (n_generations,).
+    """Return the largest possible number of walks up to each generation of a run, shape (n_generations,).
 
     The best robots of each generation are tested in further walks from other starts. They are the robots excluded as
-    fragile, and the new elites, which passed the test.
+    fragile, and the new elites, which passed the test. A test stops at the first walk that does not count, and elites
+    that are no better than the median are not tested; the table shows neither.
     """
     n_best = max(1, settings.algorithm.n_elites)
     n_test_starts = len(further_starts(settings))

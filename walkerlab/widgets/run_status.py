@@ -70,8 +70,8 @@ def best_walker(entry: ListedRun | None, generation: int | None) -> ShownWalker:
         walker = load_pre_evolved_walker()
         seconds = walker.settings.simulation.duration
         words = (
-            f"This walker evolved in {walker.n_trials:,} trials and walks {with_unit(walker.distance, 'm')} in "
-            f"{seconds:g} s. Press Start to evolve your own."
+            f"Evolved in {walker.n_trials:,} trials, this robot walks {with_unit(walker.distance, 'm')} in "
+            f"{seconds:g} s. Evolve your own: press Start."
         )
         if entry and entry.live and not entry.live.is_over:
             words = "The first robots are walking. Until one of them has finished, a pre-evolved walker is shown."
