@@ -1,7 +1,5 @@
 """A landscape varies one or two genes and keeps all others, and the walks of its points can be played."""
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import pytest
 from matplotlib.collections import QuadMesh
@@ -15,12 +13,6 @@ from walkerlab.view.replay.page import Frame
 SETTINGS = wl.Settings().with_(duration=1)
 GENES = build_genes(SETTINGS.robot)
 GENOME = wl.Genome.random(SETTINGS.robot, rng=np.random.default_rng(4))
-
-
-@pytest.fixture(scope="module")
-def pool():
-    with ThreadPoolExecutor(1) as workers:
-        yield workers
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,8 @@ from walkerlab.simulation.export import export_mjcf
 from walkerlab.system.file_sets import replacing_files
 from walkerlab.system.files import folder_path, write_text
 from walkerlab.view import plots, report
-from walkerlab.view.playground.page import build_page, prepare_walks, write_page
+from walkerlab.view.pages import write_page
+from walkerlab.view.playground.page import build_page, prepare_walks
 from walkerlab.view.plots.appearance import offscreen_axes
 from walkerlab.view.report.page import REPORT_FILE
 

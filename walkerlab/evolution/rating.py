@@ -7,6 +7,7 @@ import numpy as np
 
 from walkerlab.evolution.fragility import exclude_fragile, further_starts
 from walkerlab.ga.genes import Floats
+from walkerlab.ga.loop import find_elites
 from walkerlab.ga.population import Population
 from walkerlab.ga.user_functions import OperatorError
 from walkerlab.genome.genome import Genome
@@ -51,7 +52,8 @@ def rate_children(
             error.context = f"for individual {individual} of generation {generation}"
             raise
         rows |= {text: EvaluationRow.of(one, text) for text, one in zip(new, evaluations, strict=True)}
-    elites = _find_elites(previous, settings.algorithm.n_elites)
+    best = find_elites(previous.fitness, settings.algorithm.n_elites) if previous else []
+    elites = {previous.evaluations[i].genome: previous.evaluations[i] for i in best} if previous else {}
     return retest_best(elites | rows, list(elites), settings, evaluate, generation)
 
 
@@ -85,11 +87,3 @@ def retest_best(
             raise
 
     return exclude_fragile(rows, passed, settings, walk_again)
-
-
-def _find_elites(previous: Population[EvaluationRow] | None, n_elites: int) -> dict[str, EvaluationRow]:
-    """Return the elites of a generation, by text of the genome."""
-    if previous is None:
-        return {}
-    best = np.argsort(-previous.fitness, kind="stable")[:n_elites]
-    return {previous.evaluations[i].genome: previous.evaluations[i] for i in best}

@@ -75,8 +75,7 @@ def next_population(
             "It is the number of the best individuals that are carried over unchanged."
         )
     generation = population.generation + 1
-    best = np.argsort(-population.fitness, kind="stable")[:n_elites]
-    elites: list[int] = best[population.fitness[best] != NOT_COUNTED].tolist()
+    elites = find_elites(population.fitness, n_elites)
     n_children = n - len(elites)
 
     n_parents = n_children + n_children % 2  # whole couples
@@ -122,6 +121,12 @@ def next_population(
         evaluations=[*(population.evaluations[i] for i in elites), *_evaluate_all(evaluate, children)],
         n_born=population.n_born + n_children,
     )
+
+
+def find_elites(fitness: Floats, n_elites: int) -> list[int]:
+    """Return the indices of the best individuals that count, best first; fewer than ``n_elites`` if fewer count."""
+    best = np.argsort(-fitness, kind="stable")[:n_elites]
+    return best[fitness[best] != NOT_COUNTED].tolist()
 
 
 def _evaluate_all(evaluate: Callable[[Floats], Sequence[EvaluationT]], genomes: Floats) -> Sequence[EvaluationT]:

@@ -20,7 +20,7 @@ from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.gene_controls import describe_genes
 from walkerlab.widgets.outcomes import Outcome, compare_outcomes, simulate_outcome
-from walkerlab.widgets.repairs import describe_fault, describe_repairs, find_fault, format_genome
+from walkerlab.widgets.repairs import describe_fault, describe_repairs, find_fault, format_genome, parse_within
 
 PICTURE_SIZE = (296, 148)  # pixels of the picture
 MAX_NOTES = 5  # maximum number of changes to the genome that are listed
@@ -199,7 +199,7 @@ class Editor(Component):
     def _update_text(self, change: Any) -> None:
         """Replace the text with the text of a genome that was set from outside."""
         with self._lock:
-            if change.new is not None and change.new != _parse_within(self.text, self.settings):
+            if change.new is not None and change.new != parse_within(self.text, self.settings.robot):
                 self.text = format_genome(change.new)
                 self.accept()
 
@@ -218,14 +218,6 @@ class Editor(Component):
                     callback(genome)
             case _:
                 pass
-
-
-def _parse_within(text: str, settings: Settings) -> Genome | None:
-    """Return the genome of a text, brought within the limits; None if the text is not valid."""
-    try:
-        return Genome.parse(text).within(settings.robot)
-    except GenomeError:
-        return None
 
 
 def _shorten(notes: list[str]) -> list[str]:

@@ -2,12 +2,10 @@
 
 from typing import Any
 
-from walkerlab.genome.genome import Genome
-from walkerlab.genome.text import GenomeError
 from walkerlab.settings.settings import Settings
 from walkerlab.widgets.editor import Editor
 from walkerlab.widgets.playground import Playground
-from walkerlab.widgets.repairs import format_genome
+from walkerlab.widgets.repairs import format_genome, parse_within
 
 
 def open_live_robot(editor: Editor, name: str, settings: Settings) -> Playground:
@@ -23,23 +21,19 @@ def open_live_robot(editor: Editor, name: str, settings: Settings) -> Playground
     playground.opens_at_once = True
 
     def follow_editor(change: Any) -> None:
-        if change.new is not None and change.new != _parse(playground.gene_text, settings):
+        if change.new is not None and change.new != parse_within(playground.gene_text, settings.robot):
             playground.gene_text = str(change.new)
 
     def follow_playground(change: Any) -> None:
-        genome = _parse(change.new, settings)
+        genome = parse_within(change.new, settings.robot)
         if genome is not None and genome != editor.genome:
             editor.text = format_genome(genome)
 
+    def stop_following(change: Any) -> None:
+        if change.new is None:  # the playground was closed
+            editor.unobserve(follow_editor, "genome")
+
     editor.observe(follow_editor, "genome")
     playground.observe(follow_playground, "gene_text")
-    playground.on_close(lambda: editor.unobserve(follow_editor, "genome"))
+    playground.observe(stop_following, "comm")
     return playground
-
-
-def _parse(text: str, settings: Settings) -> Genome | None:
-    """Return the genome of a text within the limits; None if the text is not valid."""
-    try:
-        return Genome.parse(text).within(settings.robot)
-    except GenomeError:
-        return None

@@ -1,7 +1,6 @@
 """A robot that walks live in the browser, as a widget or as a page."""
 
 import threading
-from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,8 @@ from walkerlab.settings.choices import Camera
 from walkerlab.settings.settings import Settings
 from walkerlab.text.html import data_url
 from walkerlab.text.templates import Markup, render
-from walkerlab.view.playground.page import build_page, prepare_walks, write_page
+from walkerlab.view.pages import write_page
+from walkerlab.view.playground.page import build_page, prepare_walks
 from walkerlab.view.replay.preview import draw_preview
 from walkerlab.widgets.component import Component, load_script, load_style
 
@@ -44,7 +44,6 @@ class Playground(Component):
 
     def __init__(self, walkers: Any, settings: Settings) -> None:
         """Create the playground; for the arguments see ``playground``."""
-        self._on_close: list[Callable[[], None]] = []
         self._walks = prepare_walks(walkers, settings)
         self._settings = settings
         self._lock = threading.Lock()
@@ -88,16 +87,6 @@ class Playground(Component):
     def __repr__(self) -> str:
         """Return the names of the robots and how to show the playground."""
         return f"<{self.alt.removesuffix('.')}: show it in a notebook, or save it with .to_html(path)>"
-
-    def on_close(self, callback: Callable[[], None]) -> None:
-        """Register a function that is called when the widget is closed."""
-        self._on_close.append(callback)
-
-    def close(self) -> None:
-        """Remove the widget."""
-        while self._on_close:
-            self._on_close.pop()()
-        super().close()
 
     def snapshot(self) -> Markup:
         """Return the picture as static HTML."""

@@ -9,6 +9,7 @@ import numpy as np
 from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES, build_genes, is_expressed
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.repair import GRID_DECIMALS
+from walkerlab.genome.text import GenomeError
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.proportions import DENSITY_RANGE
 from walkerlab.settings.robot import Robot
@@ -19,6 +20,14 @@ ROUNDING_TOLERANCE = 0.51 * 10.0**-GRID_DECIMALS  # smaller changes come from ro
 def format_genome(genome: Genome) -> str:
     """Return the text form of a genome, with a line for each segment and each step."""
     return str(genome).replace(" | ", "\n| ")
+
+
+def parse_within(text: str, robot: Robot) -> Genome | None:
+    """Return the genome of a text, brought within the limits; None if the text is not valid."""
+    try:
+        return Genome.parse(text).within(robot)
+    except GenomeError:
+        return None
 
 
 _DEFAULT_GENES = build_genes(Robot())

@@ -6,15 +6,14 @@ scripts receive the data of ``payload.page_data`` and ``drawing.draw_robots``, a
 
 import gzip
 import json
-import re
 from base64 import b64encode
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from walkerlab.settings.settings import Settings
-from walkerlab.system.files import file_path, replace_atomically
 from walkerlab.text.templates import render
+from walkerlab.view.pages import complete_snapshot
 from walkerlab.view.playground.drawing import draw_robots
 from walkerlab.view.playground.payload import page_data, physics_script
 from walkerlab.view.playground.vendor import FILES, encoded_file
@@ -72,30 +71,8 @@ def build_page(walks: Sequence[Walk], settings: Settings) -> str:
     start = f"const loading = loadMujoco({files});"  # at the same time as K3D
     script = "\n".join([physics_script(), *scripts, start])
     head = render("view/playground/head.html", title=title)
-    html = re.sub(r"<title>.*?</title>", lambda _: head, html, count=1, flags=re.DOTALL)
     body = render("view/playground/playground.html", title=title)
-    canvas = '<div id="canvasTarget"></div>'
-    html = html.replace(canvas, f"{body}\n<script>\n{script}\n</script>", 1)
-    return html.replace("<html>", '<html lang="en">', 1)
-
-
-def write_page(make_page: Callable[[], str], path: str | Path) -> Path:
-    """Write a page to a file, which opens in a browser without a server.
-
-    Args:
-        make_page: Function that returns the page; called once the path is checked.
-        path: File to write, whose name ends in ``.html``; an existing file is replaced.
-
-    Raises:
-        ValueError: If the name does not end in ``.html``.
-        OSError: If the file cannot be written.
-    """
-    path = file_path(path)
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise ValueError(f"path is {str(path)!r}; it must end in .html, because a playground is a page for a browser")
-    with replace_atomically(path) as part:
-        part.write_text(make_page(), encoding="utf-8")
-    return path
+    return complete_snapshot(html, head, f"{body}\n<script>\n{script}\n</script>")
 
 
 def _describe_robot(walk: Walk) -> dict[str, Any]:

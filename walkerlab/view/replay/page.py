@@ -14,7 +14,6 @@ the page, and closing the page restores the image.
 
 import base64
 import json
-import re
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -34,10 +33,10 @@ from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
 from walkerlab.simulation.fitness import name_and_unit, score
 from walkerlab.simulation.validity import UNSTABLE, VERDICTS
-from walkerlab.system.files import file_path, replace_atomically
 from walkerlab.text.html import data_url
 from walkerlab.text.numbers import with_unit
 from walkerlab.text.templates import Markup, render
+from walkerlab.view.pages import CANVAS, complete_snapshot, write_page
 from walkerlab.view.replay.animation import Animation, Walk, build_animation
 from walkerlab.view.replay.meshes import DISC_CORNERS
 from walkerlab.view.replay.preview import draw_preview
@@ -82,12 +81,7 @@ class Replay:
             ValueError: If the name does not end in ``.html``.
             OSError: If the file cannot be written.
         """
-        path = file_path(path)
-        if path.suffix.lower() not in (".html", ".htm"):
-            raise ValueError(f"path is {str(path)!r}; it must end in .html, because a replay is a page for a browser")
-        with replace_atomically(path) as part:
-            part.write_text(self.page, encoding="utf-8")
-        return path
+        return write_page(lambda: self.page, path)
 
     @cached_property
     def page(self) -> str:
@@ -97,13 +91,11 @@ class Replay:
         # "<" is escaped so that no text in the recording can close the script element
         recording = json.dumps(self._recording(animation)).replace("<", "\\u003c")
         code = f"({player.strip()})(K3DInstance, {recording});"
-        page: str = animation.plot.get_snapshot(additional_js_code=code)
+        snapshot: str = animation.plot.get_snapshot(additional_js_code=code)
         animation.close()
         head = render("view/replay/head.html", title=self._title)
-        page = re.sub(r"<title>.*?</title>", lambda _: head, page, count=1, flags=re.DOTALL)
         unavailable = (REPLAY_FOLDER / "unavailable.html").read_text(encoding="utf-8")
-        page = page.replace('<div id="canvasTarget"></div>', f'<div id="canvasTarget"></div>\n{unavailable}', 1)
-        return page.replace("<html>", '<html lang="en">', 1)
+        return complete_snapshot(snapshot, head, f"{CANVAS}\n{unavailable}")
 
     @property
     def widget(self) -> "Frame":
