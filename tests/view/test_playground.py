@@ -105,9 +105,9 @@ class TestThePage:
 # ---------------------------------------------------------------------------------------------- in a browser
 
 MEASURE = """() => { // walks from the start to the end of the measured walk
-    const walk = walkerlab.walks[0];
     walkerlab.pause();
-    walkerlab.applyChanges();
+    walkerlab.applyChanges(); // may build the walk again, from another model
+    const walk = walkerlab.walks[0];
     walk.restart();
     walk.settleNow();
     while (!walk.verdict) walk.step();

@@ -3,7 +3,6 @@
 from dataclasses import replace
 from functools import partial
 
-import numpy as np
 import pandas as pd
 
 from walkerlab.analysis.comparison import compare_with_parents
@@ -12,8 +11,9 @@ from walkerlab.analysis.mating import trace_birth
 from walkerlab.breeding import resolve_operators
 from walkerlab.evolution.founders import fit_genomes
 from walkerlab.evolution.run import Run
+from walkerlab.ga.loop import find_elites
 from walkerlab.ga.operators import select_in_turn
-from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
+from walkerlab.ga.population import fitness_for_comparison
 from walkerlab.ga.user_functions import OperatorError
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile.opening import RunFileError
@@ -64,8 +64,7 @@ def _repeat_birth(run: Run, records: pd.DataFrame, settings: Settings, number: i
         return None
     population = last_population(earlier)
     algorithm = settings.algorithm
-    best = np.argsort(-population.fitness, kind="stable")[: algorithm.n_elites]
-    n_children = len(population.genomes) - int((population.fitness[best] != NOT_COUNTED).sum())
+    n_children = len(population.genomes) - len(find_elites(population.fitness, algorithm.n_elites))
     child = number - population.n_born
     if not 0 <= child < n_children:
         return None

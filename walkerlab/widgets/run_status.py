@@ -58,7 +58,7 @@ def _world_of(settings: Settings) -> tuple[object, ...]:
 
 
 def best_walker(entry: ListedRun | None, generation: int | None) -> ShownWalker:
-    """Return the robot whose walk the panel shows: the best of a run, or the pre-evolved one if there is none.
+    """Return the robot whose walk the panel shows: the best of a run, or the pre-evolved one before any run.
 
     Args:
         entry: Selected run; None if no run is selected.

@@ -18,9 +18,9 @@ from walkerlab.view.playground.drawing import draw_robots
 from walkerlab.view.playground.payload import page_data, physics_script
 from walkerlab.view.playground.vendor import FILES, encoded_file
 from walkerlab.view.replay.animation import Walk
-from walkerlab.view.replay.meshes import RGB
 from walkerlab.view.replay.page import TRUNK_COLOUR
 from walkerlab.view.replay.walkers import simulate_walks
+from walkerlab.view.sketch.svg import hex_colour
 
 SCRIPT_FOLDER = Path(__file__).parent
 SCRIPTS = ("view", "push", "controls", "playground")
@@ -78,14 +78,9 @@ def build_page(walks: Sequence[Walk], settings: Settings) -> str:
 def _describe_robot(walk: Walk) -> dict[str, Any]:
     return {
         "label": walk.label,
-        "colour": _hex_colour(walk.colour) if walk.colour else TRUNK_COLOUR,
+        "colour": hex_colour(walk.colour) if walk.colour else TRUNK_COLOUR,
         "genome": walk.scene.genome.values.tolist(),
     }
-
-
-def _hex_colour(colour: RGB) -> str:
-    """Return a colour, each part from 0 to 1, as ``#rrggbb``."""
-    return "#" + "".join(f"{round(255 * part):02x}" for part in colour)
 
 
 def _compress(data: dict[str, Any]) -> str:

@@ -24,7 +24,6 @@ from typing import Any
 import anywidget
 import numpy as np
 import traitlets
-from matplotlib.colors import to_hex
 
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings.arguments import require_settings
@@ -42,6 +41,7 @@ from walkerlab.view.replay.meshes import DISC_CORNERS
 from walkerlab.view.replay.preview import draw_preview
 from walkerlab.view.replay.tracks import pack_channels
 from walkerlab.view.replay.walkers import simulate_walks
+from walkerlab.view.sketch.svg import hex_colour
 from walkerlab.view.snapshots import LIVE_STYLE, HasSnapshot
 
 REPLAY_FOLDER = Path(__file__).parent
@@ -150,7 +150,7 @@ class Replay:
         rejection = f"Does not count: {rollout.verdict}, {rollout.reason}."
         return {
             "label": walk.label,
-            "colour": to_hex(walk.colour) if walk.colour else TRUNK_COLOUR,
+            "colour": hex_colour(walk.colour) if walk.colour else TRUNK_COLOUR,
             "counts": rollout.counts,
             "verdict": VERDICTS["ok"] if rollout.counts else rejection,
             "facts": facts,
