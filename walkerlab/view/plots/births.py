@@ -32,7 +32,7 @@ BODY_HEIGHT = 1.75  # height of the drawings of the bodies
 BODY_SCALE = 3.0  # maximum scale of the bodies, in inches per metre
 MAX_BODIES = 3  # maximum number of parents that are drawn
 HEADING_HEIGHT = 0.42
-CAPTION_HEIGHT = 1.0
+CAPTION_HEIGHT = 0.9
 LINE_LENGTH = 180  # of the caption, in characters
 GROUPS = ("trunk",) * 4 + ("legs",) * 2 + ("hip",) * 3 + ("knee",) * 3 + ("left/right",)
 """Heading above the name of each feature of a segment."""

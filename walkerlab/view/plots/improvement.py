@@ -84,8 +84,8 @@ def improvement(records: Any, ax: Axes | None = None, *, trait: str = "fitness")
         axes,
         f"Why the mean {name} of the robots changes from each generation to the next. Selection (blue): fitter "
         "robots become parents, so the parents are better than the mean of their generation. Crossover and mutation "
-        "(orange): the children are better or, usually, worse than their parents. The line with dots is the sum: the "
-        f"change that was measured. {text}",
+        "(orange, hatched): the children are better or, usually, worse than their parents. The line with dots is the "
+        f"sum: the change that was measured. {text}",
     )
     return axes
 

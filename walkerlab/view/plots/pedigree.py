@@ -29,7 +29,7 @@ ROBOTS_PER_SCREEN = 40  # number of robots that fit on a screen of 1280 × 800 p
 MAX_LINE_LENGTH = 64  # maximum length of a line of text, in characters
 FONT_SIZE = 7.5  # points
 CAPTION_HEIGHT = 0.62
-LINE_LENGTH = 190  # of the caption, in characters
+LINE_LENGTH = 225  # of the caption, in characters
 CHANGED_COLOUR = (0.84, 0.37, 0.0)  # parts that differ from the row above, RGB
 EQUAL_COLOUR = (0.82, 0.82, 0.82)
 BAR_LEFT = 0.62
@@ -97,10 +97,10 @@ def pedigree(
     robot = f"robot {last.individual}" + ("" if individual is not None else ", the fittest of its run,")
     caption = (
         f"How {robot} came to be: its line of ancestors, the oldest first. Each row is one robot, a child of the robot "
-        f"in the row above; read down the left column, then down the right one. Blue bar: its {fitness_name}. Orange: "
-        "trunks and legs whose size or force differs from the row above; grey: no difference. Text: the genes that "
-        "differ, the largest change first, as old value → new value. Of the two parents of a robot, the fitter one is "
-        "in the row above, and the text names the other one. The line has "
+        f"in the row above; read down the left column, then down the right one. Blue bar: its {fitness_name}. Orange "
+        "(darker): trunks and legs whose size or force differs from the row above; pale grey: no difference. Text: "
+        "the genes that differ, the largest change first, as old value → new value. Of the two parents of a robot, the "
+        "fitter one is in the row above, and the text names the other one. The line has "
         f"{pluralize(n_births, 'birth')} in {pluralize(last.born + 1, 'generation')}; {len(steps)} robots are shown, "
         "those that differ visibly from the row above."
     )
