@@ -116,7 +116,7 @@ function render({ model, el }) {
     open();
   });
   model.on("change:preview", showPreview);
-  model.on("msg:custom", (message) => { if (message.play) { close(); open(); } });
+  model.on("msg:custom", ({ play, stop }) => { if (play || stop) close(); if (play) open(); });
   const observer = new IntersectionObserver((entries) => { // pause when scrolled away
     isVisible = entries.at(-1).isIntersecting;
     updateRate();

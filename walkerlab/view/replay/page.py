@@ -249,6 +249,11 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         self._is_opening = True
         self.send({"play": True})
 
+    def stop(self) -> None:
+        """Close the page, if it is displayed or being created; the preview image is shown again."""
+        self._is_opening = False
+        self.send({"stop": True})
+
     def _opened(self, change: Any) -> None:
         if change.new and self.page:  # without a page, the browser reports that an earlier replay was opened
             self._is_opening = False
