@@ -3,7 +3,7 @@ const MAX_OPEN_PAGES = 4; // maximum number for all replays in a notebook; brows
 const TRIANGLE = '<svg viewBox="0 0 20 20" width="14" height="14" aria-hidden="true"><path d="M4 2 L18 10 L4 18 Z" fill="white"/></svg>';
 const PLAY = "Play in 3D", LOADING = "Loading …";
 const SVG_URL = "data:image/svg+xml;base64,";
-const RATES = { hardware: { idle: 25, busy: 25 }, software: { idle: 12, busy: 3 } }; // pictures of an animated preview per second
+const RATES = { hardware: { idle: 25, busy: 25 }, software: { idle: 10, busy: 2 } }; // pictures of an animated preview per second
 const openPages = (globalThis.walkerlabOpenPages ??= []);
 
 // Returns how the browser draws pages: without a graphics card, each change of a picture takes some 25 ms of a core.
