@@ -175,6 +175,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
     def _walk_live(self, genome: Genome) -> None:  # noqa: ARG002
         """Open a playground of the robot in the editor; the sliders of the editor change it while it walks."""
         self._close_live_robot()
+        self.frame.stop()  # an edit would play an open replay again, which pauses the live robot
         self.live.children = [open_live_robot(self.editor, self._original.name, self._settings)]
 
     def _close_live_robot(self) -> None:

@@ -1,0 +1,34 @@
+"""What each operator does, in one clause, for captions."""
+
+import re
+from collections.abc import Iterable
+from inspect import signature
+
+from walkerlab.ga.selection import tournament
+from walkerlab.settings.choices import Choice, Selection
+
+_SIZE = re.compile(r"\bsize=(\d+)")
+_DEFAULT_SIZE = signature(tournament).parameters["size"].default
+
+
+def explain_operator(name: str, choices: type[Choice]) -> str:
+    """Return one clause about an operator: ``the best of 3 drawn at random``; "" if it is not one of walkerlab.
+
+    Args:
+        name: Name as tables show it, with the arguments of a partial: ``tournament(size=3)``.
+        choices: Kind of the operator.
+    """
+    choice = choices.__members__.get(name.partition("(")[0])
+    if choice is None:
+        return ""
+    if choice is Selection.tournament:
+        size = _SIZE.search(name)
+        return choice.about.replace("a few", size[1] if size else str(_DEFAULT_SIZE))
+    return choice.about
+
+
+def explain_operators(names: Iterable[str], choices: type[Choice]) -> str:
+    """Return a sentence with a clause about each operator, with a space in front; "" if none is one of walkerlab."""
+    clauses = {name: explain_operator(name, choices) for name in names}
+    known = "; ".join(f"{name}: {clause}" for name, clause in clauses.items() if clause)
+    return f" {known[0].upper()}{known[1:]}." if known else ""
