@@ -18,6 +18,11 @@ s = wl.Settings().with_(population_size=8, generations=99, duration=1)
 lab = wl.Lab(s, executor=ThreadPoolExecutor(1))
 lab
 """
+# An export saves each picture in one format, which is faster.
+ONE_FORMAT = """
+from walkerlab.view.report import page, pictures
+page.FORMATS = pictures.FORMATS = ("svg",)
+"""
 PLACED = ["form", "world", "transport", "walker", "curve", "run-list"]
 
 
@@ -72,7 +77,7 @@ def only_run(jupyter):
 
 
 def test_a_student_evolves_a_walker(page, jupyter):
-    open_panel(page, jupyter, "JupyterLab")
+    open_panel(page, jupyter, "JupyterLab", ONE_FORMAT)
     says(page, "99 generations of 8 robots")
     page.locator(".wl-lab").evaluate("panel => { panel.dataset.is = 'the first view'; }")
     assert page.locator(".wl-snapshot").is_hidden()
