@@ -322,9 +322,12 @@ def open_file(page, path):
     page.wait_for_function("window.walkerlab")
 
 
+TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
+
 def take_picture(page, time, camera):
     page.evaluate(f"walkerlab.pause(); walkerlab.state.camera = '{camera}'; walkerlab.seek({time})")
-    page.wait_for_timeout(300)
+    page.evaluate(TWO_FRAMES)  # what was drawn in the first is visible in the second
     return page.locator("#canvasTarget").screenshot()
 
 
