@@ -218,7 +218,7 @@ def test_a_panel_is_closed_by_its_cell_or_by_code_while_it_runs(page, jupyter):
     # the cell runs again: its earlier panel is closed, and its run can be loaded
     start_all(page)
     says(page, "The earlier panel of this cell was closed")
-    assert page.locator(".wl-transport").count() == 1
+    page.wait_for_function("document.querySelectorAll('.wl-transport').length === 1")
     assert button(page, "Start").is_enabled()
     page.get_by_label("run file to load").select_option(str(path))
     button(page, "Load", ".wl-drawer").click()
