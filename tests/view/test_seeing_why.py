@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 import walkerlab as wl
 from walkerlab.analysis.price import TERMS
 from walkerlab.ga.selection import tournament
-from walkerlab.settings.choices import Selection
+from walkerlab.settings.choices import Crossover, Mutation, Selection
 from walkerlab.view.plots.operator_words import explain_operator, explain_operators
 
 FITNESS = np.array([3.0, 1.0, -np.inf, 2.0, 5.0])
@@ -67,6 +67,24 @@ def test_a_caption_says_in_one_clause_what_each_operator_does(name, clause):
     assert clause in explain_operator(name, Selection)
     assert explain_operators(["mine", name], Selection) == f" {name.capitalize()}: {explain_operator(name, Selection)}."
     assert explain_operators(["mine"], Selection) == ""
+
+
+def texts_of(axes):
+    return " ".join(" ".join(text.get_text().split()) for text in axes.texts)
+
+
+def test_the_caption_of_a_birth_explains_each_operator_once_also_if_a_name_has_two_meanings():
+    settings = wl.Settings().with_(crossover="randomized", mutation="randomized")
+    rng = np.random.default_rng(0)
+    parents = [wl.Genome.random(settings.robot, rng=rng) for _ in range(2)]
+    births = (
+        wl.analysis.mate(*parents, settings, rng=rng, mutates=True),
+        wl.analysis.mutate(parents[0], settings, rng=rng),
+    )
+    crossed, mutated = (texts_of(wl.plots.birth(birth)) for birth in births)
+    assert f"First randomized: {Crossover.randomized.about}. Then randomized: {Mutation.randomized.about}." in crossed
+    assert f"First randomized: {Mutation.randomized.about}." in mutated
+    assert Crossover.randomized.about not in mutated
 
 
 def test_robots_are_drawn_under_both_fitness_functions(run):

@@ -99,8 +99,13 @@ def _caption(birth: Birth) -> str:
     """Explain what the plot shows, and the signs, colours and frames that it contains."""
     origins = birth.origins
     has_parents = len(birth.parents) > 1
-    made = f"How {birth.name} was made from its parent{'s' if has_parents else ''}, gene by gene."
-    known = [(name, explain_operator(name, kind)) for name in birth.operators for kind in (Crossover, Mutation)]
+    made = f"How this robot was made from its parent{'s' if has_parents else ''}, gene by gene."
+    # Both kinds have an operator "randomized": with several parents, the first operator is a crossover.
+    first = (Crossover, Mutation) if has_parents else (Mutation, Crossover)
+    known = [
+        (name, explain_operator(name, *(first if i == 0 else (Mutation, Crossover))))
+        for i, name in enumerate(birth.operators)
+    ]
     clauses = [(name, clause) for name, clause in known if clause]
     steps = [f"Then {name}: {clause}." if i else f"First {name}: {clause}." for i, (name, clause) in enumerate(clauses)]
     table = "The table has the child's genes: a cell is one gene, a row is one segment; segment 1 is on the right."

@@ -11,14 +11,14 @@ _SIZE = re.compile(r"\bsize=(\d+)")
 _DEFAULT_SIZE = signature(tournament).parameters["size"].default
 
 
-def explain_operator(name: str, choices: type[Choice]) -> str:
-    """Return one clause about an operator: ``the best of 3 drawn at random``; "" if it is not one of walkerlab.
+def explain_operator(name: str, *kinds: type[Choice]) -> str:
+    """Return one clause about an operator: ``the best of 3 drawn at random``; "" for an operator of the user.
 
     Args:
         name: Name as tables show it, with the arguments of a partial: ``tournament(size=3)``.
-        choices: Kind of the operator.
+        kinds: Kinds of operators; the first that has an operator of this name is used.
     """
-    choice = choices.__members__.get(name.partition("(")[0])
+    choice = next((kind[key] for kind in kinds if (key := name.partition("(")[0]) in kind.__members__), None)
     if choice is None:
         return ""
     if choice is Selection.tournament:
@@ -27,8 +27,8 @@ def explain_operator(name: str, choices: type[Choice]) -> str:
     return choice.about
 
 
-def explain_operators(names: Iterable[str], choices: type[Choice]) -> str:
-    """Return a sentence with a clause about each operator, with a space in front; "" if none is one of walkerlab."""
-    clauses = {name: explain_operator(name, choices) for name in names}
+def explain_operators(names: Iterable[str], kind: type[Choice]) -> str:
+    """Return a sentence with a clause about each operator, with a space in front; "" for operators of the user."""
+    clauses = {name: explain_operator(name, kind) for name in names}
     known = "; ".join(f"{name}: {clause}" for name, clause in clauses.items() if clause)
     return f" {known[0].upper()}{known[1:]}." if known else ""

@@ -86,14 +86,16 @@ def before_after(
     title = f"{label}: " if label else ""
     axes.set_title(title + "; ".join(facts), loc="left", fontsize=9, pad=22)
     subject = f"the operator {label}" if label else "an operator"
-    clauses = [explain_operators([label.partition(" ")[0]], choices) for choices in (Crossover, Mutation)]
+    name = label.partition(" ")[0]
+    clauses = [clause for kind in (Crossover, Mutation) if (clause := explain_operators([name], kind))]
+    meaning = clauses[0] if len(clauses) == 1 else ""  # "randomized" is the name of a crossover and of a mutation
     add_caption(
         axes,
         f"What {subject} did to the genes of a whole population. Each column is a gene, with the values of all robots "
         "before (grey, left) and after (blue, right) as positions in the gene's range. Thin bar: from the lowest to "
         "the highest value; thick bar: the middle half of the robots; dot: the robot in the middle (median). A blue "
         "bar longer than its grey one: the robots became more different in this gene. Spread: standard deviation, the "
-        f"typical distance from the mean.{''.join(clauses)}",
+        f"typical distance from the mean.{meaning}",
     )
     add_description(axes, TITLE, f"{title}{'; '.join(facts)}. The spread is the standard deviation.")
     return axes
