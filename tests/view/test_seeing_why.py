@@ -187,3 +187,13 @@ def test_tables_from_elsewhere_are_rejected(run):
         wl.plots.roulette_wheel(run.records)
     with pytest.raises(ValueError, match=r"wl\.analysis\.evolve_onemax"):
         wl.plots.onemax("top_half")
+
+
+def test_captions_do_not_shrink_the_drawings(run):
+    settings = wl.Settings().with_(crossover="randomized", mutation="randomized")
+    rng = np.random.default_rng(0)
+    parents = [wl.Genome.random(settings.robot, rng=rng) for _ in range(2)]
+    child = wl.analysis.mate(*parents, settings, rng=rng, mutates=True)
+    for axes in (wl.plots.birth(child), wl.plots.pedigree(run)):
+        axes.figure.canvas.draw()
+        assert axes.get_window_extent().width > 0.95 * axes.figure.bbox.width

@@ -32,8 +32,8 @@ BODY_HEIGHT = 1.75  # height of the drawings of the bodies
 BODY_SCALE = 3.0  # maximum scale of the bodies, in inches per metre
 MAX_BODIES = 3  # maximum number of parents that are drawn
 HEADING_HEIGHT = 0.42
-CAPTION_HEIGHT = 0.9
-LINE_LENGTH = 180  # of the caption, in characters
+CAPTION_LINE_HEIGHT = 0.155
+LINE_LENGTH = 160  # of the caption, in characters; the layout shrinks all else if a line is wider than the figure
 GROUPS = ("trunk",) * 4 + ("legs",) * 2 + ("hip",) * 3 + ("knee",) * 3 + ("left/right",)
 """Heading above the name of each feature of a segment."""
 FONT_SIZE = 8.5  # points, in a figure of full size
@@ -60,7 +60,8 @@ def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None
         The Axes drawn on.
     """
     n_parts = birth.genes.n_parts
-    top = CAPTION_HEIGHT + n_parts * CELL_HEIGHT + HEADING_HEIGHT
+    caption = _caption(birth)
+    top = CAPTION_LINE_HEIGHT * (caption.count("\n") + 1) + n_parts * CELL_HEIGHT + HEADING_HEIGHT
     ground = top + CELL_HEIGHT + 0.25
     height = ground + BODY_HEIGHT + 0.1
     axes = ax or new_axes(WIDTH, height)
@@ -90,7 +91,7 @@ def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None
         for column in range(len(SEGMENT_FEATURES)):
             _draw_cell(axes, next(of_parts), LABEL_WIDTH + column * CELL_WIDTH, y, size)
     colour = foreground_colour(axes, 0.8)
-    axes.text(0, 0, escape_label(_caption(birth)), va="bottom", fontsize=size, linespacing=1.3, color=colour)
+    axes.text(0, 0, escape_label(caption), va="bottom", fontsize=size, linespacing=1.3, color=colour)
     add_description(axes, TITLE, describe_birth(birth))
     return axes
 

@@ -28,8 +28,8 @@ N_COLUMNS = 2
 ROBOTS_PER_SCREEN = 40  # number of robots that fit on a screen of 1280 × 800 pixels
 MAX_LINE_LENGTH = 64  # maximum length of a line of text, in characters
 FONT_SIZE = 7.5  # points
-CAPTION_HEIGHT = 0.62
-LINE_LENGTH = 225  # of the caption, in characters
+CAPTION_LINE_HEIGHT = 0.165
+LINE_LENGTH = 195  # of the caption, in characters; the layout shrinks all else if a line is wider than the figure
 CHANGED_COLOUR = (0.84, 0.37, 0.0)  # parts that differ from the row above, RGB
 EQUAL_COLOUR = (0.82, 0.82, 0.82)
 BAR_LEFT = 0.62
@@ -79,18 +79,6 @@ def pedigree(
     n_generations = int(table.generation.max()) + 1
     limit = max_robots or ROBOTS_PER_SCREEN * max(1, math.ceil(n_generations / 100))
     steps = trace_line(table, individual, limit)
-    n_rows = max(math.ceil(len(steps) / N_COLUMNS), 4)
-    height = n_rows * ROW_HEIGHT + CAPTION_HEIGHT
-    axes = ax or new_axes(WIDTH, height)
-    axes.set_xlim(0, WIDTH)
-    axes.set_ylim(0, height)
-    axes.set_aspect("equal", anchor="N")
-    axes.set_axis_off()
-    window = axes.get_window_extent()
-    scale = min(window.width / WIDTH, window.height / height) / axes.figure.dpi if ax is not None else 1.0
-    size = float(np.clip(FONT_SIZE * scale, 2.0, FONT_SIZE))
-    _draw_rows(axes, steps, n_rows, settings, unit_of(table, "fitness"), size)
-
     last = steps[-1]
     fitness_name = str(table.attrs.get("fitness", UNKNOWN_FITNESS))
     n_births = sum(step.n_births for step in steps)
@@ -105,6 +93,18 @@ def pedigree(
         "those that differ visibly from the row above."
     )
     lines = textwrap.fill(escape_label(caption), LINE_LENGTH)
+    n_rows = max(math.ceil(len(steps) / N_COLUMNS), 4)
+    height = n_rows * ROW_HEIGHT + CAPTION_LINE_HEIGHT * (lines.count("\n") + 1)
+    axes = ax or new_axes(WIDTH, height)
+    axes.set_xlim(0, WIDTH)
+    axes.set_ylim(0, height)
+    axes.set_aspect("equal", anchor="N")
+    axes.set_axis_off()
+    window = axes.get_window_extent()
+    scale = min(window.width / WIDTH, window.height / height) / axes.figure.dpi if ax is not None else 1.0
+    size = float(np.clip(FONT_SIZE * scale, 2.0, FONT_SIZE))
+    _draw_rows(axes, steps, n_rows, settings, unit_of(table, "fitness"), size)
+
     axes.text(0, height, lines, va="top", fontsize=1.07 * size, linespacing=1.35)
     first = steps[0]
     unit = unit_of(table, "fitness")
