@@ -228,6 +228,7 @@ def test_a_panel_is_closed_by_its_cell_or_by_code_while_it_runs(page, jupyter):
 
     # a later cell closes it
     button(page, "Start").click()
+    page.locator(".wl-transport", has_text=re.compile(r"Running: [1-9]\d* of 99")).wait_for(timeout=60_000)
     (jupyter.folder / "over").touch()
     assert finish_all(page) == []
     page.locator(".wl-transport").wait_for(state="detached")
