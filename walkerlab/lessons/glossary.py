@@ -28,7 +28,7 @@ MORE_TERMS = {
     "mutation rate": "The probability with which a gene mutates.",
     "mutation scale": "The size of the change when a gene mutates, as a share of its range.",
     "offspring": "The children of a generation.",
-    "p-value": "The probability of a difference at least as large as the measured one if there were no real difference.",
+    "p-value": "The probability of a difference at least as large as the measured one if only chance acted.",
     "parent": "A robot that selection has chosen; its genome goes into its children.",
     "pedigree": "A drawing of a robot with its ancestors.",
     "phenotype": "The body and the gait that a genome produces.",
