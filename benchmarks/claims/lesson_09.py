@@ -42,7 +42,12 @@ def _best_always_lost(seed: int) -> float:
 
 CLAIMS: tuple[Claim, ...] = (
     *(
-        Claim(f"09.{letter}", f"The best robot of a run with {name} improves despite the bug.", partial(_rise, name=name), "m")
+        Claim(
+            f"09.{letter}",
+            f"The best robot of a run with {name} improves despite the bug.",
+            partial(_rise, name=name),
+            "m",
+        )
         for letter, name in zip("abcde", BROKEN, strict=True)
     ),
     Claim("09.f", "uniform keeps more diversity than operator_c.", _diversity_lost, "of the range of a gene"),

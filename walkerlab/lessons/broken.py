@@ -1,7 +1,7 @@
 """The six operators of lesson 09, five of which have a bug.
 
-All of them pass the checks of ``walkerlab.ga.checks`` and run without an error. Their docstrings say what they are meant
-to do; the teacher's guide of the lesson and ``tests/lessons/test_broken.py`` say what they do.
+All of them pass the checks of ``walkerlab.ga.checks`` and run without an error. Their docstrings say what they are
+meant to do; the teacher's guide of the lesson and ``tests/lessons/test_broken.py`` say what they do.
 """
 
 import numpy as np
@@ -44,7 +44,13 @@ def operator_b(genomes: Floats, genes: Genes, *, rng: Generator) -> Floats:
     return np.where(is_mutated, reflect(genomes + steps, genes.low, genes.high), genomes)
 
 
-def operator_c(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator) -> Children:
+def operator_c(
+    parents: Floats,
+    fitness: Floats,
+    n_children: int,
+    *,
+    rng: Generator,  # noqa: ARG001  # part of the signature
+) -> Children:
     """Cross each parent with the next: move the less fit of the two towards the fitter one.
 
     The larger the difference of their fitness, the further it moves.

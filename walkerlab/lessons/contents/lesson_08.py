@@ -56,7 +56,9 @@ def _check_nudge(mutate: Any) -> bool | str:
         return "All genomes move by the same steps. Draw one random number for each gene of each genome."
     if (after >= before).all() or (after <= before).all():
         return "All genes move in the same direction. A step must be able to go up or down."
-    return moved.max() > MAX_NUDGE / 2 or "The steps are smaller than they need to be: up to 1 % of the range is allowed."
+    return (
+        moved.max() > MAX_NUDGE / 2 or "The steps are smaller than they need to be: up to 1 % of the range is allowed."
+    )
 
 
 def _check_cooling(mutate: Any) -> bool | str:
@@ -73,8 +75,8 @@ def _check_cooling(mutate: Any) -> bool | str:
         return "The steps grow during the run; they must become smaller."
     if not 0 < sizes[-1] <= STEP_RATIO * sizes[0]:
         return (
-            f"In the last of {N_TRIAL_GENERATIONS} generations the steps are {sizes[-1] / sizes[0]:.0%} as large as in the "
-            "first; they must be at most half as large, but not zero."
+            f"In the last of {N_TRIAL_GENERATIONS} generations the steps are {sizes[-1] / sizes[0]:.0%} as large as in "
+            "the first; they must be at most half as large, but not zero."
         )
     return all(np.diff(sizes) <= 0) or "The steps must become smaller from each generation to the next."
 

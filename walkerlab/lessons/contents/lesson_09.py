@@ -65,22 +65,22 @@ EXERCISES: dict[str, Exercise] = {
     "09.2": Exercise(
         check=_diagnosis_check(SELECTION),
         hints=("The numbers are those of the list of symptoms at the top of the lesson.",),
-        right="A wheel cannot handle negative fitness: users of DEAP (issue 211, 2017) and eaopt (issue 39, 2019) found this "
-        "out. A tournament that draws from one robot too few was in DESDEO-EMO (pull request 44, 2021). One spin with many "
-        "pointers is unusual, but sound: Baker published it in 1987.",
+        right="A wheel cannot handle negative fitness: users of DEAP (issue 211, 2017) and eaopt (issue 39, 2019) found "
+        "this out. A tournament that draws from one robot too few was in DESDEO-EMO (pull request 44, 2021). One spin with "
+        "many pointers is unusual, but sound: Baker published it in 1987.",
     ),
     "09.4": Exercise(
         check=_diagnosis_check(CROSSOVER),
         hints=("The number is that of the list of symptoms at the top of the lesson.",),
-        right="walkerlab's own weighted crossover did this in a lesson with only two parents: their difference was divided "
-        "by itself, so that the child always moved the whole way (2026).",
+        right="walkerlab's own weighted crossover did this in a lesson with only two parents: their difference was "
+        "divided by itself, so that the child always moved the whole way (2026).",
     ),
     "09.6": Exercise(
         check=_diagnosis_check(MUTATION),
         hints=("The numbers are those of the list of symptoms at the top of the lesson.",),
-        right="In TPOT, one mutation changed the whole population at once (issue 362, 2017), and in GeneticAlgorithmPython "
-        "the same genes mutated each time (issue 2, 2019). Values that gather at a limit are walkerlab's own history: 57 % "
-        "of its random robots weighed exactly the maximum (2026).",
+        right="In TPOT, one mutation changed the whole population at once (issue 362, 2017), and in "
+        "GeneticAlgorithmPython the same genes mutated each time (issue 2, 2019). Values that gather at a limit are "
+        "walkerlab's own history: 57 % of its random robots weighed exactly the maximum (2026).",
     ),
     "09.7": Exercise(
         check=_check_repair,
@@ -113,7 +113,7 @@ QUIZ: tuple[Question, ...] = (
         text="An operator passes all tools of this lesson. What does that show?",
         choices={
             "It has no bug.": "A bug of a kind that no tool looks at would not be seen.",
-            "It does not have the bugs that these tools can find.": "Right: a test can show a bug, but not its absence.",
+            "It does not have the bugs that these tools can find.": "Right: a test shows a bug, but not its absence.",
         },
         right="It does not have the bugs that these tools can find.",
     ),

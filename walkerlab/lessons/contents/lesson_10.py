@@ -10,9 +10,9 @@ from walkerlab.lessons.exercises import Exercise, Question
 DURATION = 4.0  # s
 N_SAMPLES = 201
 HEIGHT = 0.3  # m
-LOOPHOLES = {"path": 1, "steps": 2, "calm": 3, "sprint": 4}
+LOOPHOLES = {"far": 1, "steps": 2, "calm": 3, "sprint": 4}
 LOOPHOLE_HINTS = {
-    "path": "A path has a length, but no direction. Which of the robots has a long path?",
+    "far": "A distance has no direction. Which of the robots gets far from its start?",
     "steps": "Which robot touches the ground very often without getting anywhere?",
     "calm": "Which robot has the least movement of all?",
     "sprint": "Half a second is too short for several steps. What moves a body forward without any step?",
@@ -38,15 +38,15 @@ def _check_fitness(fitness: Any) -> bool | str:
         return "For one of four example walks, your fitness is not a finite number. Is there a division by zero?"
     if economical <= still:
         return (
-            f"A robot that walks 3 m with 150 J gets {economical:.3g}, and one that lies still {still:.3g}. Evolution would "
-            "prefer lying still. Make the distance count more, or the work less."
+            f"A robot that walks 3 m with 150 J gets {economical:.3g}, and one that lies still {still:.3g}. Evolution "
+            "would prefer lying still. Make the distance count more, or the work less."
         )
     if backward >= still:
         return f"A robot that walks 3 m backward gets {backward:.3g}, and one that lies still only {still:.3g}."
     if economical <= wasteful:
         return (
-            f"Two robots walk 3 m, with 150 J and with 400 J. They get {economical:.3g} and {wasteful:.3g}; the first must get "
-            "more, because it saves energy."
+            f"Two robots walk 3 m, with 150 J and with 400 J. They get {economical:.3g} and {wasteful:.3g}; the first must "
+            "get more, because it saves energy."
         )
     return wasteful > still or (
         f"A robot that walks 3 m with 400 J gets {wasteful:.3g}, and one that lies still {still:.3g}. Walking must pay."
@@ -65,14 +65,14 @@ EXERCISES: dict[str, Exercise] = {
         check=_check_fitness,
         hints=(
             "Start with walk.distance, and subtract a small part of the work, walk.work[-1].",
-            "A walk of 3 m takes some hundred joules. By which factor must you multiply joules to compare them with metres?",
+            "A walk of 3 m takes some hundred joules. Which factor makes joules comparable with metres?",
         ),
-        right="All four example walks are in the order that the goal demands. Whether evolution finds another loophole, only a "
-        "run can show.",
+        right="All four example walks are in the order that the goal demands. Whether evolution finds another loophole, "
+        "only a run can show.",
     ),
     "10.6": Exercise(
         check=_check_loopholes,
-        hints=('Write one number from 1 to 4 for each of "path", "steps", "calm" and "sprint".',),
+        hints=('Write one number from 1 to 4 for each of "far", "steps", "calm" and "sprint".',),
         right="Each of these goals measures something that walkers do, but that others do, too.",
     ),
 }
@@ -81,8 +81,8 @@ QUIZ: tuple[Question, ...] = (
     Question(
         text="Why did the champion on the windy ice come so far?",
         choices={
-            "It found an especially good gait.": "Its legs contributed almost nothing: with the guards, it is restless.",
-            "The wind blew it along.": "Right: it moved before it made a step, and only a guard can tell the difference.",
+            "It found an especially good gait.": "Its legs contributed almost nothing: the verdict is restless.",
+            "The wind blew it along.": "Right: it moved before it made a step, and only a guard shows the difference.",
         },
         right="The wind blew it along.",
     ),

@@ -70,7 +70,7 @@ QUIZ: tuple[Question, ...] = (
     Question(
         text="You have 160 workers. Which run uses them best?",
         choices={
-            "16 robots, 1000 generations": "At most 16 workers are busy, because a generation waits for the one before.",
+            "16 robots, 1000 generations": "At most 16 workers are busy, because a generation waits for the last.",
             "1600 robots, 10 generations": "Right: ten full rounds of walks in every generation.",
         },
         right="1600 robots, 10 generations",
@@ -78,7 +78,7 @@ QUIZ: tuple[Question, ...] = (
     Question(
         text="Why is the table the same, whatever computes the walks?",
         choices={
-            "because all computers are equally fast": "Speed has no influence on the table, and computers differ in it.",
+            "because all computers are equally fast": "Speed has no influence on the table, and computers differ.",
             "because every random number belongs to a place in the run, not to a worker": "Right: the seed, the "
             "generation and the robot determine it.",
             "because the workers wait for each other": "They finish in any order; the table does not depend on it.",
