@@ -65,9 +65,9 @@ EXERCISES: dict[str, Exercise] = {
     "09.2": Exercise(
         check=_diagnosis_check(SELECTION),
         hints=("The numbers are those of the list of symptoms at the top of the lesson.",),
-        right="A wheel cannot handle negative fitness: users of DEAP (issue 211, 2017) and eaopt (issue 39, 2019) found "
-        "this out. A tournament that draws from one robot too few was in DESDEO-EMO (pull request 44, 2021). One spin with "
-        "many pointers is unusual, but sound: Baker published it in 1987.",
+        right="A wheel cannot handle negative fitness: users of DEAP (issue 211, 2017) and eaopt (issue 39, 2019) "
+        "found this out. A tournament that draws from one robot too few was in DESDEO-EMO (pull request 44, 2021). One "
+        "spin with many pointers is unusual, but sound: Baker published it in 1987.",
     ),
     "09.4": Exercise(
         check=_diagnosis_check(CROSSOVER),

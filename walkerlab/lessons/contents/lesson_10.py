@@ -45,8 +45,8 @@ def _check_fitness(fitness: Any) -> bool | str:
         return f"A robot that walks 3 m backward gets {backward:.3g}, and one that lies still only {still:.3g}."
     if economical <= wasteful:
         return (
-            f"Two robots walk 3 m, with 150 J and with 400 J. They get {economical:.3g} and {wasteful:.3g}; the first must "
-            "get more, because it saves energy."
+            f"Two robots walk 3 m, with 150 J and with 400 J. They get {economical:.3g} and {wasteful:.3g}; the first "
+            "must get more, because it saves energy."
         )
     return wasteful > still or (
         f"A robot that walks 3 m with 400 J gets {wasteful:.3g}, and one that lies still {still:.3g}. Walking must pay."
@@ -67,8 +67,8 @@ EXERCISES: dict[str, Exercise] = {
             "Start with walk.distance, and subtract a small part of the work, walk.work[-1].",
             "A walk of 3 m takes some hundred joules. Which factor makes joules comparable with metres?",
         ),
-        right="All four example walks are in the order that the goal demands. Whether evolution finds another loophole, "
-        "only a run can show.",
+        right="All four example walks are in the order that the goal demands. Whether evolution finds another "
+        "loophole, only a run can show.",
     ),
     "10.6": Exercise(
         check=_check_loopholes,
