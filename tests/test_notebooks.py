@@ -64,7 +64,7 @@ def test_a_question_precedes_every_code_cell(path):
 
 
 def shorten(path: Path) -> nbformat.NotebookNode:
-    if path.stem == "05_cluster" and not importlib.util.find_spec("dask_jobqueue"):
+    if path.stem == "12_a_bigger_computer" and not importlib.util.find_spec("dask_jobqueue"):
         skip_without("dask_jobqueue")
     notebook = read_notebook(path)
     [parameters] = [cell for cell in notebook.cells if "parameters" in cell.metadata.get("tags", [])]
