@@ -75,6 +75,7 @@ _PUBLIC_MODULES = {
     "analysis": "analysis",
     "fitness": "simulation.fitness",
     "ga": "ga",
+    "lessons": "lessons",
     "plots": "view.plots",
     "stats": "experiment.stats",
     "widgets": "widgets",
@@ -86,6 +87,7 @@ _DEFINING_MODULE = {name: module for module, names in _PUBLIC_NAMES.items() for 
 if TYPE_CHECKING:
     from walkerlab import analysis as analysis
     from walkerlab import ga as ga
+    from walkerlab import lessons as lessons
     from walkerlab import widgets as widgets
     from walkerlab.breeding import crossover_population as crossover_population
     from walkerlab.breeding import generate_robot_gene as generate_robot_gene
