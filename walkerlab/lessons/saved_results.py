@@ -2,8 +2,8 @@
 
     python -m walkerlab.lessons.saved_results data/results.csv
 
-runs the experiment and replaces the table; it has about 19,000 walks. An interrupted experiment continues if the command
-is repeated. The table replaces the run file of the experiment, which is a hundred times as large.
+runs the experiment and replaces the table; it has about 19,000 walks. An interrupted experiment continues if the
+command is repeated. The table is stored instead of the run file of the experiment, which is 600 times as large.
 """
 
 import sys
@@ -29,8 +29,8 @@ def saved_results() -> pd.DataFrame:
 
     Returns:
         Table with a row for each run: ``condition`` ("evolution", "macro" or "random search"), ``seed``, ``walks``
-        (number of robots that walked), ``fitness`` (of the best robot, in m) and its ``genome``. ``.attrs`` contains the
-        ``settings``.
+        (number of robots that walked), ``fitness`` (of the best robot, in m) and its ``genome``. ``.attrs`` contains
+        the ``settings``.
     """
     package = Path(__file__).parents[1]
     table = pd.read_csv(next(path for path in (package / FILE, package.parent / FILE) if path.exists()))

@@ -62,7 +62,7 @@ EXERCISES: dict[str, Exercise] = {
             "Numerator: the difference of the couple, 5 m − 2 m.",
             "Denominator: the highest minus the lowest fitness of all four parents, 5 m − 1 m.",
         ),
-        right="The gap of the couple is three quarters of the range of the pool, so the child is three quarters of the way.",
+        right="The gap of the couple is three quarters of the range of the pool, and so is the child's way.",
     ),
     "04.6": Exercise(
         check=_check_possible,
@@ -70,8 +70,8 @@ EXERCISES: dict[str, Exercise] = {
             "The child is on the way from one parent to the other, never beyond either of them.",
             "Which of the four values lie between the lowest and the highest value of the parents?",
         ),
-        right="A blend creates new values, but only between those of the parents: it can narrow the range of a gene, and "
-        "never widen it.",
+        right="A blend creates new values, but only between those of the parents: it can narrow the range of a "
+        "gene, and never widen it.",
     ),
 }
 
@@ -81,8 +81,8 @@ QUIZ: tuple[Question, ...] = (
         {
             "one": "Right. Every coin chooses between two equal values.",
             "two": "The second child gets what is left, but the two parents are equal, so that is the same genome.",
-            "2 to the power of 56": "That is the number of ways in which 56 coins can fall; but each coin chooses between "
-            "two equal values.",
+            "2 to the power of 56": "That is the number of ways in which 56 coins can fall; but each coin "
+            "chooses between two equal values.",
         },
         "one",
     ),

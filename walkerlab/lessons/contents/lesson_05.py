@@ -18,9 +18,9 @@ def _check_rate(answer: Any) -> bool | str:
     copies = (1 - rate) ** N_GENES
     low, high = COPIES_WANTED
     if copies < low:
-        return f"With {rate:g}, only about {copies:.0%} of the mutants are exact copies. Is that too many changes or too few?"
+        return f"With {rate:g}, only about {copies:.0%} of the mutants are exact copies. Too many changes, or too few?"
     if copies > high:
-        return f"With {rate:g}, about {copies:.0%} of the mutants are exact copies. Is that too many changes or too few?"
+        return f"With {rate:g}, about {copies:.0%} of the mutants are exact copies. Too many changes, or too few?"
     return True
 
 
@@ -48,7 +48,7 @@ def _check_reach(answer: Any) -> bool | str:
 
 
 def _count_climbs_to_top(fitness: list[float], reach: int) -> int:
-    """Return the number of starts from which a climber that sees ``reach`` points to either side reaches the maximum."""
+    """Return from how many starts a climber that sees ``reach`` points to either side reaches the maximum."""
     top = fitness.index(max(fitness))
     n_successes = 0
     for start in range(len(fitness)):
@@ -82,7 +82,7 @@ EXERCISES: dict[str, Exercise] = {
             "Call count_successes(2), count_successes(3) and so on, until it returns the number of points.",
             "A for loop over range(1, 41) can print count_successes for all of them.",
         ),
-        right="A step must be as wide as the widest valley on the way. Mutation in small steps alone stays on its hill.",
+        right="A step must be as wide as the widest valley on the way. With small steps alone, it stays on its hill.",
     ),
 }
 
@@ -92,14 +92,14 @@ QUIZ: tuple[Question, ...] = (
         {
             "Less likely": "Right. Most ways lead downhill from a place near the top.",
             "Equally likely": "The better a robot is, the fewer better ones there are near it.",
-            "More likely": "Good genes do not make good changes more frequent: most changes of a good robot spoil something.",
+            "More likely": "Most changes of a good robot spoil something.",
         },
         "Less likely",
     ),
     Question(
         "Why does mutation not simply change all genes a little in every child?",
         {
-            "Good and bad changes come together": "Right. With many changes at once, a good one is usually spoiled by bad ones.",
+            "Good and bad changes come together": "Right. Among many changes, bad ones usually spoil a good one.",
             "Small changes have no effect": "They do: even a small change of a phase can decide whether a robot falls.",
             "The genome would become longer": "The number of genes stays the same; only values change.",
         },

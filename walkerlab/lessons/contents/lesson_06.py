@@ -42,7 +42,7 @@ EXERCISES: dict[str, Exercise] = {
         check=_check_walks,
         hints=(
             "In generation 0, all 24 robots walk. How many new robots are there in each later generation?",
-            "The first generation and the later ones have different numbers of walks. How many later generations are there?",
+            "How many generations are there after the first one?",
         ),
         right="The table has more rows than that, because an elite has a row in each generation in which it lives.",
     ),

@@ -24,7 +24,7 @@ def _check_seeds(answer: Any) -> bool | str:
     if not number.is_integer() or number < 1:
         return "A number of seeds is a whole number."
     if 2 < number < FEWEST_SEEDS:
-        return f"With {number:g} seeds, all heads or all tails happen in 2 of {2**int(number)} cases. Is that below 0.05?"
+        return f"With {number:g} coins, all fall alike in 2 of {2 ** int(number)} cases. Is that below 0.05?"
     if number > FEWEST_SEEDS:
         return "The p-value is below 0.05 there, but is it the smallest number of seeds for which it is?"
     return number == FEWEST_SEEDS
@@ -60,7 +60,7 @@ QUIZ: tuple[Question, ...] = (
         "Nothing in either direction",
     ),
     Question(
-        "Method A had 1,000 walks and found a robot with 8 m; method B had 500 walks and found one with 7 m. Which is better?",
+        "Method A found a robot with 8 m in 1,000 walks; method B found one with 7 m in 500 walks. Which is better?",
         {
             "One cannot say": "Right. More walks find better robots; the budget must be the same. And it is one seed.",
             "A": "It had twice as many chances. What would B have found with 1,000 walks?",
@@ -71,8 +71,8 @@ QUIZ: tuple[Question, ...] = (
     Question(
         "Why do both conditions of an experiment use the same seeds?",
         {
-            "Both start from the same robots": "Right. The luck of the first generation is then the same for both: pairs differ only "
-            "by the method.",
+            "Both start from the same robots": "Right. The luck of the first generation is then the same for both: "
+            "the runs of a pair differ only by the method.",
             "The result is then always clear": "It is only easier to see a difference, if there is one.",
             "The runs are faster": "Each run has as many walks as before.",
         },
