@@ -47,11 +47,11 @@ def false_alarms(seed: int) -> float:
 
 
 def champions_lose(seed: int) -> float:
-    """Return how many more than half of the champions of a seed walk less far from other starts."""
+    """Return how many more than half of the 12 champions of evolution walk less far from other starts."""
     results = wl.lessons.saved_results()
-    settings = results.attrs["settings"]
-    champions = results[results.seed == seed % 12]
-    confirmed = [wl.confirm(genome, settings) for genome in champions.genome]
+    champions = results[results.condition == "evolution"]
+    n_starts = 3 + 2 * seed  # an odd number, so that the median is one of the walks
+    confirmed = [wl.confirm(genome, results.attrs["settings"], n_starts) for genome in champions.genome]
     return sum(one.kept_nudged < 1 for one in confirmed) - len(confirmed) / 2
 
 
@@ -63,5 +63,5 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "07.e", "Adding seeds until a difference is clear finds one in far more than 5 %.", false_alarms, "above 10 %"
     ),
-    Claim("07.f", "Most champions walk less far from other starts.", champions_lose, "of 3 champions, above half"),
+    Claim("07.f", "Most of the saved champions walk less far from other starts.", champions_lose, "of 12, above half"),
 )
