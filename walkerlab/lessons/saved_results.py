@@ -1,6 +1,6 @@
 """Saved results of an experiment: the champion of each run of three conditions with twelve seeds, for lesson 07.
 
-    python -m walkerlab.lessons.saved_results data/results.csv
+    python -m walkerlab.lessons.saved_results data/runs/results.csv
 
 runs the experiment and replaces the table; it has about 19,000 walks. An interrupted experiment continues if the
 command is repeated. The table is stored instead of the run file of the experiment, which is 600 times as large.
@@ -18,7 +18,7 @@ from walkerlab.experiment.optimisers import random_search
 from walkerlab.runfile.records import birth_rows
 from walkerlab.settings.settings import Settings
 
-FILE = Path("data") / "results.csv"
+FILE = Path("data") / "runs" / "results.csv"
 SEEDS = range(12)
 CHANGES: dict[str, Any] = {"population_size": 24, "generations": 24, "duration": 5.0}
 """Settings of the experiment that differ from the defaults, as arguments of ``Settings.with_``."""
