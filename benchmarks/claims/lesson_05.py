@@ -1,6 +1,7 @@
 """Statements of lesson 05, mutation."""
 
 from concurrent.futures import ThreadPoolExecutor
+from typing import Any
 
 import numpy as np
 
@@ -41,7 +42,8 @@ def starts_stuck(seed: int) -> float:
     """Return from how many of 40 frequencies a climber that looks one point ahead misses the highest hill."""
     with ThreadPoolExecutor(1) as executor:
         table = wl.analysis.landscape(_champion(seed), SETTINGS, "frequency", 40, executor)
-    fitness = table[~table.is_centre].sort_values("frequency").fitness.to_numpy()
+    points: Any = table[~table.is_centre]
+    fitness = points.sort_values("frequency").fitness.to_numpy()
     n_reached = 0
     for start in range(len(fitness)):
         here = start
