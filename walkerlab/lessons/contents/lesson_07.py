@@ -63,7 +63,7 @@ QUIZ: tuple[Question, ...] = (
         "Method A found a robot with 8 m in 1,000 walks; method B found one with 7 m in 500 walks. Which is better?",
         {
             "One cannot say": "Right. More walks find better robots; the budget must be the same. And it is one seed.",
-            "A": "It had twice as many chances. What would B have found with 1,000 walks?",
+            "A": "It had twice as many chances; nobody knows what B would have found with 1,000 walks.",
             "B": "It is more economical so far, but nobody knows how it would continue, or with another seed.",
         },
         "One cannot say",
