@@ -69,7 +69,7 @@ QUIZ: tuple[Question, ...] = (
         "Crossover and mutation lower the mean in nearly every generation. Would a run without them be better?",
         {
             "No": "Right. It would select the best of the first robots, and then stop.",
-            "Yes": "Its mean would rise at first. But soon all robots are copies of one, and nothing is left to select.",
+            "Yes": "Its mean would rise at first. Soon all robots are copies of one, and nothing is left to select.",
             "It would be the same": "Then no child could ever be better than the best robot of generation 0.",
         },
         "No",
