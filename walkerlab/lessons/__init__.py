@@ -16,6 +16,7 @@ from walkerlab.lessons.predictions import choose as choose
 from walkerlab.lessons.predictions import compare as compare
 from walkerlab.lessons.predictions import predict as predict
 from walkerlab.lessons.quizzes import quiz as quiz
+from walkerlab.lessons.saved_results import saved_results as saved_results
 from walkerlab.lessons.saved_runs import saved_champion as saved_champion
 from walkerlab.lessons.saved_runs import saved_run as saved_run
 from walkerlab.lessons.seeds import my_seed as my_seed
@@ -33,5 +34,6 @@ __all__ = [
     "predict",
     "quiz",
     "saved_champion",
+    "saved_results",
     "saved_run",
 ]
