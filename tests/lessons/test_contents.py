@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.lessons.exercises import find_exercise, find_quiz, lesson_numbers
 from walkerlab.lessons.exercises import _lesson as lesson_module
+from walkerlab.lessons.exercises import find_exercise, find_quiz, lesson_numbers
 
 LESSONS = [number for number in lesson_numbers() if number != "99"]
 EXERCISES = [number for lesson in LESSONS for number in lesson_module(lesson).EXERCISES]

@@ -19,25 +19,26 @@ HAND_WRITTEN = """wl2 segments=2
 
 N_UNUSED = 9  # length and force of the repeated legs, and the seven numbers of their step
 N_SEGMENTS = 3
+N_LEGS = 4
 GAIN = 0.5  # m by which an edited robot must walk further
 SETTINGS = Settings().with_(duration=5)
 
 
 def _check_unused(answer: Any) -> bool | str:
     number = float(answer)
-    if number == 2:  # noqa: PLR2004
+    if number == 2:
         return "The length and the force of the repeated legs are two. Do they also have a step that is never used?"
-    if number == 7:  # noqa: PLR2004
+    if number == 7:
         return "The last line has seven. Which numbers in the line of the second segment belong to its legs?"
     return number == N_UNUSED
 
 
 def _check_body(answer: Any) -> bool | str:
     robot = express(Genome.of(answer), SETTINGS.robot)
-    if robot.n_segments != N_SEGMENTS:
-        return f"This robot has {robot.n_segments} segments."
-    n_legs = 2 * sum(segment.leg is not None for segment in robot.segments)
-    return True if n_legs == 4 else f"This robot has {n_legs} legs."  # noqa: PLR2004
+    if len(robot.segments) != N_SEGMENTS:
+        return f"This robot has {len(robot.segments)} segments."
+    n_legs = 2 * sum(segment.legs is not None for segment in robot.segments)
+    return True if n_legs == N_LEGS else f"This robot has {n_legs} legs."
 
 
 def _check_faster(answer: Any) -> bool | str:
@@ -57,7 +58,7 @@ EXERCISES: dict[str, Exercise] = {
             "The second segment repeats the legs in front of it. Which of its own numbers are then not used?",
             "Count the numbers of its legs in its own line, and all numbers of its step in the last line.",
         ),
-        right="Length and force of the repeated legs, and the seven numbers of their step, are inherited without an effect.",
+        right="Length and force of the repeated legs, and the seven numbers of their step, have no effect.",
     ),
     "01.4": Exercise(
         check=_check_body,

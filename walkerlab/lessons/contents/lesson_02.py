@@ -62,7 +62,7 @@ EXERCISES: dict[str, Exercise] = {
             "Look at your curve of the steps: where is the distance less than 1 m?",
             "High steps, a steep slope and a strong headwind are all possible.",
         ),
-        right="The same numbers that walk well on the floor are of little use here: fitness belongs to robot and world.",
+        right="The same genome that is fit on the floor is unfit here: fitness depends on the world.",
     ),
     "02.6": Exercise(
         check=_check_load,

@@ -77,7 +77,7 @@ QUIZ: tuple[Question, ...] = (
         "What is the price of a strong selection pressure?",
         {
             "Each walk takes longer": "The walks are the same under any selection.",
-            "Diversity is lost sooner": "Right. Soon nearly all robots descend from a few, and crossover has little to combine.",
+            "Diversity is lost sooner": "Right. Soon nearly all robots descend from a few ancestors.",
             "The best robot is lost": "Strong selection keeps the best more surely than weak selection.",
         },
         "Diversity is lost sooner",
