@@ -57,7 +57,7 @@ QUIZ: tuple[Question, ...] = (
     Question(
         "Why does the best fitness never fall from one generation to the next?",
         {
-            "The elites survive unchanged": "Right. The two best robots are copied, and an unchanged robot walks the same.",
+            "The elites survive unchanged": "Right. The two best robots are copied, and walk the same.",
             "Children are never worse than their parents": "Most children are worse: look at the median.",
             "The ground becomes easier": "The ground is the same for all robots of a run.",
         },

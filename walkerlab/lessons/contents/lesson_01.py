@@ -34,7 +34,7 @@ def _check_unused(answer: Any) -> bool | str:
 
 
 def _check_body(answer: Any) -> bool | str:
-    robot = express(Genome.of(answer), SETTINGS.robot)
+    robot = express(Genome.of(answer).within(SETTINGS.robot))
     if len(robot.segments) != N_SEGMENTS:
         return f"This robot has {len(robot.segments)} segments."
     n_legs = 2 * sum(segment.legs is not None for segment in robot.segments)
