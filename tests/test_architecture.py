@@ -27,6 +27,7 @@ LAYERS = (
     ("view",),
     ("evolution",),
     ("experiment",),
+    ("interfaces",),
     ("widgets", "commands"),
     ("__main__",),
 )

@@ -46,6 +46,8 @@ _PUBLIC_NAMES = {
     "experiment.compare": ("compare", "sweep"),
     "experiment.experiment": ("Experiment", "load_experiment"),
     "experiment.optimisers": ("random_search",),
+    "interfaces.genetic_algorithm": ("GeneticAlgorithm",),
+    "interfaces.problem": ("Problem",),
     "simulation.export": ("export_mjcf",),
     "ga.crossover": ("Children",),
     "ga.user_functions": ("OperatorError",),
@@ -115,6 +117,8 @@ if TYPE_CHECKING:
     from walkerlab.genome.phenotype import Phenotype as Phenotype
     from walkerlab.genome.phenotype import express as express
     from walkerlab.genome.text import GenomeError as GenomeError
+    from walkerlab.interfaces.genetic_algorithm import GeneticAlgorithm as GeneticAlgorithm
+    from walkerlab.interfaces.problem import Problem as Problem
     from walkerlab.runfile.opening import RunFileError as RunFileError
     from walkerlab.settings.choices import Camera as Camera
     from walkerlab.settings.choices import Crossover as Crossover
