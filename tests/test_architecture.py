@@ -52,6 +52,7 @@ ONLY_IN = {
             "simulation.stepping",
             "simulation.footfalls",
             "view.film",
+            "interfaces",
             "commands",
         ),
     },
