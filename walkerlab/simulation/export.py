@@ -162,7 +162,11 @@ def _add_walk(spec: mujoco.MjSpec, scene: Scene) -> None:
 
 def _add_cameras(spec: mujoco.MjSpec, scene: Scene) -> None:
     """Add cameras that follow the robot, placed like those of a replay."""
-    body = spec.body(scene.model.body(ROBOT_BODY).name)
+    model = scene.model
+    body = spec.body(model.body(ROBOT_BODY).name)
+    data = mujoco.MjData(model)
+    mujoco.mj_fwdPosition(model, data)
+    centre = data.subtree_com[ROBOT_BODY] - data.xpos[ROBOT_BODY]  # the offset from the centre of mass stays constant
     for camera, (azimuth, elevation, distance) in CAMERA_VIEWS.items():
         if camera is Camera.orbit:
             continue
@@ -174,7 +178,10 @@ def _add_cameras(spec: mujoco.MjSpec, scene: Scene) -> None:
         mujoco.mju_mat2Quat(quaternion, rotation.ravel())
         offset = distance * max(scene.phenotype.body_length, MIN_SIZE)
         body.add_camera(
-            name=camera.name, pos=-offset * forward, quat=quaternion, mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACKCOM
+            name=camera.name,
+            pos=centre - offset * forward,
+            quat=quaternion,
+            mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACKCOM,
         )
 
 
