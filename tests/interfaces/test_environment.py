@@ -13,9 +13,13 @@ from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Structure
 
 WALKER = wl.Genome.random(wl.Robot(), rng=random_stream(4, "check"))
-LOADS = {"none": {}, "both": {"carry_weight": 1.0, "drag_weight": 1.0}}
-WORLDS = [{"structure": structure, **loads} for structure in Structure for loads in LOADS.values()]
-WORLDS += [{"obstacle": "rock", "obstacle_density": 1.0}, {"texture": "gravel", "timestep": 0.003}]
+WORLDS = [
+    {},
+    {"structure": "gaps", "carry_weight": 1.0},
+    {"structure": "stairs", "carry_weight": 1.0, "drag_weight": 1.0},
+    {"structure": "rough", "obstacle": "rock", "obstacle_density": 1.0},
+    {"structure": "incline", "drag_weight": 1.0, "texture": "gravel", "timestep": 0.003},
+]
 
 
 def settings_of(world, **changes):
@@ -50,6 +54,10 @@ for number, of_class in enumerate(WORLDS):
     globals()[name] = type(name, (EnvironmentTest, TestCase), {"world": of_class})
 
 
+def test_the_worlds_have_every_structure():
+    assert {settings_of(world).terrain.structure for world in WORLDS} == {*Structure}
+
+
 @pytest.mark.parametrize("world", WORLDS, ids=str)
 def test_the_gait_walks_as_far_as_in_the_evaluation(world):
     settings = settings_of(world)
@@ -76,5 +84,34 @@ def test_a_user_fitness_requires_a_reward():
     environment = wl.environment(WALKER, settings, reward=lambda physics: physics.time())
     environment.reset()
     assert environment.step(np.zeros(environment.action_spec().shape)).reward == pytest.approx(0.02)
+    with pytest.raises(TypeError, match="must be a function"):
+        wl.environment(WALKER, settings, reward=3)
     with pytest.raises(TypeError, match=r"wl\.environment"):
         wl.gait_policy(dm_env)
+
+
+def test_actions_are_clipped_and_wrong_ones_are_explained():
+    ends = []
+    for target in (np.inf, 100.0, np.pi):
+        environment = wl.environment(WALKER, settings_of({}))
+        environment.reset()
+        ends.append(environment.step(np.full(environment.action_spec().shape, target)).observation["joint_angles"])
+    assert np.array_equal(ends[0], ends[1])
+    assert np.array_equal(ends[0], ends[2])
+    with pytest.raises(ValueError, match=r"shape \(\d+,\), a target for each servo; got \(3,\)"):
+        environment.step(np.zeros(3))
+    with pytest.raises(ValueError, match="target 0 of the action is NaN"):
+        environment.step(np.full(environment.action_spec().shape, np.nan))
+    environment.close()
+    environment.close()
+    with pytest.raises(RuntimeError, match="closed"):
+        environment.reset()
+
+
+def test_an_episode_ends_when_the_physics_diverges():
+    environment = wl.environment(WALKER, settings_of({}))
+    environment.reset()
+    environment.physics.data.qvel[:] = 1e12
+    timestep = environment.step(np.zeros(environment.action_spec().shape))
+    assert timestep.last()
+    assert timestep.discount == 0

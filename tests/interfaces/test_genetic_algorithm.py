@@ -68,7 +68,9 @@ def test_mistakes_are_explained(tmp_path):
     with pytest.raises(ValueError, match="no generation"):
         algorithm.save(tmp_path / "run.walk")
     algorithm.ask()
-    with pytest.raises(ValueError, match="5 evaluations for 6 genomes"):
+    with pytest.raises(ValueError, match=r"shape \(5,\) for 6 genomes"):
         algorithm.tell([1.0] * 5)
+    with pytest.raises(TypeError, match="must be an Evaluation or a number; got 'a'"):
+        algorithm.tell(["a"] * 6)
     with pytest.raises(ValueError, match="fitness nan"):
         algorithm.tell([np.nan] * 6)

@@ -153,5 +153,9 @@ def test_mistakes_are_explained():
         problem_of(uncounted=np.inf)
     with pytest.raises(ValueError, match="at least 4"):
         problem.save()
+    with pytest.raises(wl.SettingsError, match="genome=robot"):
+        problem_of(QUICK.with_(frozen="body"))
+    with pytest.raises(TypeError, match="must be names"):
+        problem_of(descriptors=len)
     with pytest.raises(wl.OperatorError, match="must return one number"):
         problem_of(descriptors={"com": lambda rollout: rollout.com}).evaluate(problem.encode(random_genomes(4)))

@@ -8,11 +8,13 @@ from typing import Any
 import mujoco
 import numpy as np
 from dm_env import TimeStep, restart, specs
+from numpy.typing import ArrayLike
 
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.genome import Genome
 from walkerlab.interfaces.reward import Progress
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import short_repr
 from walkerlab.simulation.footfalls import shank_geoms
 from walkerlab.simulation.starts import settle
 from walkerlab.simulation.stepping import STATE_PARTS, warnings_counted_not_printed
@@ -39,8 +41,11 @@ class WalkTask(composer.Task):
             reward: Function from the physics after a step to the reward; if None, the increase of the fitness.
 
         Raises:
+            TypeError: If ``reward`` is not a function.
             ValueError: If the fitness is a user function, and ``reward`` is None.
         """
+        if not (reward is None or callable(reward)):
+            raise TypeError(f"reward must be a function from the physics to a number; got {short_repr(reward)}")
         self.scene = scene
         self._reward = reward
         self._progress = Progress(scene.settings) if reward is None else None
@@ -113,9 +118,56 @@ class WalkEnvironment(composer.Environment):
         )
 
     @property
+    def physics(self) -> Any:
+        """Physics with the model and the state; its ``data`` holds the state of MuJoCo.
+
+        Raises:
+            RuntimeError: If the environment is closed.
+        """
+        self._require_open()
+        return super().physics
+
+    @property
     def centre_of_mass(self) -> Floats:
         """Centre of mass of the robot [m], shape (3,)."""
         return self.physics.data.sensordata[Sensor.COM].copy()
+
+    def reset(self) -> TimeStep:
+        """Begin an episode in the settled state.
+
+        Raises:
+            RuntimeError: If the environment is closed.
+        """
+        self._require_open()
+        return super().reset()
+
+    def step(self, action: ArrayLike) -> TimeStep:
+        """Simulate a control step; targets beyond the range of actions are clipped.
+
+        Raises:
+            RuntimeError: If the environment is closed.
+            ValueError: If the action has the wrong shape, or a target is NaN.
+        """
+        self._require_open()
+        targets = np.asarray(action, dtype=np.float64)
+        n_servos = self.scene.model.nu
+        if targets.shape != (n_servos,):
+            raise ValueError(f"action must have the shape ({n_servos},), a target for each servo; got {targets.shape}")
+        if np.isnan(targets).any():
+            raise ValueError(
+                f"target {int(np.isnan(targets).argmax())} of the action is NaN; it must be a number, in rad"
+            )
+        with warnings_counted_not_printed():  # dm_control's handler of MuJoCo's warnings ends the process
+            return super().step(targets.clip(-MAX_ANGLE, MAX_ANGLE))
+
+    def close(self) -> None:
+        """Free the physics; a closed environment cannot be used again."""
+        if self._physics:
+            super().close()
+
+    def _require_open(self) -> None:
+        if not self._physics:
+            raise RuntimeError("this environment is closed; create another one: wl.environment(genome, settings)")
 
     def _recompile_physics(self) -> None:
         """Use the compiled model of the scene, which composer would compile with nominal sizes."""
@@ -153,6 +205,7 @@ def environment(
 
     Raises:
         GenomeError: If the text is not a valid genome.
+        TypeError: If ``settings`` is not a ``Settings``, or ``reward`` is not a function.
         ValueError: If the fitness is a function of your own, and ``reward`` is None.
     """
     return WalkEnvironment(compile_scene(genome, settings, scenery=True), reward)
@@ -170,7 +223,7 @@ def gait_policy(environment: Any) -> Callable[[Any], Floats]:
     inner: Any = getattr(environment, "unwrapped", environment)
     walk: Any = getattr(inner, "environment", inner)
     if not isinstance(walk, WalkEnvironment):
-        raise TypeError(f"environment must come from wl.environment or wl.gym_env; got a {type(environment).__name__}")
+        raise TypeError(f"environment must come from wl.environment or wl.gym_env; got {short_repr(environment)}")
     timestep = walk.scene.settings.simulation.timestep
     controls = walk.scene.controls(round(walk.scene.settings.simulation.duration / timestep) + 1)
     scale: float = getattr(inner, "action_scale", 1.0)

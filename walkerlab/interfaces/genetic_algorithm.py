@@ -29,8 +29,10 @@ from walkerlab.interfaces.saving import save_generations
 from walkerlab.runfile.records import EvaluationRow, copy_table, name_fitness, tabulate_generation, tidy_table
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.values import short_repr
 from walkerlab.simulation import fitness
 from walkerlab.simulation.evaluation import Evaluation, evaluate
+from walkerlab.simulation.fitness import as_number
 from walkerlab.simulation.validity import REJECTED
 
 _NOT_EVALUATED = EvaluationRow(0.0, "ok", "", 0.0, 0.0, 0, 0, 0.0, 0.0, "")
@@ -104,15 +106,17 @@ class GeneticAlgorithm:
 
         Raises:
             RuntimeError: If no genomes were asked for.
+            TypeError: If an evaluation is neither an ``Evaluation`` nor a number.
             ValueError: If the number is wrong, or a fitness is NaN or +inf.
         """
         if self._asked is None:
             raise RuntimeError("no genomes are waiting for an evaluation; call ask() first")
         asked = self._asked
         new = [Genome(values) for values in asked.genomes[self._n_elites :]]
-        if len(evaluations) != len(new):
+        if np.ndim(cast(Any, evaluations)) != 1 or len(evaluations) != len(new):
             raise ValueError(
-                f"tell got {len(evaluations)} evaluations for {len(new)} genomes; give one for each, in their order"
+                f"tell got evaluations of shape {np.shape(cast(Any, evaluations))} for {len(new)} genomes; give one "
+                "for each, in their order"
             )
         rows = [_row_of(robot, one) for robot, one in zip(new, cast(Sequence[Any], evaluations), strict=True)]
         elites = list(asked.evaluations[: self._n_elites])
@@ -182,7 +186,9 @@ def _row_of(robot: Genome, evaluation: Evaluation | float) -> EvaluationRow:
     """Return the evaluation of a robot as a row; distance and velocity are NaN if only its fitness is known."""
     if isinstance(evaluation, Evaluation):
         return EvaluationRow.of(evaluation, str(robot))
-    rating = float(evaluation)
+    rating = as_number(evaluation)
+    if rating is None:
+        raise TypeError(f"an evaluation must be an Evaluation or a number; got {short_repr(evaluation)}")
     body = express(robot)
     return EvaluationRow(
         fitness=rating,

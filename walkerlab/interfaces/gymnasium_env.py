@@ -1,5 +1,6 @@
 """The walk of one robot as a Gymnasium environment; Gymnasium is an optional dependency."""
 
+import os
 from typing import Any, ClassVar
 
 import gymnasium
@@ -11,8 +12,9 @@ from walkerlab.ga.genes import Floats
 from walkerlab.genome.genome import Genome
 from walkerlab.interfaces.environment import MAX_ANGLE, environment
 from walkerlab.settings.settings import Settings
-from walkerlab.view.film.rendering import FIELD_OF_VIEW
-from walkerlab.world.cameras import aim_camera
+from walkerlab.settings.values import short_repr
+from walkerlab.view import opengl
+from walkerlab.world.cameras import FIELD_OF_VIEW, aim_camera
 from walkerlab.world.heights import slope
 
 PICTURE_SIZE = (640, 480)  # pixels; MuJoCo's default size of a picture that is not shown on a screen
@@ -44,7 +46,9 @@ class WalkerEnv(gymnasium.Env[Any, Any]):
         self, genome: Genome | str, settings: Settings | None = None, reward: Any = None, render_mode: str | None = None
     ) -> None:
         """Compile the robot and its world; see ``gym_env``."""
-        self.environment = environment(genome, settings or Settings(), reward=reward)
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"render_mode is {short_repr(render_mode)}; it must be 'rgb_array' or None")
+        self.environment = environment(genome, Settings() if settings is None else settings, reward=reward)
         self.render_mode = render_mode
         self.action_space = spaces.Box(-1.0, 1.0, self.environment.action_spec().shape, np.float64)
         self.observation_space = spaces.Dict(
@@ -55,6 +59,7 @@ class WalkerEnv(gymnasium.Env[Any, Any]):
         )
         self._renderer: Any = None
         self._path: list[Floats] = []
+        self._is_over = True
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -63,24 +68,37 @@ class WalkerEnv(gymnasium.Env[Any, Any]):
         super().reset(seed=seed, options=options)
         timestep = self.environment.reset()
         self._path = [self._com()]
+        self._is_over = False
         return self._clip(timestep.observation), self._info()
 
     def step(self, action: Floats) -> tuple[dict[str, Floats], float, bool, bool, dict[str, Any]]:
-        """Set the servo targets for one control step; the episode is truncated after the duration of a walk."""
+        """Set the servo targets for one control step; the episode is truncated after the duration of a walk.
+
+        Raises:
+            RuntimeError: If no episode has begun, or it has ended.
+            ValueError: If the action has the wrong shape, or contains NaN.
+        """
+        if self._is_over:
+            raise RuntimeError("no episode is in progress; call reset() first")
         timestep = self.environment.step(np.asarray(action, dtype=np.float64) * self.action_scale)
         self._path.append(self._com())
         is_diverged = timestep.last() and timestep.discount == 0
-        is_over = bool(timestep.last()) and not is_diverged
-        return self._clip(timestep.observation), float(timestep.reward), bool(is_diverged), is_over, self._info()
+        self._is_over = bool(timestep.last())
+        is_truncated = self._is_over and not is_diverged
+        return self._clip(timestep.observation), float(timestep.reward), bool(is_diverged), is_truncated, self._info()
 
     def render(self) -> Any:
-        """Return a picture from the camera in the settings, shape (height, width, 3); None without a render mode."""
+        """Return a picture from the camera in the settings, shape (height, width, 3); None without a render mode.
+
+        Raises:
+            RuntimeError: If OpenGL is not available.
+        """
         if self.render_mode is None:
             return None
         model = self.environment.physics.model.ptr
         if self._renderer is None:
             model.vis.global_.fovy = FIELD_OF_VIEW
-            self._renderer = mujoco.Renderer(model, PICTURE_SIZE[1], PICTURE_SIZE[0])
+            self._renderer = _create_renderer(model)
         scene = self.environment.scene
         times: Floats = np.arange(len(self._path), dtype=np.float64) * self.environment.control_timestep()
         pitch = slope(scene.settings.terrain)
@@ -95,10 +113,12 @@ class WalkerEnv(gymnasium.Env[Any, Any]):
         return self._renderer.render()
 
     def close(self) -> None:
-        """Free the renderer."""
+        """Free the renderer and the physics."""
         if self._renderer:
             self._renderer.close()
             self._renderer = None
+        self.environment.close()
+        self._is_over = True
 
     def _clip(self, observation: Any) -> dict[str, Floats]:
         return {
@@ -111,6 +131,21 @@ class WalkerEnv(gymnasium.Env[Any, Any]):
 
     def _info(self) -> dict[str, Any]:
         return {"distance": float(self._path[-1][0] - self._path[0][0])}
+
+
+def _create_renderer(model: mujoco.MjModel) -> mujoco.Renderer:
+    """Create a renderer in this process, with the backend that ``MUJOCO_GL`` named when mujoco was imported.
+
+    Raises:
+        RuntimeError: If OpenGL is not available.
+    """
+    try:
+        return mujoco.Renderer(model, PICTURE_SIZE[1], PICTURE_SIZE[0])
+    except Exception as error:
+        unset = "" if os.environ.get("MUJOCO_GL") else "; on Linux, set MUJOCO_GL=egl before mujoco is first imported"
+        raise RuntimeError(
+            f"{opengl.unavailable_message()}{unset}. If that does not help: {opengl.how_to_fix()}"
+        ) from error
 
 
 if ENVIRONMENT_ID not in gymnasium.registry:

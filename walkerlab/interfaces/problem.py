@@ -20,7 +20,7 @@ from walkerlab.genome.genome import Genome, HasGenome, read_genomes
 from walkerlab.interfaces.coordinates import Coordinates, find_free_genes
 from walkerlab.interfaces.saving import MIN_GENERATION, save_evaluations
 from walkerlab.runfile.records import EvaluationRow
-from walkerlab.settings.arguments import require_generator, require_settings
+from walkerlab.settings.arguments import require_count, require_generator, require_settings
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import short_repr
 from walkerlab.simulation.descriptors import Descriptor, read_descriptors
@@ -98,7 +98,7 @@ class Problem:
             raise ValueError(f"uncounted is {uncounted}; it must be a finite number or -inf")
         self._descriptors = read_descriptors(descriptors)
         self._executor = executor
-        self._founders = read_founders(None if genome is None else [genome], settings)
+        self._founders = read_founders(None if genome is None else [genome], settings, "genome=robot")
         genes = build_genes(settings.robot)
         middle = fit_genomes(((genes.low + genes.high) / 2)[np.newaxis], settings, self._founders)[0]
         reference = Genome.parse(self._founders[0].genome).values if self._founders else middle
@@ -181,7 +181,12 @@ class Problem:
 
         Returns:
             Points, shape (n, n_genes).
+
+        Raises:
+            TypeError: If ``n`` is not a whole number, or ``rng`` is not a generator.
+            ValueError: If ``n`` is negative.
         """
+        n = require_count(n, "n", "the number of points", low=0)
         rng = require_generator(rng)
         drawn = np.array([Genome.random(self.settings.robot, rng=rng).values for _ in range(n)])
         return self.encode(list(fit_genomes(drawn.reshape(n, -1), self.settings, self._founders)))

@@ -29,7 +29,9 @@ def gym_env(
     Raises:
         GenomeError: If the text is not a valid genome.
         ModuleNotFoundError: If Gymnasium is not installed.
-        ValueError: If the fitness is a function of your own, and ``reward`` is None.
+        TypeError: If ``settings`` is not a ``Settings``, or ``reward`` is not a function.
+        ValueError: If the fitness is a function of your own, and ``reward`` is None; or if there is no such render
+            mode.
     """
     try:
         from walkerlab.interfaces.gymnasium_env import WalkerEnv

@@ -44,10 +44,11 @@ def save_evaluations(
         SettingsError: If the settings cannot be stored in a run file.
         ValueError: If there are too few evaluations, or the name cannot be stored.
     """
-    if len(evaluated) < MIN_GENERATION or not MIN_GENERATION <= size <= len(evaluated):
+    if len(evaluated) < MIN_GENERATION:
+        raise ValueError(f"{len(evaluated)} robots were evaluated; a run requires at least {MIN_GENERATION}")
+    if not MIN_GENERATION <= size <= len(evaluated):
         raise ValueError(
-            f"a generation has {size} robots, and {len(evaluated)} were evaluated; it must have at least "
-            f"{MIN_GENERATION}, and no more than were evaluated"
+            f"generation is {size}; it must be from {MIN_GENERATION} to {len(evaluated)}, the number of evaluations"
         )
     if not optimiser.isprintable() or not 0 < len(optimiser) <= MAX_NAME:
         raise ValueError(f"optimiser is {short_repr(optimiser)}; it must be a name of at most {MAX_NAME} characters")

@@ -66,7 +66,7 @@ def read_descriptors(given: Iterable[str] | Mapping[str, Descriptor]) -> dict[st
 
     Raises:
         ValueError: If there is no built-in descriptor of a name.
-        TypeError: If a value of a dict is not a function.
+        TypeError: If they are neither, or a value of a dict is not a function.
     """
     if isinstance(given, str):
         given = (given,)
@@ -75,7 +75,12 @@ def read_descriptors(given: Iterable[str] | Mapping[str, Descriptor]) -> dict[st
             if not callable(function):
                 raise TypeError(f"descriptor {name!r} must be a function of a Rollout; got {short_repr(function)}")
         return dict(given)
-    names = list(given)
+    if not hasattr(given, "__iter__"):
+        raise TypeError(
+            "descriptors must be names, such as ['height'], or a dict, such as {'legs': function}; got "
+            f"{short_repr(given)}"
+        )
+    names = list(map(str, given))
     for name in names:
         if name not in DESCRIPTORS:
             hint = did_you_mean(name, list(DESCRIPTORS)) or f" There are {', '.join(DESCRIPTORS)}."
