@@ -46,6 +46,10 @@ _PUBLIC_NAMES = {
     "experiment.compare": ("compare", "sweep"),
     "experiment.experiment": ("Experiment", "load_experiment"),
     "experiment.optimisers": ("random_search",),
+    "interfaces.environment": ("environment", "gait_policy"),
+    "interfaces.reinforcement": ("gym_env",),
+    "interfaces.genetic_algorithm": ("GeneticAlgorithm",),
+    "interfaces.problem": ("Problem",),
     "simulation.export": ("export_mjcf",),
     "ga.crossover": ("Children",),
     "ga.user_functions": ("OperatorError",),
@@ -117,6 +121,11 @@ if TYPE_CHECKING:
     from walkerlab.genome.phenotype import Phenotype as Phenotype
     from walkerlab.genome.phenotype import express as express
     from walkerlab.genome.text import GenomeError as GenomeError
+    from walkerlab.interfaces.environment import environment as environment
+    from walkerlab.interfaces.environment import gait_policy as gait_policy
+    from walkerlab.interfaces.genetic_algorithm import GeneticAlgorithm as GeneticAlgorithm
+    from walkerlab.interfaces.problem import Problem as Problem
+    from walkerlab.interfaces.reinforcement import gym_env as gym_env
     from walkerlab.runfile.opening import RunFileError as RunFileError
     from walkerlab.settings.choices import Camera as Camera
     from walkerlab.settings.choices import Crossover as Crossover
