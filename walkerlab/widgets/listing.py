@@ -21,7 +21,7 @@ ELITE = "elite"
 INVALID = "invalid"
 INSERTED = "inserted"
 KIND_SIGNS = {ELITE: "★", INVALID: "⚠\N{VARIATION SELECTOR-15}", INSERTED: "✎", "": ""}
-"""Signs of the kinds of robots: elites, robots whose walks do not count, robots made by hand, and all others."""
+"""Symbols for the kinds of robots: elites, robots whose walks do not count, robots made by hand, and all others."""
 
 
 @dataclass(frozen=True)
