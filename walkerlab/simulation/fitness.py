@@ -152,7 +152,7 @@ class MissingFitnessFunction(Protocol):
     """Stand-in for a user function of a loaded run: the run file holds its name and results, but not its code."""
 
     def select_counted_walk(self, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Rollout:
-        """Return the one of a robot's walks, from all its starts, that counted in the run."""
+        """Select the walk that counted in the run from a robot's walks, one from each start."""
         ...
 
 
