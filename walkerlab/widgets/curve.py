@@ -43,7 +43,7 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         self.draw(runs or {}, n_generations)
 
     def draw(self, runs: Mapping[str, pd.DataFrame], n_generations: int = 1, looks: Sequence[int] = ()) -> None:
-        """Draw other curves; can be called from any thread, because pyplot is not used.
+        """Draw new curves; can be called from any thread, because pyplot is not used.
 
         Args:
             runs: Table of each run, keyed by name.

@@ -182,7 +182,7 @@ class Form(Component):
         return names if isinstance(value, tuple) else names[0]
 
     def _make_tabs(self) -> list[NamedValues]:
-        """Return the shown controls by domain, as plain data."""
+        """Return the shown controls grouped by domain, as plain data."""
         tabs: list[NamedValues] = []
         for domain, domain_class in DOMAINS.items():
             functions = {field: list(named) for (other, field), named in self._functions.items() if other == domain}

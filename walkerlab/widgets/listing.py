@@ -52,7 +52,7 @@ SORT_COLUMNS = {
     "body_length": Column("length", "longest first", 2),
     "verdict": Column("verdict", "not counted first"),
 }
-"""Columns of the table by name, in display order; robots can be sorted by each of them."""
+"""Columns of the table, keyed by name, in display order; robots can be sorted by each of them."""
 
 
 def sort_robots(records: pd.DataFrame, column: str) -> pd.DataFrame:

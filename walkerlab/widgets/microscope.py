@@ -103,7 +103,7 @@ class Microscope(Component):
         self._redraw()
 
     def again(self) -> None:
-        """Apply the operator again, with other random numbers."""
+        """Apply the operator again, with different random numbers."""
         with self._lock:
             self._n_repetitions += 1
             self._redraw()

@@ -86,7 +86,7 @@ def describe_origins(births: pd.DataFrame, individual: int) -> dict[str, Any]:
 
 
 def _group_genes(marks: list[GeneMark]) -> list[tuple[str, list[dict[str, Any]]]]:
-    """Return the genes by part of the robot, each with the letter and the colour of its parent, and a title."""
+    """Return the genes grouped by part of the robot, each with the letter and the colour of its parent, and a title."""
     groups: dict[str, list[dict[str, Any]]] = {}
     for mark in marks:
         cell = {

@@ -136,14 +136,14 @@ def _describe_gene(
     if feature in CYCLIC_FEATURES:
         why = "is not within one turn"
     elif beyond:
-        why = f"is {'over' if given > high else 'under'} the limit {beyond}"
+        why = f"is {'above' if given > high else 'below'} the limit of {beyond}"
         if shared_limit and used_text != beyond:
             why += f", and {shared_limit}"
     elif shared_limit and (feature != Feature.legs or given in (0, 1)):
         why = f"does not fit, because {shared_limit}"
     else:
         why = "is not a whole number"
-    yield f"{feature.name.replace('_', ' ')} {given_text} {why}: {used_text} is used."
+    yield f"{feature.name.replace('_', ' ')} {given_text} {why}; {used_text} is used."
 
 
 def _describe_shared_limit(feature: Feature, robot: Robot, weight: float) -> str:
