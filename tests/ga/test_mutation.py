@@ -107,7 +107,7 @@ def test_the_favored_feature_changes_more_often():
 
 def test_an_unknown_favored_gene_is_rejected_with_the_allowed_names():
     table = body()
-    with pytest.raises(ValueError, match="there is no gene 'wings'; allowed are parts, frequency, phase, length"):
+    with pytest.raises(ValueError, match="there is no gene 'wings'; the genes are parts, frequency, phase, length"):
         favored(random_genomes(table, 2), table, favored="wings", rng=rng())
 
 

@@ -1,4 +1,4 @@
-"""Genomes that users give for generation 0, with where they come from."""
+"""Genomes that users give for generation 0, and the origin of each."""
 
 from collections.abc import Iterable
 from typing import Any, TypeAlias, cast
@@ -28,7 +28,7 @@ def read_founders(given: FirstPopulation | None, settings: Settings) -> tuple[Fo
     """Return the genomes given for generation 0, within the limits.
 
     Args:
-        given: Genomes, a run or a table; None for none.
+        given: Genomes, a run or a table; if None, no genomes are returned.
         settings: Settings of the new run.
 
     Raises:

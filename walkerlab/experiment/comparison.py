@@ -13,7 +13,7 @@ from walkerlab.ga.genes import Floats
 from walkerlab.ga.population import NOT_COUNTED
 
 NEVER = np.inf
-"""Evaluations to a threshold that a run did not reach."""
+"""Number of evaluations of a run that did not reach the threshold."""
 
 
 def best_fitness(table: pd.DataFrame) -> float:
@@ -23,7 +23,7 @@ def best_fitness(table: pd.DataFrame) -> float:
 
 
 def evaluations_to_reach(table: pd.DataFrame, threshold: float) -> float:
-    """Return the number of robots evaluated until one has at least a fitness; ``inf`` if none has.
+    """Return the number of robots evaluated until one reaches a fitness; ``inf`` if none does.
 
     Args:
         table: Tidy table of a run.

@@ -148,7 +148,7 @@ class Experiment:
         if condition is not None:
             if condition not in self.conditions:
                 raise ValueError(
-                    f"there is no condition {condition!r}; there are {', '.join(map(repr, self.conditions))}"
+                    f"there is no condition {condition!r}; the conditions are {', '.join(map(repr, self.conditions))}"
                 )
             places = [place for place in places if self._conditions[place[0]].name == condition]
         if not places:

@@ -47,7 +47,7 @@ Optimiser: TypeAlias = Callable[..., object]
 
 
 class EvaluationsUsedError(Exception):
-    """All evaluations of an optimiser are used; ends its run."""
+    """An optimiser has used all its evaluations; this ends its run."""
 
 
 def random_search(
@@ -104,7 +104,7 @@ def run_optimiser(
 
 
 class _Evaluator:
-    """Evaluates genomes for an optimiser, and passes complete generations on."""
+    """Function that evaluates genomes for an optimiser, and passes complete generations on."""
 
     def __init__(
         self,

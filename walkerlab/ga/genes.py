@@ -100,5 +100,5 @@ class Genes(ReadOnlyArrays):
         found = [i for i, gene in enumerate(self.names) if name in (gene, gene.partition(".")[2])]
         if not found:
             features = list(dict.fromkeys(gene.rpartition(".")[2] for gene in self.names))
-            raise ValueError(f"there is no gene {name!r}; allowed are {', '.join(features)}")
+            raise ValueError(f"there is no gene {name!r}; the genes are {', '.join(features)}")
         return np.array(found, dtype=np.intp)
