@@ -127,7 +127,7 @@ def _describe_unknown(words: Sequence[str]) -> list[str]:
 
 
 def parse_value(text: str) -> int | float | str:
-    """Convert a text to a number if possible; the settings check the value."""
+    """Convert a string to a number if possible; the settings check the value."""
     for number in (int, float):
         with suppress(ValueError):
             return number(text)

@@ -1,4 +1,4 @@
-"""Command ``lab``: opens JupyterLab on copies of the notebooks."""
+"""Command ``lab``: open JupyterLab on copies of the notebooks."""
 
 import argparse
 import secrets

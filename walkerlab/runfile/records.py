@@ -83,8 +83,7 @@ def tabulate_generation(
     Args:
         population: Evaluated generation.
         operators: Names of the operators that produced the children of this generation.
-        known_origins: Origins of the individuals that the operators did not produce: elites, and genomes given for
-            generation 0.
+        known_origins: Origins of the individuals that no operator produced: elites, and genomes given for generation 0.
 
     Returns:
         Table with a row for each individual, the columns of ``RECORD_COLUMNS``, and their units in ``.attrs``.
@@ -134,9 +133,8 @@ def check_table(table: pd.DataFrame) -> pd.DataFrame:
             )
     if unknown := sorted(set(table.verdict) - VERDICTS.keys()):
         raise ValueError(
-            f"the column verdict contains the unknown verdict {short_repr(unknown[0])}; the known ones are "
-            f"{', '.join(VERDICTS)}. If a newer version of walkerlab wrote the file, update your installation: pip "
-            "install --upgrade walkerlab"
+            f"the column verdict contains {short_repr(unknown[0])}; the known verdicts are {', '.join(VERDICTS)}. "
+            "If a newer version of walkerlab wrote the file, update your installation: pip install --upgrade walkerlab"
         )
     return table
 

@@ -185,7 +185,7 @@ def find_poorest(rated: Sequence[tuple[float, Rollout]]) -> tuple[float, Rollout
 
 
 def check_user_function(fitness: Fitness | Callable[..., Any]) -> None:
-    """Call a user function with a made-up walk, before any simulation; does nothing for a built-in fitness.
+    """Call a user function with a made-up walk, before any simulation; do nothing for a built-in fitness.
 
     Raises:
         OperatorError: If it fails, returns anything but a finite number, -inf or None, or returns different numbers for

@@ -143,7 +143,7 @@ if hasattr(os, "register_at_fork"):  # a forked process has none of the executor
 
 
 class _WorkerProcesses(Executor):
-    """Passes tasks on to a loky pool, and again to a new pool if a process of the old one was lost.
+    """Executor that passes tasks on to a loky pool, and again to a new pool if a process of the old one was lost.
 
     An operating system that runs out of memory kills the process that uses most of it; loky then cancels all tasks of
     the pool. Here these tasks are repeated, which does not change their results.

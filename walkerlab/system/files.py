@@ -21,7 +21,7 @@ SHELL_SAFE_PATTERN = re.compile(r"[\w@%+=:,./\\-]+" if os.name == "nt" else r"[\
 """Paths that a shell reads correctly without quotes."""
 
 MISREAD_STARTS = ("~", "-", ":")
-"""Beginnings of a relative path that a shell or SQLite would misread."""
+"""Prefixes of a relative path that a shell or SQLite would misread."""
 
 
 class PathError(WalkerlabError, ValueError):

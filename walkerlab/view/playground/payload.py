@@ -99,7 +99,7 @@ def _possible_plans(robot: Robot) -> Iterator[BodyPlan]:
 
 
 def _with_plan(genome: Genome, plan: BodyPlan) -> Genome:
-    """Return a genome with another body plan; its sizes are arbitrary, because the page overwrites them."""
+    """Return a genome with a different body plan; its sizes are arbitrary, because the page overwrites them."""
     values = genome.values.copy()
     values[BODY_FEATURES.index(Feature.segments)] = len(plan)
     parts = values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)

@@ -15,7 +15,7 @@ STEPS = ("fitness", "selection", "crossover", "mutation")
 """Settings of the algorithm that may be functions."""
 
 BUILT_IN_MODULES = ("walkerlab.simulation.fitness", "walkerlab.ga.")
-"""Starts of the names of modules whose functions the code can import."""
+"""Prefixes of the names of modules whose functions the code can import."""
 
 
 def as_python(settings: Settings, records: pd.DataFrame | None = None) -> str:
