@@ -73,7 +73,7 @@ _PUBLIC_NAMES = {
     "widgets.lab": ("Lab",),
     "widgets.playground": ("Playground", "playground"),
 }
-"""Public names, by the module that defines them."""
+"""Public names, keyed by the module that defines them."""
 
 _PUBLIC_MODULES = {
     "analysis": "analysis",

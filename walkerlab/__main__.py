@@ -1,4 +1,4 @@
-"""Entry point of the command line: ``walkerlab evolve``, ``resume``, ``compare``, ``show`` and further commands."""
+"""Entry point of the command line: ``walkerlab evolve``, ``resume``, ``compare``, ``show`` and other commands."""
 
 from __future__ import annotations  # the doctor must run on old versions of Python
 
@@ -88,7 +88,7 @@ def _run_command(words: Sequence[str]) -> int:
         try:
             return arguments.run(arguments)
         except KeyboardInterrupt:
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # a further Ctrl-C is ignored
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # another Ctrl-C is ignored
             return print_error(f"\n{runs.describe_stop(arguments)}", EXIT_INTERRUPTED)
         except WalkerlabError as error:
             if not hasattr(error, "saved_path"):

@@ -363,8 +363,8 @@ def test_show_prints_settings_versions_generations_verdicts_champion_and_descent
     ):
         assert word in output
     assert "step_height" not in output  # has its default value
-    n_grown, n_carried = len(wl.express(champion.genome).segments), champion.genome.n_parts
-    assert (f"beyond the first {n_grown} are not grown" in output) == (n_grown < n_carried)
+    n_expressed, n_carried = len(wl.express(champion.genome).segments), champion.genome.n_parts
+    assert (f"beyond the first {n_expressed} are not expressed" in output) == (n_expressed < n_carried)
 
 
 def test_rescue_saves_the_intact_generations_and_the_run_can_be_resumed(

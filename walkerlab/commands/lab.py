@@ -1,4 +1,4 @@
-"""Command ``lab``: opens JupyterLab on copies of the notebooks."""
+"""Command ``lab``: open JupyterLab on copies of the notebooks."""
 
 import argparse
 import secrets
@@ -32,7 +32,7 @@ def find_notebooks() -> list[Path]:
 
 
 def copy_notebooks(folder: Path) -> list[Path]:
-    """Copy into a folder those notebooks that it does not yet contain; existing files are not overwritten.
+    """Copy the notebooks that a folder does not contain yet into it; existing files are not overwritten.
 
     Returns:
         The new copies.

@@ -8,7 +8,7 @@ from walkerlab.commands import comparing, doctor, flags, lab, runs
 
 
 def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentParser]]:
-    """Create the parser of the command line; return it and the parser of each command by name."""
+    """Create the parser of the command line; return it and the parser of each command, keyed by name."""
     parser = argparse.ArgumentParser(
         prog="walkerlab",
         description="Evolve walking robots with a genetic algorithm.",

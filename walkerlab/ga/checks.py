@@ -111,7 +111,7 @@ def _check_operator(
         operator: Operator to check.
         run: Function that calls the operator and checks its result.
         *arguments: Arguments of the operator.
-        offered: Further arguments, of which the operator gets those that it has as keywords.
+        offered: Further arguments; the operator receives those that it accepts as keywords.
 
     Raises:
         OperatorError: If the operator cannot be called, fails a check, or returns two different results.

@@ -28,7 +28,7 @@ class Structure(Choice):
 
 
 class Texture(Choice):
-    """Material of the ground, which decides its friction and appearance."""
+    """Material of the ground, which determines its friction and appearance."""
 
     rubber = 0, "a sports floor: the best grip"
     marble = 1, "polished stone: hard and smooth"

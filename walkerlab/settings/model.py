@@ -79,13 +79,13 @@ class SettingsModel(ConciseModel, frozen=True):
 
     @classmethod
     def model_validate(cls, obj: Any, **how: Any) -> Self:
-        """Make settings from plain data; raises the errors of ``__init__``."""
+        """Make settings from plain data; raise the errors of ``__init__``."""
         with _as_settings_errors(cls):
             return super().model_validate(obj, **how)
 
     @classmethod
     def model_validate_json(cls, json_data: str | bytes | bytearray, **how: Any) -> Self:
-        """Make settings from a JSON text; raises the errors of ``__init__``."""
+        """Make settings from JSON text; raise the errors of ``__init__``."""
         is_text = isinstance(json_data, str | bytes | bytearray)  # pyright: ignore[reportUnnecessaryIsInstance]
         if is_text and len(json_data) > MAX_JSON:
             raise SettingsError(

@@ -40,7 +40,7 @@ def draw_nudge(scene: Scene, start: int) -> Floats | None:
 
 
 def start_overlap(scene: Scene, data: mujoco.MjData) -> float:
-    """Return how deep [m] the robot or its sledge penetrates anything at the start, apart from itself."""
+    """Return how deeply [m] the robot or its sledge penetrates anything at the start, apart from itself."""
     mujoco.mj_fwdPosition(scene.model, data)
     roots = scene.model.body_rootid[scene.model.geom_bodyid[data.contact.geom]]
     is_relevant = (roots[:, 0] != roots[:, 1]) & np.isin(roots, scene.roots).any(axis=1)

@@ -1,4 +1,4 @@
-"""The form: a control for each setting, with messages on invalid values next to them."""
+"""The form: a control for each setting, with messages about invalid values next to them."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, cast
@@ -22,7 +22,7 @@ from walkerlab.widgets.controls import (
 from walkerlab.widgets.presets import PRESETS, available_presets
 
 NamedValues = dict[str, Any]
-"""Values by name."""
+"""Values, keyed by name."""
 
 DOMAINS: dict[str, type[Domain]] = {name: type(field.default) for name, field in Settings.model_fields.items()}
 
@@ -63,7 +63,7 @@ class Form(Component):
             ValueError: If a name is unknown.
         """
         self._shown = _select_fields([only] if isinstance(only, str) else only)
-        self._functions: dict[tuple[str, str], NamedValues] = {}  # user functions by name, by domain and field
+        self._functions: dict[tuple[str, str], NamedValues] = {}  # user functions, keyed by field and name
         self._presets = available_presets({domain for domain in DOMAINS if self._shown[domain] == _fields(domain)})
         self._last_valid = settings or Settings()
         super().__init__(presets=[{"name": name, "about": PRESETS[name].about} for name in self._presets])
@@ -87,7 +87,7 @@ class Form(Component):
 
     @traitlets.validate("values")
     def _complete(self, proposal: Any) -> dict[str, NamedValues]:
-        """Replace missing values with the last ones and remove unknown settings: a browser may send anything."""
+        """Replace missing values with the last ones and remove unknown settings; a browser may send anything."""
         sent: Any = proposal.value
         given = {name: sent[name] if isinstance(sent, Mapping) and name in sent else {} for name in DOMAINS}
         self._last_values = {
@@ -182,7 +182,7 @@ class Form(Component):
         return names if isinstance(value, tuple) else names[0]
 
     def _make_tabs(self) -> list[NamedValues]:
-        """Return the shown controls by domain, as plain data."""
+        """Return the shown controls grouped by domain, as plain data."""
         tabs: list[NamedValues] = []
         for domain, domain_class in DOMAINS.items():
             functions = {field: list(named) for (other, field), named in self._functions.items() if other == domain}
@@ -227,7 +227,7 @@ def _faults_by_setting(fault: str) -> dict[str, str]:
     """Group the lines of an error message by the settings that they name.
 
     Returns:
-        Sentences by setting: ``{"terrain.step_height": "Step height is …"}``.
+        Sentences, keyed by setting: ``{"terrain.step_height": "Step height is …"}``.
     """
     found: dict[str, list[str]] = {}
     for line in fault.splitlines():

@@ -55,7 +55,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
     def __init__(
         self, settings: Settings | None = None, folder: str | Path = "lab", executor: Executor | None = None
     ) -> None:
-        """Create the panel; no walk is simulated and no file is created before a button is pressed.
+        """Create the panel; no walk is simulated and no file is created until a button is pressed.
 
         Args:
             settings: Initial settings of the form; the defaults if None.
@@ -144,7 +144,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
                 self.robot.set_settings(settings)
 
     def _show_forecast(self) -> None:
-        """Show how long a run with the form's settings takes; not during a run, which would distort the timing."""
+        """Show how long a run with the form's settings will take; not during a run, which would distort the timing."""
         if (settings := self.settings) and not self._is_running():
             self.transport.forecast = describe_forecast(settings, self._active)
 
@@ -271,7 +271,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         self.walker.show(best_walker(self.runs.selected_entry, self.runs.generation.generation))
 
     def _insert(self, genome: Genome) -> str:
-        """Insert a genome into the next generation of the active run; return a message on the result."""
+        """Insert a genome into the next generation of the active run; return a message about the result."""
         if not self._active:
             return "No run is in progress."
         try:
@@ -281,7 +281,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         return f"The genome will be in generation {generation}, in place of a child. It is marked with ✎."
 
     def _continue_with(self, genome: Genome) -> str:
-        """Continue the selected run with a genome in its next generation; return a message on the result."""
+        """Continue the selected run with a genome in its next generation; return a message about the result."""
         if not self.runs.drawer.n_further:
             return "No run that can be continued is selected. Select a saved run that is not in progress."
         self._evolve_further(self.runs.drawer.n_further, with_form=False)

@@ -57,11 +57,11 @@ PRESETS: dict[str, Preset] = {
     "Storm": Preset("headwind, on grass", {"texture": "grass", "wind": (-10.0, 0.0, 0.0)}),
     "Caravan": Preset("a load on the back and a sledge behind", {"carry_weight": 2.0, "drag_weight": 4.0}),
 }  # fmt: skip
-"""Presets by name; robots within the limits can walk in each of them."""
+"""Presets, keyed by name; robots within the limits can walk in each of them."""
 
 
 def available_presets(shown: Collection[str]) -> dict[str, dict[str, Domain]]:
-    """Return the presets that change only shown domains: by name, the settings of each shown domain.
+    """Return the presets that change only shown domains: the settings of each shown domain, keyed by preset.
 
     Args:
         shown: Names of the domains whose settings are all shown.

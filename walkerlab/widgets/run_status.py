@@ -1,4 +1,4 @@
-"""Texts about a run in the panel, and the robot whose walk the panel shows."""
+"""Text about a run in the panel, and the robot whose walk the panel shows."""
 
 from walkerlab.errors import WalkerlabError
 from walkerlab.evolution.forecast import describe_duration, estimate_seconds, n_walks

@@ -106,7 +106,7 @@ def _scatter_pieces(terrain: Terrain, rng: Generator) -> Floats:
     """Add round pieces at random bare spots until the requested share of the ground is covered.
 
     Returns:
-        Centres along and across the way [m], shape (n, 2); each piece lies on one stretch of ground.
+        Centres along and across the walking direction [m], shape (n, 2); each piece lies on one stretch of ground.
     """
     if not terrain.n_pieces:
         return np.empty((0, 2))
@@ -149,7 +149,8 @@ def _scatter_obstacles(terrain: Terrain, rng: Generator) -> tuple[Floats, Floats
     An obstacle on a hillside is tilted and occupies a wider circle.
 
     Returns:
-        Centres along and across the way [m], shape (n, 2); rotations [rad], shape (n,); widths [m], shape (n,).
+        Centres along and across the walking direction [m], shape (n, 2); rotations [rad], shape (n,); widths [m], shape
+        (n,).
     """
     if terrain.obstacle == Obstacle.none:
         return np.empty((0, 2)), np.empty(0), np.empty(0)

@@ -33,7 +33,7 @@ BODY_SCALE = 3.0  # maximum scale of the bodies, in inches per metre
 MAX_BODIES = 3  # maximum number of parents that are drawn
 HEADING_HEIGHT = 0.42
 CAPTION_LINE_HEIGHT = 0.155
-LINE_LENGTH = 160  # of the caption, in characters; the layout shrinks all else if a line is wider than the figure
+LINE_LENGTH = 160  # of the caption, in characters; the layout shrinks the rest if a line is wider than the figure
 GROUPS = ("trunk",) * 4 + ("legs",) * 2 + ("hip",) * 3 + ("knee",) * 3 + ("left/right",)
 """Heading above the name of each feature of a segment."""
 FONT_SIZE = 8.5  # points, in a figure of full size
@@ -46,10 +46,10 @@ def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None
     """Draw a birth gene by gene: the parents, the child, and a table of its genes coloured by their origin.
 
     Each cell is a gene of the child. Its letter and colour name the parent from which it comes; a number after the
-    letter is the segment of the parent from which it was moved. Changed genes have a bold frame and the amount of the
-    change in the unit of the gene; the frame is dashed if the change was made by repair. Genes without an effect on
-    the child are hatched. In the drawings, the trunk and the legs of each segment have the colour of the parent from
-    which their size comes, and changed parts have a bold outline.
+    letter is the segment of the parent from which the gene was moved. Changed genes have a bold frame and show the
+    amount of the change in the unit of the gene; the frame is dashed if the change was made by repair. Genes without an
+    effect on the child are hatched. In the drawings, the trunk and the legs of each segment have the colour of the
+    parent from which their size comes, and changed parts have a bold outline.
 
     Args:
         birth: Birth, as returned by ``wl.analysis.mate``, ``wl.analysis.mutate`` or ``wl.explain_birth``.
@@ -82,11 +82,11 @@ def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None
         axes.text(x - 0.06, top + CELL_HEIGHT / 2, mark.name, ha="right", **label)
         _draw_cell(axes, mark, x, top, size)
     _draw_headings(axes, birth, top - HEADING_HEIGHT, size)
-    n_grown = int(birth.genes.n_grown(birth.child[np.newaxis])[0])
+    n_expressed = int(birth.genes.n_expressed(birth.child[np.newaxis])[0])
     of_parts = iter(marks[len(BODY_FEATURES) :])
     for part in range(n_parts):
         y = top - HEADING_HEIGHT - (part + 1) * CELL_HEIGHT
-        name = f"segment {part + 1}" + ("" if part < n_grown else "\n(not grown)")
+        name = f"segment {part + 1}" + ("" if part < n_expressed else "\n(not expressed)")
         axes.text(0, y + CELL_HEIGHT / 2, name, linespacing=1.0, **label)
         for column in range(len(SEGMENT_FEATURES)):
             _draw_cell(axes, next(of_parts), LABEL_WIDTH + column * CELL_WIDTH, y, size)

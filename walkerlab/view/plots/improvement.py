@@ -173,8 +173,8 @@ def operator_credit(records: Any, ax: Axes | None = None) -> Axes:
     add_description(axes, "Credit of the operators", f"{text or 'No robot has parents yet'}.")
     add_caption(
         axes,
-        "How often each pair of operators makes a child that is fitter than all of its parents. The black line at "
-        "the end of a bar is the uncertainty (standard error), which is smaller with more children. Mean gain: fitness "
+        "How often each pair of operators makes a child that is fitter than all of its parents. The black line at the "
+        "end of a bar shows the uncertainty (standard error), which is smaller with more children. Mean gain: fitness "
         "of a child minus the mean fitness of its parents; below 0, children are worse on average, which is usual: "
         "progress comes from selecting the few that are better."
         f"{explain_operators(credit.crossover.unique(), Crossover)}"

@@ -22,8 +22,8 @@ def landscape(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     """Draw a slice of the fitness landscape around a genome.
 
     With one gene, the fitness is a curve with a dot for each walk; with two genes, it is a map on which brighter cells
-    are fitter. A star marks the genome itself. Crosses mark walks that do not count. Small rings, on a map small
-    triangles, mark walks in which repair changed genes, so that the robot is not exactly on the slice.
+    are fitter. A star marks the genome itself. Crosses mark walks that do not count. Small rings (small triangles on a
+    map) mark walks in which repair changed genes, so that the robot is not exactly on the slice.
 
     Args:
         table: Table from ``wl.analysis.landscape``.

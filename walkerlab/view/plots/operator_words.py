@@ -12,7 +12,7 @@ _DEFAULT_SIZE = signature(tournament).parameters["size"].default
 
 
 def explain_operator(name: str, *kinds: type[Choice]) -> str:
-    """Return one clause about an operator: ``the best of 3 drawn at random``; "" for an operator of the user.
+    """Return one clause about an operator: ``the best of 3 drawn at random``; "" for a user's operator.
 
     Args:
         name: Name as tables show it, with the arguments of a partial: ``tournament(size=3)``.
@@ -28,7 +28,7 @@ def explain_operator(name: str, *kinds: type[Choice]) -> str:
 
 
 def explain_operators(names: Iterable[str], kind: type[Choice]) -> str:
-    """Return a sentence with a clause about each operator, with a space in front; "" for operators of the user."""
+    """Return a sentence with a clause about each operator, with a space in front; "" for a user's operators."""
     clauses = {name: explain_operator(name, kind) for name in names}
     known = "; ".join(f"{name}: {clause}" for name, clause in clauses.items() if clause)
     return f" {known[0].upper()}{known[1:]}." if known else ""

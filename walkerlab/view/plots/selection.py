@@ -41,7 +41,7 @@ MEASURE_LABELS = {
 }
 
 PLAIN_MEASURES = {
-    "intensity": "The number tells how much fitter the selected parents are than the whole population, on average. "
+    "intensity": "The number shows how much fitter the selected parents are than the whole population, on average. "
     "Its unit is the standard deviation, the typical distance of a robot's fitness from the mean.",
     "loss_of_diversity": "The number is the share of the places among the parents that poorer individuals lose to "
     "fitter ones.",
@@ -127,7 +127,7 @@ def selection_by_rank(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     fair = 100 / len(table)
     axes.axhline(fair, color="#D55E00", lw=1.6, ls=(0, (5, 2)), label="equal chance for all")
     axes.set_xlabel("rank of the robot (1 = fittest)")
-    axes.set_ylabel("chance to be the next parent [%]")
+    axes.set_ylabel("chance of becoming the next parent [%]")
     axes.xaxis.set_major_locator(integer_locator())
     axes.set_xlim(0.3, len(table) + 0.7)
     axes.set_ylim(0, LEGEND_SPACE * max(fair, float(percent.max())))
@@ -138,7 +138,7 @@ def selection_by_rank(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     add_description(axes, "Probability of selection by rank", text)
     add_caption(
         axes,
-        "How probably each robot becomes a parent. Each bar is one robot, the fittest on the left. A bar above the "
+        "How likely each robot is to become a parent. Each bar is one robot, the fittest on the left. A bar above the "
         "dashed line is a robot that selection favours. The faster the bars fall, the stronger the selection. "
         f"{text}{explain_operators([_selection_of(table)], Selection)}",
     )

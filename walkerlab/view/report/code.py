@@ -15,11 +15,11 @@ STEPS = ("fitness", "selection", "crossover", "mutation")
 """Settings of the algorithm that may be functions."""
 
 BUILT_IN_MODULES = ("walkerlab.simulation.fitness", "walkerlab.ga.")
-"""Starts of the names of modules whose functions the code can import."""
+"""Prefixes of the names of modules whose functions the code can import."""
 
 
 def as_python(settings: Settings, records: pd.DataFrame | None = None) -> str:
-    """Return the code that repeats a run; user functions are named in it but not defined.
+    """Return the code that repeats a run; it names user functions, but does not define them.
 
     Args:
         settings: Settings of the run.
@@ -58,7 +58,7 @@ def _insertion_lines(inserted: dict[int, list[str]], arguments: str) -> list[str
     """Return the lines of code that evolve a run and insert genomes.
 
     Args:
-        inserted: Texts of the genomes, by the generation into which each is inserted.
+        inserted: Texts of the genomes, keyed by the generation into which they are inserted.
         arguments: Arguments of ``Evolution``.
     """
     genomes = (f"    {number}: [{', '.join(map(repr, texts))}]," for number, texts in inserted.items())
