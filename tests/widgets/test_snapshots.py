@@ -24,6 +24,7 @@ from walkerlab.widgets.drawing_thread import DrawingThread
 from walkerlab.widgets.generation_slider import GenerationSlider
 from walkerlab.widgets.landscape import LandscapePicture
 from walkerlab.widgets.playground import Playground
+from walkerlab.widgets.questions import Item, Questions, Reply
 from walkerlab.widgets.robot import RobotArea
 from walkerlab.widgets.run_folders import ListedRun
 from walkerlab.widgets.run_list import RunList
@@ -107,6 +108,12 @@ def landscape(run):
     return widgets.Landscape(table, run.settings)
 
 
+def questions(_run):
+    made = Questions([Item(EVIL, (EVIL, "no"))], lambda _, choice: Reply("right", choice), title="quiz")
+    made.answers = [EVIL]
+    return made
+
+
 MAKE = {
     widgets.Curve: lambda run: widgets.Curve({EVIL: run.records, "other": run.records}),
     widgets.Editor: lambda run: widgets.Editor(EVIL, run.settings),
@@ -121,6 +128,7 @@ MAKE = {
     widgets.World: lambda run: widgets.World(run.settings.with_(structure="rough")),
     Drawer: drawer,
     GenerationSlider: generation_slider,
+    Questions: questions,
     WalkerCaption: walker_caption,
     WalkerView: walker_view,
     Frame: lambda run: wl.replay({EVIL: run.champion}, run.settings).widget,
@@ -247,21 +255,27 @@ SHOW = """
 import walkerlab as wl
 from walkerlab.widgets import Form, World
 form = Form(only=["terrain"])
-display(form, World())
+quiz = wl.lessons.quiz("03")
+display(form, World(), quiz)
 wl.Lab(form.settings)
+"""
+CHANGE = """
+form.settings = form.settings.with_(step_height=0.123, structure='stairs')
+quiz.answers = [next(iter(item["choices"])) for item in quiz.items]
 """
 
 
 def test_an_executed_notebook_contains_the_last_state_of_the_widgets(tmp_path):
     """Nbclient and nbconvert run no JavaScript; their pages show the snapshots."""
-    notebook = book(SHOW, "form.settings = form.settings.with_(step_height=0.123, structure='stairs')")
+    notebook = book(SHOW, CHANGE)
     nbclient.NotebookClient(notebook, timeout=60, resources={"metadata": {"path": str(tmp_path)}}).execute()
     nbformat.validate(notebook)
     outputs = [output.data for output in notebook.cells[0].outputs]
-    assert [sorted(output) for output in outputs[::2]] == [sorted(VIEW)] * 3
-    form, world, lab = (output["text/html"] for output in outputs[1::2])
+    assert [sorted(output) for output in outputs[::2]] == [sorted(VIEW)] * 4
+    form, world, quiz, lab = (output["text/html"] for output in outputs[1::2])
     assert "0.123 m" in form
     assert Seen(world).all("img")
+    assert quiz.count("●") == quiz.count("?</b>") > 0
     assert len(Seen(lab).all("img")) >= 2
 
 
