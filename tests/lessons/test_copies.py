@@ -54,16 +54,13 @@ def test_copies_lack_tagged_cells_and_outputs_and_sources_are_unchanged(tmp_path
 
 
 def test_links_lead_to_the_same_file_from_the_copy():
+    links = '[a](../glossary.md#a) [b](glossary.md) [c](https://c/../d) <img src="../e.png">'
     cells = [
-        {
-            "cell_type": "markdown",
-            "metadata": {},
-            "source": ["[a](../glossary.md#a) [b](glossary.md) [c](https://c/../d)"],
-        },
+        {"cell_type": "markdown", "metadata": {}, "source": [links]},
         {"cell_type": "code", "metadata": {}, "source": ["wl.load('../walk')"], "outputs": [], "execution_count": None},
     ]
     text, code = student_copy({"cells": cells})["cells"]
-    assert text["source"] == ["[a](glossary.md#a) [b](glossary.md) [c](https://c/../d)"]
+    assert text["source"] == ['[a](glossary.md#a) [b](glossary.md) [c](https://c/../d) <img src="e.png">']
     assert code == cells[1]
 
 

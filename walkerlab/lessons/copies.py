@@ -23,7 +23,7 @@ REMOVED_TAGS = {"answer", "teacher"}
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
 STUDENT_COMMENT = re.compile(r"(\s*)# student:(?: (.*))?$")
 NO_ANSWER = "..."
-PARENT_LINK = re.compile(r"\]\(\.\./")
+PARENT_LINK = re.compile(r"""(\]\(|(?:href|src)=")\.\./""")
 
 Notebook = dict[str, Any]
 
@@ -101,7 +101,7 @@ def write_copies(folder: Path) -> list[Path]:
 def _student_cell(cell: dict[str, Any]) -> dict[str, Any]:
     source = "".join(cell["source"])
     if cell["cell_type"] != "code":
-        return {**cell, "source": _split_lines(PARENT_LINK.sub("](", source))}
+        return {**cell, "source": _split_lines(PARENT_LINK.sub(r"\1", source))}
     copied = "\n".join(split_solutions(source)[0])
     return {**cell, "source": _split_lines(copied), "outputs": [], "execution_count": None}
 

@@ -13,9 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from walkerlab.lessons.exercises import LessonError
+from walkerlab.system.package_files import find_package_file
 from walkerlab.text.templates import render
 
-SHEETS = Path("notebooks") / "teacher" / "sheets"
+SHEETS = "notebooks/teacher/sheets"
 
 
 def print_sheets(sources: Sequence[Path], folder: Path) -> list[Path]:
@@ -73,7 +74,9 @@ def main() -> None:
     parser.add_argument("sheets", nargs="*", type=Path, metavar="SHEET.md", help=f"sheets to print [all in {SHEETS}]")
     arguments = parser.parse_args()
     try:
-        for printed in print_sheets(arguments.sheets or sorted(SHEETS.glob("*.md")), arguments.folder):
+        for printed in print_sheets(
+            arguments.sheets or sorted(find_package_file(SHEETS).glob("*.md")), arguments.folder
+        ):
             print(printed)
     except LessonError as error:
         sys.exit(f"Error: {error}")
