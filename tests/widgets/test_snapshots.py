@@ -214,9 +214,12 @@ def test_a_snapshot_is_sent_again_only_when_it_has_changed(monkeypatch):
     monkeypatch.setattr("IPython.display.display", lambda bundle, **options: sent.append((bundle, options)))
     monkeypatch.setattr(snapshots, "QUIET_TIME", 60)
     world = widgets.World()
+    view, _ = world._repr_mimebundle_()
+    monkeypatch.setattr(world, "_repr_mimebundle_", lambda: (view, {"for": "Colab"}))
     world._ipython_display_()
-    (view, _), (picture, options) = sent
+    (view, view_options), (picture, options) = sent
     assert "application/vnd.jupyter.widget-view+json" in view
+    assert view_options["metadata"] == {"for": "Colab"}
     assert view["text/html"] == ""
     assert options["display_id"]
     [on_cell_end] = shell.callbacks
