@@ -114,10 +114,15 @@ def questions(_run):
     return made
 
 
+def print_height(step_height):
+    print(EVIL, step_height)
+
+
 MAKE = {
     widgets.Curve: lambda run: widgets.Curve({EVIL: run.records, "other": run.records}),
     widgets.Editor: lambda run: widgets.Editor(EVIL, run.settings),
     widgets.Form: lambda run: widgets.Form(run.settings),
+    widgets.Interactive: lambda run: widgets.Interactive(print_height, ["step_height"]),
     widgets.Lab: panel,
     widgets.Landscape: landscape,
     LandscapePicture: lambda run: landscape(run).plot,
@@ -256,14 +261,16 @@ class Shell:
 
 SHOW = """
 import walkerlab as wl
-from walkerlab.widgets import Form, World
+from walkerlab.widgets import Form, Interactive, World
 form = Form(only=["terrain"])
 quiz = wl.lessons.quiz("03")
-display(form, World(), quiz)
+interactive = Interactive(lambda step_height: print("step", step_height), ["step_height"])
+display(form, World(), quiz, interactive)
 wl.Lab(form.settings)
 """
 CHANGE = """
 form.settings = form.settings.with_(step_height=0.123, structure='stairs')
+interactive.controls["step_height"].value = 0.2
 quiz.answers = [next(iter(item["choices"])) for item in quiz.items]
 """
 
@@ -274,10 +281,11 @@ def test_an_executed_notebook_contains_the_last_state_of_the_widgets(tmp_path):
     nbclient.NotebookClient(notebook, timeout=60, resources={"metadata": {"path": str(tmp_path)}}).execute()
     nbformat.validate(notebook)
     outputs = [output.data for output in notebook.cells[0].outputs]
-    assert [sorted(output) for output in outputs[::2]] == [sorted(VIEW)] * 4
-    form, world, quiz, lab = (output["text/html"] for output in outputs[1::2])
+    assert [sorted(output) for output in outputs[::2]] == [sorted(VIEW)] * 5
+    form, world, quiz, interactive, lab = (output["text/html"] for output in outputs[1::2])
     assert "0.123 m" in form
     assert Seen(world).all("img")
+    assert "<pre>step 0.2" in interactive
     assert quiz.count("●") == quiz.count("?</b>") > 0
     assert len(Seen(lab).all("img")) >= 2
 
