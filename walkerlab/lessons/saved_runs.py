@@ -1,6 +1,5 @@
 """The small saved runs of the lessons, evolved by ``python -m walkerlab.lessons.saved``."""
 
-from pathlib import Path
 from typing import Any
 
 from walkerlab.evolution.loading import load
@@ -8,8 +7,9 @@ from walkerlab.evolution.run import Run
 from walkerlab.lessons.exercises import LessonError
 from walkerlab.runfile.records import Individual
 from walkerlab.settings.values import did_you_mean
+from walkerlab.system.package_files import find_package_file
 
-FOLDER = Path("data") / "runs"
+FOLDER = "data/runs"
 
 SIZE: dict[str, Any] = {"population_size": 30, "generations": 16, "seed": 1}
 RUN_CHANGES: dict[str, dict[str, Any]] = {
@@ -37,9 +37,7 @@ def saved_run(name: str) -> Run:
         raise LessonError(
             f"there is no saved run {name!r}; the saved runs are {known}.{did_you_mean(name, RUN_CHANGES)}"
         )
-    package = Path(__file__).parents[1]
-    file = FOLDER / f"{name}.walk"
-    return load(next(path for path in (package / file, package.parent / file) if path.exists()))
+    return load(find_package_file(f"{FOLDER}/{name}.walk"))
 
 
 def saved_champion(name: str) -> Individual:

@@ -67,8 +67,9 @@ class _Display:
 
         if self._is_open:
             bundle = self._widget._repr_mimebundle_()
-            view = bundle[0] if isinstance(bundle, tuple) else bundle
-            display(view | {"text/html": ""}, raw=True)  # shown instead of the text where there is no live view
+            view, metadata = bundle if isinstance(bundle, tuple) else (bundle, None)  # Colab reads the metadata
+            html = {"text/html": ""}  # shown instead of the text where there is no live view
+            display(view | html, metadata=metadata, raw=True)
         shell: Any = get_ipython()
         if not hasattr(shell, "kernel"):
             return

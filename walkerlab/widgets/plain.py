@@ -1,4 +1,4 @@
-"""Settings as plain ipywidgets controls, for ``interact``, ``interactive_output`` and ``link`` in notebook cells.
+"""Settings as plain ipywidgets controls, for ``Interactive`` and for ipywidgets' ``interact`` and ``link``.
 
 from ipywidgets import interact
 
