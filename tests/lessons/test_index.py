@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from tests.text.test_html import Seen
 from walkerlab.lessons.pictures import PICTURES
+from walkerlab.text.templates import render
 
 ROOT = Path(__file__).parents[2]
 FOLDER = ROOT / "notebooks"
@@ -47,6 +49,15 @@ def test_every_picture_is_described_small_and_drawn_by_the_script():
     assert files.keys() == PICTURES.keys() == described.keys() >= {lesson.stem for lesson in LESSONS}
     assert len(set(described.values())) == len(described)
     assert all(path.suffix == ".png" and path.stat().st_size < MAX_PICTURE_SIZE for path in files.values())
+
+
+@pytest.mark.parametrize("name", ["03_selection", "08_your_own_operator", "09_broken_operators"])
+def test_a_picture_is_made_of_drawings_or_of_code(name):
+    picture = PICTURES[name]()
+    page = Seen(render("lessons/picture.html", picture=picture))
+    assert len(page.all("img")) == len(picture.drawings)
+    assert bool(picture.drawings) != bool(picture.code)
+    assert picture.code in page.text
 
 
 def test_the_data_of_the_lessons_is_small():
