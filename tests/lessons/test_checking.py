@@ -52,6 +52,13 @@ def test_an_answer_of_another_type_gets_a_hint_that_names_its_type(answer):
     assert "It is a number." in feedback._repr_html_()
 
 
+def test_a_text_that_is_no_genome_gets_a_hint_and_the_place_of_the_error():
+    feedback = wl.lessons.check("01.4", "wl2 segments=3 | seg length=0.35 mass=3 lags own")
+    assert "expected 'nolegs' or 'legs'" in feedback.note
+    assert "mass=3 lags" in feedback.note
+    assert "type" not in feedback.note
+
+
 def test_an_unknown_number_is_reported_with_the_known_ones():
     with pytest.raises(wl.lessons.LessonError, match=r"no exercise '99\.7'; .* '99\.1'"):
         wl.lessons.check("99.7", 3)

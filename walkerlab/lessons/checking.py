@@ -3,6 +3,7 @@
 import inspect
 from typing import Any, cast
 
+from walkerlab.errors import WalkerlabError
 from walkerlab.lessons.exercises import find_exercise
 from walkerlab.lessons.feedback import EMPTY, NOT_YET, RIGHT, Feedback
 from walkerlab.settings.values import truncate
@@ -35,8 +36,7 @@ def check(number: str, answer: Any) -> Feedback:
         result = result if isinstance(result, str) else bool(result)
     except Exception as error:  # the answer may be anything
         result = False
-        problem = truncate(f"{type(error).__name__}: {error}".partition("\n")[0])
-        note = f"The answer is of the type {type(answer).__name__}, which the check could not use ({problem})."
+        note = _describe_error(error, answer)
     if result is True:
         return Feedback(RIGHT, exercise.right)
     n_wrong = _n_wrong_answers[number] = _n_wrong_answers.get(number, 0) + 1
@@ -65,6 +65,15 @@ def is_empty(answer: Any) -> bool:
         items = list(cast(list[Any], answer))
         return not items or any(item is ... for item in items)
     return inspect.isfunction(answer) and _is_unwritten(answer)
+
+
+def _describe_error(error: Exception, answer: Any) -> str:
+    """Return a note on an answer that the check could not use; the user's own function raises errors of any kind."""
+    lines = str(error).splitlines()
+    if isinstance(error, WalkerlabError):  # its second line, if any, shows the place of the error
+        return truncate(lines[0]) + (f", here: … {lines[1].strip()} …" if lines[1:] else "")
+    note = f"The check cannot use an answer of the type {type(answer).__name__}."
+    return f"{note} {truncate(f'{type(error).__name__}: {lines[0]}')}" if callable(answer) and lines else note
 
 
 def _is_unwritten(function: Any) -> bool:
