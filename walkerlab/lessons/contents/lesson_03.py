@@ -33,7 +33,7 @@ def _check_probability(answer: Any) -> bool | str:
 
 def _check_no_elites(answer: Any) -> bool | str:
     if not isinstance(answer, Settings):
-        return "The answer must be settings: s.with_(…)."
+        return "The answer must be settings: wl.Settings().with_(…)."
     if answer.algorithm.selection != Selection.uniform:
         return "These settings select parents with another operator than uniform."
     return True if answer.algorithm.n_elites == 0 else "With elites, the best robots survive under any selection."
