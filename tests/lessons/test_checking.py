@@ -29,8 +29,11 @@ def test_each_wrong_answer_shows_the_next_hint_and_the_last_one_again():
     assert texts == ["It is a number.", "It is odd.", "It is odd."]
 
 
-def test_a_hint_that_fits_the_answer_replaces_the_general_one():
-    assert wl.lessons.check("99.1", 10).text == "Too large."
+def test_a_hint_that_fits_the_answer_is_shown_above_the_next_general_one():
+    feedbacks = [wl.lessons.check("99.1", 10) for _ in range(3)]
+    assert [feedback.text for feedback in feedbacks] == ["Too large."] * 3
+    notes = ["", "Hint 1 of 2: It is a number.", "Hint 2 of 2: It is odd."]
+    assert [feedback.note for feedback in feedbacks] == notes
 
 
 def test_a_right_answer_is_right_after_wrong_ones():

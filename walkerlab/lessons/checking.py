@@ -15,7 +15,7 @@ _n_wrong_answers: dict[str, int] = {}
 def check(number: str, answer: Any) -> Feedback:
     """Check the answer to an exercise.
 
-    Each wrong answer shows the next hint; no hint contains the answer.
+    Each wrong answer shows the next hint, below one that fits the answer if there is one; no hint contains the answer.
 
     Args:
         number: Number of the exercise, such as "03.2".
@@ -40,9 +40,10 @@ def check(number: str, answer: Any) -> Feedback:
     if result is True:
         return Feedback(RIGHT, exercise.right)
     n_wrong = _n_wrong_answers[number] = _n_wrong_answers.get(number, 0) + 1
-    if isinstance(result, str):
-        return Feedback(NOT_YET, result)
     n_hints = len(exercise.hints)
+    if isinstance(result, str):
+        shown = min(n_wrong - 1, n_hints)
+        return Feedback(NOT_YET, result, f"Hint {shown} of {n_hints}: {exercise.hints[shown - 1]}" if shown else "")
     if not n_hints:
         return Feedback(NOT_YET, "Try another answer.", note)
     shown = min(n_wrong, n_hints)

@@ -59,8 +59,8 @@ EXERCISES: dict[str, Exercise] = {
     "02.5": Exercise(
         check=_check_hard_world,
         hints=(
-            "Look at your curve of the steps: where is the distance less than 1 m?",
-            "High steps, a steep slope and a strong headwind are all possible.",
+            "Steps begin 1 m ahead of the start. Which settings of the ground or the air act sooner?",
+            "Uphill and against the wind, it comes less far. How steep is too steep, how strong too strong?",
         ),
         right="The same genome that is fit on the floor is unfit here: fitness depends on the world.",
     ),
