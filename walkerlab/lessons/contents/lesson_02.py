@@ -79,8 +79,8 @@ QUIZ: tuple[Question, ...] = (
         "The walker comes less far on ice. What does that show?",
         {
             "It is a poor robot": "On rubber, the same robot is the best of its run.",
-            "Its gait relies on grip": "Right. Evolution only ever saw the rubber floor.",
-            "Ice is impossible to walk on": "Robots that evolve on ice walk there.",
+            "Its gait relies on grip": "Right. It evolved on the rubber floor only.",
+            "Ice is impossible to walk on": "It does walk on ice, only less far.",
         },
         "Its gait relies on grip",
     ),
