@@ -4,6 +4,7 @@ import inspect
 from typing import Any, cast
 
 from walkerlab.errors import WalkerlabError
+from walkerlab.genome.text import GenomeError
 from walkerlab.lessons.exercises import find_exercise
 from walkerlab.lessons.feedback import EMPTY, NOT_YET, RIGHT, Feedback
 from walkerlab.settings.values import truncate
@@ -70,11 +71,13 @@ def is_empty(answer: Any) -> bool:
 
 def _describe_error(error: Exception, answer: Any) -> str:
     """Return a note on an answer that the check could not use; the user's own function raises errors of any kind."""
-    lines = str(error).splitlines()
-    if isinstance(error, WalkerlabError):  # its second line, if any, shows the place of the error
-        return truncate(lines[0]) + (f", here: … {lines[1].strip()} …" if lines[1:] else "")
+    message, *more = str(error).splitlines() or [""]
+    if isinstance(error, GenomeError) and more:  # its second line shows the place of the error
+        return f"The message is: {truncate(message)}, here: … {more[0].strip()} …"
+    if isinstance(error, WalkerlabError):
+        return f"The message is: {truncate(message)}"
     note = f"The check cannot use an answer of the type {type(answer).__name__}."
-    return f"{note} {truncate(f'{type(error).__name__}: {lines[0]}')}" if callable(answer) and lines else note
+    return f"{note} {truncate(f'{type(error).__name__}: {message}')}" if callable(answer) else note
 
 
 def _is_unwritten(function: Any) -> bool:
