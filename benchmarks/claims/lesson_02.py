@@ -56,7 +56,7 @@ CLAIMS: tuple[Claim, ...] = (
     Claim("02.a", "On ice, the walker comes less far than on the rubber floor on which it evolved.", _ice, "m"),
     Claim("02.b", "On steps of 8 cm, it loses more than half of its distance.", _steps, "m"),
     Claim("02.c", "A headwind of 10 m/s costs distance.", _headwind, "m"),
-    Claim("02.f", "Uphill, it comes less far.", _uphill, "m"),
     Claim("02.d", "A sledge of 3 kg is harder than a pack of 3 kg.", _sledge, "m"),
     Claim("02.e", "It walks further on the earth than on the moon or on Jupiter.", _other_planets, "m"),
+    Claim("02.f", "Uphill, it comes less far.", _uphill, "m"),
 )
