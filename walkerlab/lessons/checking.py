@@ -3,6 +3,8 @@
 import inspect
 from typing import Any, cast
 
+from walkerlab.errors import WalkerlabError
+from walkerlab.genome.text import GenomeError
 from walkerlab.lessons.exercises import find_exercise
 from walkerlab.lessons.feedback import EMPTY, NOT_YET, RIGHT, Feedback
 from walkerlab.settings.values import truncate
@@ -14,7 +16,7 @@ _n_wrong_answers: dict[str, int] = {}
 def check(number: str, answer: Any) -> Feedback:
     """Check the answer to an exercise.
 
-    Each wrong answer shows the next hint; no hint contains the answer.
+    Each wrong answer shows the next hint, below one that fits the answer if there is one; no hint contains the answer.
 
     Args:
         number: Number of the exercise, such as "03.2".
@@ -35,14 +37,14 @@ def check(number: str, answer: Any) -> Feedback:
         result = result if isinstance(result, str) else bool(result)
     except Exception as error:  # the answer may be anything
         result = False
-        problem = truncate(f"{type(error).__name__}: {error}".partition("\n")[0])
-        note = f"The answer is of the type {type(answer).__name__}, which the check could not use ({problem})."
+        note = _describe_error(error, answer)
     if result is True:
         return Feedback(RIGHT, exercise.right)
     n_wrong = _n_wrong_answers[number] = _n_wrong_answers.get(number, 0) + 1
-    if isinstance(result, str):
-        return Feedback(NOT_YET, result)
     n_hints = len(exercise.hints)
+    if isinstance(result, str):
+        shown = min(n_wrong - 1, n_hints)
+        return Feedback(NOT_YET, result, f"Hint {shown} of {n_hints}: {exercise.hints[shown - 1]}" if shown else "")
     if not n_hints:
         return Feedback(NOT_YET, "Try another answer.", note)
     shown = min(n_wrong, n_hints)
@@ -65,6 +67,17 @@ def is_empty(answer: Any) -> bool:
         items = list(cast(list[Any], answer))
         return not items or any(item is ... for item in items)
     return inspect.isfunction(answer) and _is_unwritten(answer)
+
+
+def _describe_error(error: Exception, answer: Any) -> str:
+    """Return a note on an answer that the check could not use; the user's own function raises errors of any kind."""
+    message, *more = str(error).splitlines() or [""]
+    if isinstance(error, GenomeError) and more:  # its second line shows the place of the error
+        return f"The message is: {truncate(message)}, here: … {more[0].strip()} …"
+    if isinstance(error, WalkerlabError):
+        return f"The message is: {truncate(message)}"
+    note = f"The check cannot use an answer of the type {type(answer).__name__}."
+    return f"{note} {truncate(f'{type(error).__name__}: {message}')}" if callable(answer) else note
 
 
 def _is_unwritten(function: Any) -> bool:
