@@ -1,11 +1,11 @@
 """Exercises that check themselves: right, not yet with a hint, or empty."""
 
 import inspect
+import math
 from typing import Any, cast
 
 from walkerlab.lessons.exercises import find_exercise
 from walkerlab.lessons.feedback import EMPTY, NOT_YET, RIGHT, Feedback
-from walkerlab.settings.values import truncate
 
 _n_wrong_answers: dict[str, int] = {}
 """Number of wrong answers in this kernel, by exercise."""
@@ -30,15 +30,17 @@ def check(number: str, answer: Any) -> Feedback:
     if is_empty(answer):
         return Feedback(EMPTY, "Replace ... by your answer and run the cell again.")
     note = ""
+    given: Any = cast(tuple[Any, ...], answer)[-1] if isinstance(answer, tuple) else answer
     try:
         result = exercise.check(answer)
         result = result if isinstance(result, str) else bool(result)
-    except Exception as error:  # the answer may be anything
+    except Exception:  # the answer may be anything
         result = False
-        problem = truncate(f"{type(error).__name__}: {error}".partition("\n")[0])
-        note = f"The answer is of the type {type(answer).__name__}, which the check could not use ({problem})."
+        note = f"The check could not use this answer: it is {_describe_type(given)}."
     if result is True:
         return Feedback(RIGHT, exercise.right)
+    if _is_number_in_quotes(given):
+        return Feedback(NOT_YET, "In quotes, the answer is a text. Write the number without quotes.")
     n_wrong = _n_wrong_answers[number] = _n_wrong_answers.get(number, 0) + 1
     if isinstance(result, str):
         return Feedback(NOT_YET, result)
@@ -65,6 +67,17 @@ def is_empty(answer: Any) -> bool:
         items = list(cast(list[Any], answer))
         return not items or any(item is ... for item in items)
     return inspect.isfunction(answer) and _is_unwritten(answer)
+
+
+def _describe_type(answer: Any) -> str:
+    return "a text, in quotes" if isinstance(answer, str) else f"of the type {type(answer).__name__}"
+
+
+def _is_number_in_quotes(answer: Any) -> bool:
+    try:
+        return isinstance(answer, str) and math.isfinite(float(answer))
+    except ValueError:
+        return False
 
 
 def _is_unwritten(function: Any) -> bool:
