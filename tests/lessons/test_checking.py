@@ -62,6 +62,19 @@ def test_a_text_that_is_no_genome_gets_a_hint_and_the_place_of_the_error():
     assert "type" not in feedback.note
 
 
+@pytest.mark.parametrize("answer", ["3", " 3.0 ", "-1e3", ("run", "3")])
+def test_a_number_in_quotes_gets_a_hint_about_the_quotes(answer):
+    feedback = wl.lessons.check("99.1", answer)
+    assert feedback.state == "not yet"
+    assert "without quotes" in feedback.text
+    assert "Hint 1 of 2" in wl.lessons.check("99.1", 4).note, "the quotes are not counted as a wrong answer"
+
+
+def test_the_hint_about_the_type_is_about_the_last_item_of_a_tuple():
+    assert "of the type object." in wl.lessons.check("99.1", ("run", object())).note
+    assert "a text, in quotes." in wl.lessons.check("99.1", "three").note
+
+
 def test_an_unknown_number_is_reported_with_the_known_ones():
     with pytest.raises(wl.lessons.LessonError, match=r"no exercise '99\.7'; .* '99\.1'"):
         wl.lessons.check("99.7", 3)

@@ -1,6 +1,7 @@
 """Exercises that check themselves: right, not yet with a hint, or empty."""
 
 import inspect
+import math
 from typing import Any, cast
 
 from walkerlab.errors import WalkerlabError
@@ -32,14 +33,17 @@ def check(number: str, answer: Any) -> Feedback:
     if is_empty(answer):
         return Feedback(EMPTY, "Replace ... by your answer and run the cell again.")
     note = ""
+    given: Any = cast(tuple[Any, ...], answer)[-1] if isinstance(answer, tuple) else answer
     try:
         result = exercise.check(answer)
         result = result if isinstance(result, str) else bool(result)
     except Exception as error:  # the answer may be anything
         result = False
-        note = _describe_error(error, answer)
+        note = _describe_error(error, given)
     if result is True:
         return Feedback(RIGHT, exercise.right)
+    if _is_number_in_quotes(given):
+        return Feedback(NOT_YET, "In quotes, the answer is a text. Write the number without quotes.")
     n_wrong = _n_wrong_answers[number] = _n_wrong_answers.get(number, 0) + 1
     n_hints = len(exercise.hints)
     if isinstance(result, str):
@@ -76,8 +80,19 @@ def _describe_error(error: Exception, answer: Any) -> str:
         return f"The message is: {truncate(message)}, here: … {more[0].strip()} …"
     if isinstance(error, WalkerlabError):
         return f"The message is: {truncate(message)}"
-    note = f"The check cannot use an answer of the type {type(answer).__name__}."
+    note = f"The check could not use this answer: it is {_describe_type(answer)}."
     return f"{note} {truncate(f'{type(error).__name__}: {message}')}" if callable(answer) else note
+
+
+def _describe_type(answer: Any) -> str:
+    return "a text, in quotes" if isinstance(answer, str) else f"of the type {type(answer).__name__}"
+
+
+def _is_number_in_quotes(answer: Any) -> bool:
+    try:
+        return isinstance(answer, str) and math.isfinite(float(answer))
+    except ValueError:
+        return False
 
 
 def _is_unwritten(function: Any) -> bool:
