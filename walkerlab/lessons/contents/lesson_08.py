@@ -112,7 +112,7 @@ QUIZ: tuple[Question, ...] = (
     Question(
         text="What does a selection operator return?",
         choices={
-            "the fitness of the selected robots": "Several robots can have the same fitness; which one would be meant?",
+            "the fitness of the selected robots": "Several robots can have the same fitness; it would not be clear which one is meant.",
             "the indices of the selected robots": "Right: positions in the list of robots, counted from 0.",
             "the genomes of the selected robots": "It does not receive the genomes, unless it asks for them.",
         },
@@ -130,7 +130,7 @@ QUIZ: tuple[Question, ...] = (
     Question(
         text="Your operator gives a better champion than tournament selection, with one seed. What do you know?",
         choices={
-            "It is better.": "With another seed, the order may be reversed. How many seeds would you try?",
+            "It is better.": "With another seed, the order may be reversed: try several seeds.",
             "It works, but whether it is better needs more seeds.": "Right: lesson 07 shows how to find out.",
             "The comparison has an error.": "It can be correct. One run just says little.",
         },
