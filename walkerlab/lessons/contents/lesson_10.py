@@ -1,7 +1,7 @@
 """Exercises and quiz of lesson 10, when evolution cheats."""
 
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -54,6 +54,12 @@ def _check_fitness(fitness: Any) -> bool | str:
 
 
 def _check_loopholes(answer: Any) -> bool | str:
+    if not isinstance(answer, dict):
+        return "The answer must keep its form: each goal, a colon and a number, in braces { }."
+    answer = cast(dict[str, Any], answer)
+    for goal in LOOPHOLES:
+        if answer.get(goal) not in LOOPHOLES.values():
+            return f'The answer for "{goal}" must be the number of a robot, 1 to 4, without quotes.'
     wrong = [goal for goal, robot in LOOPHOLES.items() if answer[goal] != robot]
     if not wrong:
         return True
@@ -72,7 +78,10 @@ EXERCISES: dict[str, Exercise] = {
     ),
     "10.6": Exercise(
         check=_check_loopholes,
-        hints=('Write one number from 1 to 4 for each of "far", "steps", "calm" and "sprint".',),
+        hints=(
+            'Write one number from 1 to 4 for each of "far", "steps", "calm" and "sprint".',
+            "Each robot belongs to one goal. Begin with the goal that you are surest of.",
+        ),
         right="Each of these goals measures something that walkers do, but that others do, too.",
     ),
 }
