@@ -38,18 +38,18 @@ def _check_fitness(fitness: Any) -> bool | str:
         return "For one of four example walks, your fitness is not a finite number. Is there a division by zero?"
     if economical <= still:
         return (
-            f"A robot that walks 3 m with 150 J gets {economical:.3g}, and one that lies still {still:.3g}. Evolution "
-            "would prefer lying still. Make the distance count more, or the work less."
+            f"A robot that walks 3 m with 150 J gets {economical:.3g}, and one that stays still {still:.3g}. Evolution "
+            "would prefer staying still. Make the distance count more, or the work less."
         )
     if backward >= still:
-        return f"A robot that walks 3 m backward gets {backward:.3g}, and one that lies still only {still:.3g}."
+        return f"A robot that walks 3 m backward gets {backward:.3g}, and one that stays still only {still:.3g}."
     if economical <= wasteful:
         return (
             f"Two robots walk 3 m, with 150 J and with 400 J. They get {economical:.3g} and {wasteful:.3g}; the first "
             "must get more, because it saves energy."
         )
     return wasteful > still or (
-        f"A robot that walks 3 m with 400 J gets {wasteful:.3g}, and one that lies still {still:.3g}. Walking must pay."
+        f"A robot that walks 3 m with 400 J gets {wasteful:.3g}, and one that stays still {still:.3g}. Walking must pay."
     )
 
 
