@@ -49,7 +49,7 @@ def _check_fitness(fitness: Any) -> bool | str:
             "must get more, because it saves energy."
         )
     return wasteful > still or (
-        f"A robot that walks 3 m with 400 J gets {wasteful:.3g}, and one that stays still {still:.3g}. Walking must pay."
+        f"A robot that walks 3 m with 400 J gets {wasteful:.3g}, one that stays still {still:.3g}. Walking must pay."
     )
 
 
