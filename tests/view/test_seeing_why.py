@@ -56,6 +56,9 @@ def test_measured_and_theoretical_pressure_are_drawn():
         theory, measured = axes.lines[:2]
         assert np.array_equal(np.float64(theory.get_xdata()), rows.theory, equal_nan=True)
         assert np.array_equal(np.float64(measured.get_xdata()), rows.measured, equal_nan=True)
+        has_theory = rows.theory.notna().any()
+        assert ("predicted by theory" in axes.get_legend_handles_labels()[1]) == has_theory
+        assert ("diamond" in caption(axes)) == has_theory
     with pytest.raises(ValueError, match="intensity, loss_of_diversity"):
         wl.plots.selection_pressure(table, "strength")
 

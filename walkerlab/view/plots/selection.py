@@ -167,7 +167,9 @@ def selection_pressure(table: pd.DataFrame, measure: str = "intensity", ax: Axes
     axes = ax or new_axes(height=2.6 + 0.42 * len(rows))
     y = np.arange(len(rows))
     ink = foreground_colour(axes)
-    axes.plot(rows.theory, y, ls="", marker="D", ms=13, mfc="none", mec=ink, mew=1.4, label="predicted by theory")
+    has_theory = bool(rows.theory.notna().any())
+    diamonds: dict[str, Any] = {"ls": "", "marker": "D", "ms": 13, "mfc": "none", "mec": ink, "mew": 1.4}
+    axes.plot(rows.theory, y, **diamonds, label="predicted by theory" if has_theory else "_without theory")
     bars: dict[str, Any] = {
         "fmt": "o",
         "ms": 6,
@@ -192,6 +194,7 @@ def selection_pressure(table: pd.DataFrame, measure: str = "intensity", ax: Axes
     )
     add_description(axes, f"Selection pressure: {measure}", f"{MEASURE_LABELS[measure]}: {values}.")
     stronger = "left" if measure in FALLING_MEASURES else "right"
+    comparison = f"Further {stronger} means stronger selection; a dot inside its diamond agrees with theory. "
     populations = ""
     if {"population_size", "n_populations"} <= table.attrs.keys():
         populations = (
@@ -202,10 +205,9 @@ def selection_pressure(table: pd.DataFrame, measure: str = "intensity", ax: Axes
     unknown = " No theory is known for operators without a diamond; their result can depend on the fitness values."
     add_caption(
         axes,
-        f"How strongly each operator selects. {PLAIN_MEASURES[measure]} Further {stronger} means stronger selection; "
-        f"a dot inside its diamond agrees with theory. {populations}"
+        f"How strongly each operator selects. {PLAIN_MEASURES[measure]} {comparison if has_theory else ''}{populations}"
         f"{explain_operators(rows.selection, Selection).lstrip()}"
-        f"{unknown if rows.theory.isna().any() and rows.theory.notna().any() else ''}",
+        f"{unknown if has_theory and rows.theory.isna().any() else ''}",
     )
     return axes
 
