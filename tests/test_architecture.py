@@ -17,11 +17,10 @@ import walkerlab
 PACKAGE = Path(walkerlab.__file__).parent
 
 LAYERS = (
-    ("errors",),
-    ("text", "system", "randomness"),
+    ("text", "system"),
     ("ga", "settings"),
     ("genome",),
-    ("breeding", "world"),
+    ("world",),
     ("simulation",),
     ("runfile",),
     ("analysis",),
@@ -37,7 +36,7 @@ LAYERS = (
 LAYER = {name: number for number, names in enumerate(LAYERS) for name in names}
 
 ONLY_FROM = {
-    "ga": {"errors", "randomness", "system"},
+    "ga": {"system"},
     "world.entities": {"settings", "ga", "world"},
     "commands": {*LAYER} - {"widgets", "lessons"},
 }
@@ -86,7 +85,7 @@ LIGHT = {
 }
 LIGHT |= {
     f"walkerlab.{name}": {"pandas", "mujoco", "dm_control", "matplotlib", "ipywidgets", "jinja2"}
-    for name in ("settings.model", "settings.settings", "settings", "randomness", "ga.genes", "ga")
+    for name in ("settings.model", "settings.settings", "settings", "system.randomness", "ga.genes", "ga")
 }
 LIGHT |= {
     f"walkerlab.{name}": {"mujoco", "dm_control", "matplotlib", "ipywidgets", "jinja2"}
@@ -98,7 +97,7 @@ LIGHT |= {
             "world.placement",
             "world.materials",
             "genome.genome",
-            "breeding",
+            "genome.breeding",
         ),
         "simulation.validity",
     )
@@ -107,7 +106,7 @@ LIGHT |= {
 
 MAX_LINES = 300
 MAX_MEDIAN_LINES = 130
-MAX_TOP_LEVEL_ENTRIES = 22
+MAX_TOP_LEVEL_ENTRIES = 20
 
 
 def modules():

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from io import TextIOWrapper
 
 from walkerlab.commands.terminal import EXIT_INTERRUPTED, INVALID_REQUEST, print_error, print_safely
-from walkerlab.errors import WalkerlabError
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.interrupts import interrupts_held
 
 

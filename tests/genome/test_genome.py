@@ -13,8 +13,8 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from tests.strategies import count_genes, finite, genomes, robots, tables
-from walkerlab.breeding import crossover_population, generate_robot_population, mutate_population
 from walkerlab.evolution.run import Run
+from walkerlab.genome.breeding import crossover_population, generate_robot_population, mutate_population
 from walkerlab.genome.features import build_genes, gene_table
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.phenotype import express

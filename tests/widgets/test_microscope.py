@@ -5,8 +5,8 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.analysis.mating import mate
-from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Crossover, Mutation
+from walkerlab.system.randomness import random_stream
 from walkerlab.widgets.genome_words import genome_lines
 from walkerlab.widgets.microscope import Microscope
 

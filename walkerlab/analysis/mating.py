@@ -10,15 +10,15 @@ from numpy.random import Generator
 
 from walkerlab.analysis.inheritance import Birth
 from walkerlab.analysis.tracing import NO_SOURCE, Sources, trace_sources
-from walkerlab.breeding import describe_operators, resolve_operators
 from walkerlab.ga.genes import Floats, Indices
 from walkerlab.ga.operators import cross_in_turn, mutate_in_turn
+from walkerlab.genome.breeding import describe_operators, resolve_operators
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome, HasGenome
 from walkerlab.genome.repair import repair
-from walkerlab.randomness import random_stream
 from walkerlab.settings.arguments import require_generator, require_settings
 from walkerlab.settings.settings import Settings
+from walkerlab.system.randomness import random_stream
 
 AnyGenome: TypeAlias = Genome | str | Floats | HasGenome
 

@@ -21,8 +21,8 @@ from walkerlab.ga.crossover import Children
 from walkerlab.ga.genes import Floats, Genes
 from walkerlab.ga.loop import first_population, next_population
 from walkerlab.ga.operators import Operators
-from walkerlab.randomness import random_stream
 from walkerlab.settings.arguments import require_count
+from walkerlab.system.randomness import random_stream
 
 MAX_GENERATIONS = 1000  # generations after which a run ends even if the population has not converged
 

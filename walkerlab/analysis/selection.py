@@ -15,18 +15,18 @@ from walkerlab.analysis.selection_theory import (
     selection_theory,
     takeover_theory,
 )
-from walkerlab.breeding import check_user_operators, resolve_operators, slot_entries
 from walkerlab.ga.genes import Floats, Indices
 from walkerlab.ga.operators import select_in_turn
 from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
 from walkerlab.ga.slots import Select, unbound_keywords
+from walkerlab.genome.breeding import check_user_operators, resolve_operators, slot_entries
 from walkerlab.genome.features import build_genes
-from walkerlab.randomness import random_stream
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.arguments import require_count
 from walkerlab.settings.choices import Choice
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.values import function_name
+from walkerlab.system.randomness import random_stream
 
 N_DRAWS = 20_000  # number of parents drawn to estimate the probabilities of an operator without a formula
 MIN_CALLS = 30  # minimum number of calls for an estimate; their variation gives the standard error

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from walkerlab.commands.terminal import EXIT_INTERRUPTED, print_safely
-from walkerlab.errors import WalkerlabError
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.files import display_path, folder_path, quote_path
 from walkerlab.system.interrupts import interrupts_held
 

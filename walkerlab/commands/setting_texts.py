@@ -4,8 +4,8 @@ import re
 from functools import partial
 from typing import Any
 
-from walkerlab.breeding import OPERATOR_MODULES
 from walkerlab.commands.flags import parse_value
+from walkerlab.genome.breeding import OPERATOR_MODULES
 from walkerlab.settings.choices import Choice
 from walkerlab.settings.model import SettingsError
 from walkerlab.settings.values import did_you_mean

@@ -8,13 +8,13 @@ import pandas as pd
 from walkerlab.analysis.comparison import compare_with_parents
 from walkerlab.analysis.inheritance import Birth
 from walkerlab.analysis.mating import trace_birth
-from walkerlab.breeding import resolve_operators
 from walkerlab.evolution.founders import fit_genomes
 from walkerlab.evolution.run import Run
 from walkerlab.ga.loop import find_elites
 from walkerlab.ga.operators import select_in_turn
 from walkerlab.ga.population import fitness_for_comparison
 from walkerlab.ga.user_functions import OperatorError
+from walkerlab.genome.breeding import resolve_operators
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.records import birth_rows, last_population, parent_numbers

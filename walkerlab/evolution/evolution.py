@@ -11,12 +11,6 @@ from typing import Any, ClassVar, Self, TypeAlias
 import numpy as np
 import pandas as pd
 
-from walkerlab.breeding import (
-    check_user_operators,
-    describe_operators,
-    generate_robot_population,
-    resolve_operators,
-)
 from walkerlab.evolution.arguments import reject_unknown_arguments
 from walkerlab.evolution.founders import FirstPopulation, fit_genomes, place_founders, read_founders
 from walkerlab.evolution.generation import Generation
@@ -32,6 +26,12 @@ from walkerlab.evolution.stored_functions import check_storable
 from walkerlab.ga.genes import Floats
 from walkerlab.ga.loop import first_population, next_population
 from walkerlab.ga.population import Population
+from walkerlab.genome.breeding import (
+    check_user_operators,
+    describe_operators,
+    generate_robot_population,
+    resolve_operators,
+)
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile import paths, provenance, records

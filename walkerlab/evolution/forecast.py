@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from walkerlab.breeding import generate_robot_population
+from walkerlab.genome.breeding import generate_robot_population
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings

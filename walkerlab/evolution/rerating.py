@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from walkerlab.breeding import slot_entries
 from walkerlab.evolution.fragility import FRAGILE
 from walkerlab.evolution.rating import retest_best
 from walkerlab.evolution.stored_functions import user_functions
 from walkerlab.ga.population import Population
 from walkerlab.ga.user_functions import OperatorError
+from walkerlab.genome.breeding import slot_entries
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.provenance import UNKNOWN_SOURCE, source_digest
 from walkerlab.runfile.records import EvaluationRow

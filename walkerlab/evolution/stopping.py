@@ -7,8 +7,8 @@ from typing import Self
 
 import numpy as np
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.settings.values import number_text, pluralize, short_repr
+from walkerlab.system.errors import WalkerlabError
 
 SECONDS_PER_UNIT = {"s": 1.0, "min": 60.0, "h": 3600.0}
 _DURATION = re.compile(r"(?:\d+(?:\.\d*)?\s*(?:s|min|h)\s*)+")

@@ -8,9 +8,9 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from walkerlab.breeding import OPERATOR_MODULES, slot_entries
 from walkerlab.evolution.run import Run
 from walkerlab.ga.user_functions import name_of
+from walkerlab.genome.breeding import OPERATOR_MODULES, slot_entries
 from walkerlab.runfile.missing_functions import MissingFitness, MissingFunction, function_as_python
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings import binding, choices

@@ -25,19 +25,19 @@ import pandas as pd
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 
-from walkerlab.breeding import generate_robot_population
 from walkerlab.evolution.evolution import Recall
 from walkerlab.evolution.forecast import n_walks
 from walkerlab.evolution.founders import fit_genomes
 from walkerlab.ga.genes import Floats
+from walkerlab.genome.breeding import generate_robot_population
 from walkerlab.genome.genome import Genome, read_genomes
-from walkerlab.randomness import random_stream
 from walkerlab.runfile.history import Founder
 from walkerlab.runfile.records import EvaluationRow, name_fitness, tidy_table
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name
 from walkerlab.simulation import fitness
 from walkerlab.simulation.evaluation import Evaluation
+from walkerlab.system.randomness import random_stream
 
 Evaluate: TypeAlias = Callable[[Sequence[Genome | str | ArrayLike] | Floats], Floats]
 """Function from genomes, texts of genomes or an array of shape (n, n_genes) to fitness, shape (n,)."""

@@ -20,7 +20,7 @@ from walkerlab.ga.slots import (
     unbound_keywords,
 )
 from walkerlab.ga.user_functions import CHECK_TIME_LIMIT, OperatorError, Slot, name_of
-from walkerlab.randomness import random_stream
+from walkerlab.system.randomness import random_stream
 
 TRIAL_SIZE = 20
 """Number of individuals in the trial population."""

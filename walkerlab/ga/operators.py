@@ -12,7 +12,7 @@ from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
 from walkerlab.ga.selection import require_finite
 from walkerlab.ga.slots import Cross, Mutate, Select, run_cross, run_mutate, run_select
 from walkerlab.ga.user_functions import OperatorError
-from walkerlab.randomness import random_stream
+from walkerlab.system.randomness import random_stream
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,10 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import Final
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.genome.features import BODY_FEATURES, MAX_SEGMENTS, SEGMENT_FEATURES
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.values import short_repr
+from walkerlab.system.errors import WalkerlabError
 
 SWING_PARAMETERS: Final = ("amplitude", "phase", "offset")
 """Genes of the motion of each joint."""

@@ -4,11 +4,11 @@ import inspect
 import math
 from typing import Any, cast
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.genome.text import GenomeError
 from walkerlab.lessons.exercises import find_exercise
 from walkerlab.lessons.feedback import EMPTY, NOT_YET, RIGHT, Feedback
 from walkerlab.settings.values import truncate
+from walkerlab.system.errors import WalkerlabError
 
 _n_wrong_answers: dict[str, int] = {}
 """Number of wrong answers in this kernel, by exercise."""

@@ -20,11 +20,11 @@ from PIL import Image
 
 from walkerlab.analysis.landscape import landscape
 from walkerlab.analysis.selection import selection_probabilities
-from walkerlab.breeding import generate_robot_population
 from walkerlab.evolution.births import explain_birth
 from walkerlab.evolution.running import evolve
 from walkerlab.ga.genes import Floats
 from walkerlab.ga.selection import tournament
+from walkerlab.genome.breeding import generate_robot_population
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome
 from walkerlab.lessons import broken

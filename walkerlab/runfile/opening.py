@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 from uuid import uuid4
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.runfile import schema
 from walkerlab.runfile.schema import LAYOUT_VERSION, LayoutError
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.files import display_path, quote_path
 
 PAGE_SIZE = 8192  # bytes; rows of nearly a kilobyte waste less space than with SQLite's default, 4096

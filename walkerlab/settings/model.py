@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, Self, cast
 
 from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, field_serializer, field_validator
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.settings.binding import arguments_to_json
 from walkerlab.settings.choices import Choice
 from walkerlab.settings.fields import FieldDeclaration, OneOf, Quantity
 from walkerlab.settings.values import code_text, did_you_mean, function_name, short_repr
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.text import strict_json
 
 STORED_MODULES = {"walkerlab.simulation.fitness": "walkerlab.fitness"}

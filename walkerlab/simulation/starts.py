@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 
 from walkerlab.ga.genes import Floats
-from walkerlab.randomness import random_stream
 from walkerlab.simulation.stepping import STATE_PARTS, positions_in, simulate_steps, warnings_counted_not_printed
+from walkerlab.system.randomness import random_stream
 from walkerlab.world.assembly import ROBOT_BODY, Sensor
 from walkerlab.world.scene import ROTATION, TRANSLATION, Scene
 

@@ -12,8 +12,8 @@ from functools import cache, partial
 from multiprocessing.util import Finalize
 from typing import Any
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.simulation.stepping import disable_step_timers
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.interrupts import interrupts_held
 
 IDLE_TIMEOUT = 300  # s without work after which worker processes end

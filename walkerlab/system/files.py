@@ -12,7 +12,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
-from walkerlab.errors import WalkerlabError
+from walkerlab.system.errors import WalkerlabError
 
 NOT_A_PATH = re.compile(r"(?i):memory:$|file:|[a-z][a-z0-9+.-]+:/")
 """Strings that SQLite or a browser would not read as a path."""

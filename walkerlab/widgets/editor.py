@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import traitlets
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.genome.features import is_expressed
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.text import GenomeError
-from walkerlab.randomness import random_stream
 from walkerlab.settings.settings import Settings
+from walkerlab.system.errors import WalkerlabError
+from walkerlab.system.randomness import random_stream
 from walkerlab.text.templates import Markup, render
 from walkerlab.view import sketch
 from walkerlab.view.snapshots import svg_image_html

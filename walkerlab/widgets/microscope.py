@@ -13,12 +13,12 @@ from walkerlab.evolution.births import explain_birth
 from walkerlab.evolution.run import Run
 from walkerlab.ga.user_functions import OperatorError
 from walkerlab.genome.genome import Genome
-from walkerlab.randomness import random_stream
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.records import find_champion
 from walkerlab.settings.choices import Choice, Crossover, Mutation
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name, pluralize
+from walkerlab.system.randomness import random_stream
 from walkerlab.text.templates import Markup, render
 from walkerlab.view.inheritance import describe_birth, parent_colour
 from walkerlab.view.plots.tables import format_value, unit_of

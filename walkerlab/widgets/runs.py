@@ -7,10 +7,10 @@ from typing import Any
 
 import ipywidgets
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.evolution import outputs
 from walkerlab.evolution.loading import load
 from walkerlab.evolution.run import Run
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.files import absolute_path, display_path
 from walkerlab.text.templates import Markup, render
 from walkerlab.view.plots.style import RUN_COLOURS

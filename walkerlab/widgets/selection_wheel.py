@@ -12,9 +12,9 @@ import traitlets
 from numpy.typing import ArrayLike
 
 from walkerlab.analysis import selection_probabilities
-from walkerlab.breeding import select_from_population
 from walkerlab.ga import selection as operators
 from walkerlab.ga.genes import Floats
+from walkerlab.genome.breeding import select_from_population
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.choices import Selection
 from walkerlab.settings.values import function_name, pluralize

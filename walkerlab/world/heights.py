@@ -18,9 +18,9 @@ from functools import lru_cache
 import numpy as np
 
 from walkerlab.ga.genes import Floats
-from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Structure
 from walkerlab.settings.terrain import PLACEMENT_AREA, Terrain
+from walkerlab.system.randomness import random_stream
 
 ARENA_LENGTH = 30.0  # m of stairs, hills or gaps after the landing
 ARENA_WIDTH = 10.0  # m

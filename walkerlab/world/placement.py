@@ -8,9 +8,9 @@ import numpy as np
 from numpy.random import Generator
 
 from walkerlab.ga.genes import Floats
-from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.settings.terrain import MAX_PIECES, OBSTACLE_REACH, OBSTACLE_SIZE_SPREAD, PLACEMENT_AREA, Terrain
+from walkerlab.system.randomness import random_stream
 from walkerlab.world.heights import FIELD_START, LANDING_LENGTH, ground_height, level_stretches, project_onto_ground
 
 PIECE_HEIGHT = 0.25  # height of a texture piece, a flat dome, as a share of its width

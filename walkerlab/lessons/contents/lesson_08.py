@@ -8,8 +8,8 @@ from walkerlab.ga.genes import Floats
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome
 from walkerlab.lessons.exercises import Exercise, Question
-from walkerlab.randomness import random_stream
 from walkerlab.settings.robot import Robot
+from walkerlab.system.randomness import random_stream
 
 N_DRAWS = 300
 MAX_NUDGE = 0.01  # of the range of a gene

@@ -6,7 +6,7 @@ from typing import Any, cast
 import numpy as np
 
 from walkerlab.lessons.exercises import Exercise, Question
-from walkerlab.randomness import random_stream
+from walkerlab.system.randomness import random_stream
 
 SELECTION: Mapping[str, tuple[int, str]] = {
     "a": (3, "Look at the bars of operator_a from left to right: where do they rise again?"),

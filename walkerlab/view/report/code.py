@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from walkerlab.breeding import slot_entries
+from walkerlab.genome.breeding import slot_entries
 from walkerlab.runfile.records import GIVEN, INSERTED_BY_HAND, birth_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name

@@ -22,12 +22,12 @@ from walkerlab.ga.slots import unbound_keywords
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.repair import repair
-from walkerlab.randomness import random_stream
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.arguments import require_algorithm, require_count
 from walkerlab.settings.choices import Choice, Crossover, Mutation, Selection
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.values import function_name, short_repr
+from walkerlab.system.randomness import random_stream
 
 GENERATION_MEANING = "the number of the generation being created"
 
