@@ -22,6 +22,9 @@ def add_caption(axes: Axes, text: str) -> None:
         axes: Axes with the finished plot.
         text: Caption; it is wrapped at the width of the Axes.
     """
+    figure = axes.get_figure(root=True)
+    if figure is not None and (engine := figure.get_layout_engine()):
+        engine.execute(figure)  # the labels of the vertical axis decide how wide the Axes is
     width = axes.get_window_extent().width / axes.figure.dpi * POINTS_PER_INCH
     n_characters = max(MIN_CHARACTERS, int(width / (MEAN_CHARACTER_WIDTH * FONT_SIZE)))
     below: Any = axes.xaxis.label if axes.get_xlabel() else axes.transAxes
