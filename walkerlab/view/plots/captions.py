@@ -9,7 +9,7 @@ from walkerlab.view.plots.appearance import foreground_colour
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, escape_label
 
 FONT_SIZE = 9  # points
-MEAN_CHARACTER_WIDTH = 0.5  # as a fraction of the font size
+MEAN_CHARACTER_WIDTH = 0.54  # as a fraction of the font size
 MIN_CHARACTERS = 30  # minimum number of characters in a line
 GAP = 8  # points between the plot and its caption
 POINTS_PER_INCH = 72
