@@ -12,12 +12,14 @@ from matplotlib.patches import Rectangle
 from walkerlab.ga.genes import Genes
 from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES
 from walkerlab.genome.genome import Genome
+from walkerlab.settings.choices import Feature
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
 from walkerlab.view.painted_bodies import PartPaint, painted_parts
 from walkerlab.view.pedigree import Step, changed_parts, describe_step, genes_of_text, trace_line
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.bodies import DEPTH_SHIFT, add_body
+from walkerlab.view.plots.gene_notes import EXPLAINED_FEATURES, explain_genes
 from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, add_description, annotate_no_data, escape_label
 from walkerlab.view.plots.tables import UNKNOWN_FITNESS, format_value, require_table, unit_of
 
@@ -83,19 +85,18 @@ def pedigree(
     last = steps[-1]
     fitness_name = str(table.attrs.get("fitness", UNKNOWN_FITNESS))
     n_births = sum(step.n_births for step in steps)
+    robot = f"robot {last.individual}" + ("" if individual is not None else ", the fittest of its run")
     n_columns = 1 if len(steps) <= MAX_ROWS_OF_SINGLE_COLUMN else 2
-    robot = f"robot {last.individual}" + ("" if individual is not None else ", the fittest of its run,")
     order = "; read down the left column, then down the right one" if n_columns == 2 else ""
     caption = (
-        f"How {robot} came to be: its line of ancestors, the oldest first. Each row is one robot, a child of the robot "
-        f"in the row above{order}. Blue bar: its {fitness_name}. Orange "
-        "(darker): trunks and legs whose size or force differs from the row above; pale grey: no difference. Text: "
-        "the genes that differ, the largest change first, as old value → new value. Of the two parents of a robot, the "
-        "fitter one is in the row above, and the text names the other one. The line has "
-        f"{pluralize(n_births, 'birth')} in {pluralize(last.born + 1, 'generation')}; {len(steps)} robots are shown, "
-        "those that differ visibly from the row above."
+        f"The ancestors of {robot}: each row is a robot born in a later generation (gen) than the row above{order}. "
+        f"Blue bar: its {fitness_name}; orange (darker): trunks and legs "
+        "whose size or force differs from the row above; text: the genes that differ, as old value → new value, the "
+        "largest change first. Of two parents, the row above shows the fitter one, and the text names the other; "
+        f"{len(steps) - 1} of {pluralize(n_births, 'birth')} made a visible difference and are shown."
     )
-    lines = textwrap.fill(escape_label(caption), LINE_LENGTH * n_columns)
+    genes = explain_genes(_explained_features(steps))
+    lines = "\n".join(textwrap.fill(escape_label(line), LINE_LENGTH * n_columns) for line in (caption, genes) if line)
     n_rows = max(math.ceil(len(steps) / n_columns), 4)
     width = COLUMN_WIDTH * n_columns
     height = n_rows * ROW_HEIGHT + CAPTION_LINE_HEIGHT * (lines.count("\n") + 1)
@@ -159,6 +160,13 @@ def _draw_rows(axes: Axes, steps: list[Step], n_rows: int, settings: Settings | 
         axes.text(left + TEXT_LEFT, middle + 0.01, escape_label(second or first), va="top", fontsize=size)
         if second:
             axes.text(left + TEXT_LEFT, middle + 0.015, escape_label(first), va="bottom", **small)
+
+
+def _explained_features(steps: list[Step]) -> list[Feature]:
+    """Return the features in the text of the steps whose names do not explain themselves."""
+    genes = genes_of_text(steps[0].genome)
+    text = " ".join(describe_step(step, genes, MAX_LINE_LENGTH)[1] for step in steps)
+    return [each for each in EXPLAINED_FEATURES if each.name.replace("_", " ") in text]
 
 
 def _paint(changed: frozenset[str], genes: Genes) -> PartPaint:
