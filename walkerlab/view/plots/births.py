@@ -34,7 +34,7 @@ BODY_SCALE = 3.0  # maximum scale of the bodies, in inches per metre
 MAX_BODIES = 3  # maximum number of parents that are drawn
 HEADING_HEIGHT = 0.8
 CAPTION_LINE_HEIGHT = 0.155
-LINE_LENGTH = 180  # of the caption, in characters; the layout shrinks all else if a line is wider than the figure
+LINE_LENGTH = 160  # of the caption, in characters; the layout shrinks all else if a line is wider than the figure
 CROSSOVERS_OF_COUPLES = {"paired", "weighted", "one_point", "uniform"}
 GROUPS = ("trunk",) * 4 + ("legs",) * 2 + ("hip",) * 3 + ("knee",) * 3 + ("left/right",)
 """Heading above the name of each feature of a segment."""
