@@ -1,6 +1,7 @@
 """Interactive calls a function with the values of its controls, and shows all that it prints, displays and returns."""
 
 import io
+from base64 import b64encode
 
 import pytest
 from PIL import Image
@@ -8,7 +9,7 @@ from PIL import Image
 from tests.text.test_html import Seen
 from walkerlab.view.snapshots import snapshot_html
 from walkerlab.widgets import Interactive
-from walkerlab.widgets.interactive import _display_data, _to_html
+from walkerlab.widgets.interactive import _to_html
 
 
 def texts(widget):
@@ -46,19 +47,12 @@ def test_an_unknown_setting_is_reported():
         Interactive(print, ["step_hight"])
 
 
-class Shown:
-    """An object as IPython captures it."""
-
-    def __init__(self, **data):
-        self.data = {kind.replace("_", "/", 1): one for kind, one in data.items()}
-        self.metadata = None
-
-
-def test_pictures_are_kept_and_html_of_the_user_is_shown_as_text():
+def test_pictures_are_shown_and_html_of_the_user_is_shown_as_text():
     file = io.BytesIO()
     Image.new("RGB", (2, 2)).save(file, "PNG")
-    picture = _display_data(Shown(image_png=file.getvalue(), text_plain="a picture"))
-    [image] = Seen(_to_html(picture)).all("img")
+    data = {"image/png": b64encode(file.getvalue()).decode(), "text/plain": "a picture"}
+    [image] = Seen(_to_html({"data": data})).all("img")
     assert image["alt"] == "a picture"
-    table = _display_data(Shown(text_html="<b onclick=alert(1)>x</b>", text_plain="a < b"))
-    assert _to_html(table) == "<pre>a &lt; b</pre>"
+    assert (
+        _to_html({"data": {"text/html": "<b onclick=alert(1)>x</b>", "text/plain": "a < b"}}) == "<pre>a &lt; b</pre>"
+    )

@@ -260,11 +260,21 @@ class Shell:
 
 
 SHOW = """
+from threading import Thread
+from IPython.display import clear_output
 import walkerlab as wl
 from walkerlab.widgets import Form, Interactive, World
 form = Form(only=["terrain"])
 quiz = wl.lessons.quiz("03")
-interactive = Interactive(lambda step_height: print("step", step_height), ["step_height"])
+def show(step_height):
+    other = Thread(target=display, args=["of another thread"])
+    other.start()
+    other.join()
+    print("old")
+    clear_output()
+    print("step", step_height)
+    display("shown")
+interactive = Interactive(show, ["step_height"])
 display(form, World(), quiz, interactive)
 wl.Lab(form.settings)
 """
@@ -280,12 +290,15 @@ def test_an_executed_notebook_contains_the_last_state_of_the_widgets(tmp_path):
     notebook = book(SHOW, CHANGE)
     nbclient.NotebookClient(notebook, timeout=60, resources={"metadata": {"path": str(tmp_path)}}).execute()
     nbformat.validate(notebook)
-    outputs = [output.data for output in notebook.cells[0].outputs]
+    other, *outputs = [output.data for output in notebook.cells[0].outputs]
+    assert "of another thread" in other["text/plain"]
     assert [sorted(output) for output in outputs[::2]] == [sorted(VIEW)] * 5
     form, world, quiz, interactive, lab = (output["text/html"] for output in outputs[1::2])
     assert "0.123 m" in form
     assert Seen(world).all("img")
     assert "<pre>step 0.2" in interactive
+    assert "shown" in interactive
+    assert "of another thread" not in interactive
     assert quiz.count("●") == quiz.count("?</b>") > 0
     assert len(Seen(lab).all("img")) >= 2
 

@@ -6,14 +6,16 @@ def climb(**changes):
 wl.widgets.Interactive(climb, ["step_height", "texture"])
 """
 
+import io
 import traceback
-from base64 import b64decode, b64encode
-from collections.abc import Callable, Iterable
+from base64 import b64decode
+from collections.abc import Callable, Generator, Iterable
+from contextlib import contextmanager, redirect_stdout
 from typing import Any
 
 import ipywidgets
+from IPython.core.getipython import get_ipython
 from IPython.display import display
-from IPython.utils.capture import capture_output
 from ipywidgets.widgets.interaction import show_inline_matplotlib_plots
 
 from walkerlab.settings.settings import Settings
@@ -59,22 +61,47 @@ class Interactive(HasSnapshot, ipywidgets.VBox):
         return render("widgets/interactive.html", values=values, outputs=list(map(_to_html, self.output.outputs)))
 
     def _call(self, _: object = None) -> None:
-        with capture_output() as captured:
+        with capture_outputs() as outputs:
             try:
                 result = self._function(**{name: control.value for name, control in self.controls.items()})
                 show_inline_matplotlib_plots()
                 if result is not None:
                     display(result)
             except Exception:  # a function of a user; a change of a control must not end in silence
-                display({TEXT: traceback.format_exc(limit=-1)}, raw=True)
-        printed = [{"output_type": "stream", "name": "stdout", "text": captured.stdout}] if captured.stdout else []
-        self.output.outputs = (*printed, *(_display_data(one) for one in captured.outputs))
+                print(traceback.format_exc(limit=-1))
+        self.output.outputs = tuple(outputs)
 
 
-def _display_data(shown: Any) -> dict[str, Any]:
-    """Return a displayed object as the output of a notebook."""
-    data = {kind: b64encode(one).decode() if isinstance(one, bytes) else one for kind, one in shown.data.items()}
-    return {"output_type": "display_data", "data": data, "metadata": shown.metadata or {}}
+@contextmanager
+def capture_outputs() -> Generator[list[dict[str, Any]]]:
+    """Collect what is printed and displayed, as outputs of a notebook.
+
+    Only the calling thread's displays are collected: snapshots of widgets are displayed by another thread.
+    """
+    outputs: list[dict[str, Any]] = []
+    printed = io.StringIO()
+
+    def keep(message: dict[str, Any]) -> None:
+        content = message["content"]
+        if "data" in content:
+            outputs.append({"output_type": "display_data", "data": content["data"], "metadata": content["metadata"]})
+        else:  # clear_output()
+            outputs.clear()
+            printed.seek(0)
+            printed.truncate()
+
+    publisher: Any = getattr(get_ipython(), "display_pub", None)
+    has_hooks = hasattr(publisher, "register_hook")  # each thread has its own
+    if has_hooks:
+        publisher.register_hook(keep)
+    try:
+        with redirect_stdout(printed):
+            yield outputs
+    finally:
+        if has_hooks:
+            publisher.unregister_hook(keep)
+        if text := printed.getvalue():
+            outputs.insert(0, {"output_type": "stream", "name": "stdout", "text": text})
 
 
 def _shown_value(control: Any) -> str:
