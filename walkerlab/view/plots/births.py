@@ -88,7 +88,7 @@ def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None
         name = f"{mark.name} [{unit}]" if unit else mark.name
         note = textwrap.fill(GENE_NOTES[BODY_FEATURES[i]], NOTE_LENGTH)
         right: dict[str, Any] = {"ha": "right", "fontsize": NOTE_SIZE * size, "linespacing": 1.05}
-        axes.text(x - 0.06, top + 0.66 * CELL_HEIGHT, name, ha="right", va="bottom", fontsize=0.9 * size)
+        axes.text(x - 0.06, top + 0.66 * CELL_HEIGHT, name, ha="right", va="bottom", fontsize=0.8 * size)
         axes.text(x - 0.06, top + 0.64 * CELL_HEIGHT, note, va="top", color=secondary, **right)
         _draw_cell(axes, mark, x, top, size)
     _draw_headings(axes, birth, top - HEADING_HEIGHT, size)
