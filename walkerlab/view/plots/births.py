@@ -128,9 +128,10 @@ def _caption(birth: Birth) -> str:
     is_changed = birth.change != 0
     entries = {
         "letter and colour of a cell: parent from which the gene comes": has_parents,
-        "colour of a part in the drawing: parent of its length (or of its mass or force, if the lengths are equal); "
-        "grey: equal in all parents": has_parents,
-        "white, = : equal in all parents": "same" in origins,
+        "colour of a part in the drawing: parent of its length (or of its mass or force, if the lengths are equal)": (
+            has_parents
+        ),
+        "white with = , or grey in the drawing: equal in all parents": "same" in origins,
         "number: segment of the parent from which the gene was moved": birth.is_moved.any(),
         "percentages: share of each parent": "blend" in origins,
         "new: not from a parent": "new" in origins,
