@@ -27,6 +27,7 @@ LAYERS = (
     ("view",),
     ("evolution",),
     ("experiment",),
+    ("tournament",),
     ("widgets", "commands"),
     ("__main__",),
 )

@@ -1,0 +1,108 @@
+"""The page of a league, and its leaderboard in a notebook.
+
+The page contains the final as a replay in a sandboxed frame. Its security policy allows only the scripts of that
+replay, each named by its hash, so that no text of an entry can run as a script.
+"""
+
+import base64
+import hashlib
+import re
+from pathlib import Path
+from typing import Any
+
+from walkerlab.runfile import provenance
+from walkerlab.settings.glossary import glossary
+from walkerlab.settings.values import pluralize
+from walkerlab.simulation.robustness import N_NUDGES
+from walkerlab.text.templates import Markup, render
+from walkerlab.tournament.scores import Standing
+from walkerlab.tournament.standings import MAX_FINALISTS, League, describe_distance, describe_kept, describe_verdict
+from walkerlab.view.pages import write_page
+from walkerlab.view.replay.preview import draw_preview
+from walkerlab.view.sketch import draw_robot, draw_world
+from walkerlab.view.snapshots import image_html, svg_image_html
+
+MEDALS = {1: "gold", 2: "silver", 3: "bronze"}
+BODY_SIZE = (150, 90)  # pixels
+BODY_SPAN = 2.2  # m; width of a drawing, so that all bodies have the same scale
+WORLD_SIZE = (640, 240)  # pixels
+SCRIPT = re.compile(r"<script[^>]*>(.*?)</script>", re.DOTALL)
+
+
+def league_html(league: League) -> Markup:
+    """Return the leaderboard as a notebook shows it."""
+    return render("tournament/league.html", **_leaderboard(league))
+
+
+def save_page(league: League, path: str | Path) -> Path:
+    """Write the page of a league; see ``League.save``."""
+    return write_page(lambda: page_html(league), path)
+
+
+def page_html(league: League) -> Markup:
+    """Return the complete page."""
+    final = league.replay()
+    player = final.page
+    ground = league.grounds[-1]
+    names = ", ".join(standing.entry.name for standing in league.finalists)
+    return render(
+        "tournament/page.html",
+        **_leaderboard(league),
+        title="Class tournament",
+        max_finalists=MAX_FINALISTS,
+        n_nudges=N_NUDGES,
+        player=player,
+        policy=_policy(player),
+        final_picture=image_html("image/png", draw_preview(final.walks, final.settings), f"The final: {names}"),
+        world=svg_image_html(draw_world(ground, size=WORLD_SIZE)),
+        domains=[glossary(domain) for _, domain in league.grounds[0]],
+        python=league.grounds[0].as_python(),
+        seeds=[settings.terrain.seed for settings in league.grounds],
+        seal=league.seal,
+        versions=provenance.current_facts().items(),
+    )
+
+
+def _leaderboard(league: League) -> dict[str, Any]:
+    """Return the values that the page and the notebook share."""
+    name, unit = league.measure
+    return {
+        "rows": [_row(standing, unit) for standing in league.standings],
+        "skipped": league.skipped,
+        "measure": name,
+        "unit": unit,
+        "n_rounds": len(league.grounds),
+        "summary": f"{pluralize(len(league.standings), 'robot')}, {pluralize(len(league.grounds), 'round')}"
+        + (f", {len(league.skipped)} not valid" if league.skipped else ""),
+    }
+
+
+def _row(standing: Standing, unit: str) -> dict[str, Any]:
+    """Return the values of one row of the leaderboard; robots with a score of 0 have no medal."""
+    drawing = draw_robot(standing.entry.genome, size=BODY_SIZE, span=BODY_SPAN)
+    return {
+        "rank": standing.rank,
+        "medal": MEDALS.get(standing.rank, "") if float(standing.score_text) > 0 else "",
+        "name": standing.entry.name,
+        "score": f"{standing.score_text} {unit}".rstrip(),
+        "rounds": [f"{result.score:.2f}" for result in standing.rounds],
+        "distance": describe_distance(standing),
+        "kept": describe_kept(standing),
+        "verdict": describe_verdict(standing),
+        "body": svg_image_html(drawing),
+        "genome": str(standing.entry.genome),
+    }
+
+
+def _policy(player: str) -> str:
+    """Return the security policy of the page: scripts only with the hash of one in the replay.
+
+    The player compiles its library from text, which requires ``unsafe-eval``; this runs no text of the page itself.
+    """
+    scripts = [script.replace("\r\n", "\n").encode() for script in SCRIPT.findall(player)]
+    hashes = [base64.b64encode(hashlib.sha256(script).digest()).decode() for script in scripts]
+    allowed = " ".join(f"'sha256-{one}'" for one in hashes)
+    return (
+        f"default-src 'none'; script-src 'unsafe-eval' {allowed}; style-src 'unsafe-inline'; "
+        "img-src data: blob:; worker-src blob:; connect-src data: blob:; font-src data:"
+    )
