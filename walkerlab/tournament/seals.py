@@ -80,7 +80,11 @@ def seal(settings: Settings) -> Seal:
         SealError: If the settings contain a function of the user.
     """
     new = Seal(require_settings(settings), secrets.token_hex(SALT_BYTES))
-    if _read_settings(json.loads(_to_json(settings)), "these settings") != settings:
+    try:
+        is_restored = _read_settings(json.loads(_to_json(settings)), "these settings") == settings
+    except SettingsError:  # a function is written by its name, which is not a setting
+        is_restored = False
+    if not is_restored:
         raise SealError("these settings contain a function, which cannot be sealed; use built-in operators only")
     return new
 
