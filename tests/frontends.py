@@ -18,7 +18,7 @@ from socket import socket
 import nbformat
 from nbformat import NotebookNode
 
-MAX_CONTEXTS = 6  # WebGL contexts that the browser of the tests keeps; usually 16, which takes minutes to exceed
+MAX_CONTEXTS = 4  # WebGL contexts that the browser of the tests keeps; usually 16, which takes minutes to exceed
 
 PACKAGES = {"JupyterLab": "jupyterlab", "Notebook 7": "notebook", "Voila": "voila"}
 

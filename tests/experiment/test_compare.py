@@ -127,7 +127,7 @@ def test_an_optimiser_of_the_user_has_as_many_evaluations_and_can_be_resumed(tmp
             patch.setattr(module, "evaluate", stop)
         with pytest.raises(OSError, match="stopped") as error:
             wl.compare(conditions, seeds=[5], path=path, progress=False)
-    assert "continue it with the same call" in error.value.__notes__[0]
+    assert "continue the experiment with the same call" in error.value.__notes__[0]
     assert not wl.load_experiment(path).complete_seeds
     assert wl.compare(conditions, seeds=[5], path=path, progress=False).records.equals(whole.records)
 

@@ -229,7 +229,8 @@ def test_hostile_texts_are_plain_text_in_the_panel(forge, page, jupyter):
     says(page, "Loaded", ".wl-drawer")
     curve_says(page, "generations:")
     button(page, "Copy as code", ".wl-drawer").click()
-    page.wait_for_timeout(1000)
+    says(page, "Copied", ".wl-drawer")
+    page.locator(".wl-population [role=option]").first.wait_for()
     assert ran_no_script(page)
     picture(page, "hostile-panel")
 

@@ -86,7 +86,7 @@ MESSAGES = {
     misshapes: r" must .*; it returned an array",
     knows_nothing: r" must .*; (one of the values it returned is nan|it returned (nan|an array of shape .*, float64))",
     writes: r" must not modify its arguments, which are read-only; it tried to \(line \d+\)",
-    gambles: " used np.random, which all of Python shares",
+    gambles: " used np.random, shared with all other Python code",
     hangs: r" had not returned after 0\.\d s \(line \d+\)",
 }
 

@@ -297,7 +297,7 @@ def test_an_operator_that_uses_a_shared_random_generator_is_named(slot, check, s
     with pytest.raises(OperatorError) as caught:
         check(named(lambda *given, rng: shifted_by(draw(), *given)))
     message = str(caught.value)
-    assert message.startswith(f"{slot} 'mine' used {name}, which all of Python shares")
+    assert message.startswith(f"{slot} 'mine' used {name}, shared with all other Python code")
     assert "rng.random(), rng.integers(n), rng.normal()" in message
 
 

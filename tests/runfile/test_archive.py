@@ -294,17 +294,17 @@ def test_reusing_real_walks_does_not_change_the_table(without_reuse):
 
 
 def test_memory_does_not_grow_with_the_number_of_generations(path, seen):
-    size = 40
+    size = 30
     held = {}
     tracemalloc.start()
     try:
-        for generation in wl.Evolution(SETTINGS.with_(population_size=size, generations=25), path):
+        for generation in wl.Evolution(SETTINGS.with_(population_size=size, generations=16), path):
             seen.clear()
             gc.collect()
             held[generation.number] = tracemalloc.get_traced_memory()[0]
     finally:
         tracemalloc.stop()
-    assert (held[24] - held[9]) / (15 * size) < 100, "bytes per individual; a row has a thousand"
+    assert (held[15] - held[5]) / (10 * size) < 100, "bytes per individual; a row has a thousand"
 
 
 def test_the_table_of_a_run_is_read_once_on_first_use(path, seen, monkeypatch):

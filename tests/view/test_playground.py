@@ -115,6 +115,8 @@ MEASURE = """() => { // walks from the start to the end of the measured walk
     return { time: walk.trace.time, com: walk.trace.com, distance: walk.distance, verdict: walk.verdict.name };
 }"""
 
+APPLY = "walkerlab.applyChanges()"  # otherwise changes are applied with the next frame, which may take long
+
 NAMELESS = """() => [...document.querySelectorAll("button, input, select, textarea, summary")]
     .filter((node) => !(node.ariaLabel || node.closest("label")?.textContent || node.textContent).trim())
     .map((node) => node.outerHTML)"""
@@ -146,7 +148,7 @@ def test_a_file_walks_as_in_python_while_genes_and_world_change(page, tmp_path):
     # A gene of the gait changes the walk at once.
     before = page.evaluate("walkerlab.walks[0].gait[0].amplitude")
     slider(page, "hip_amplitude").fill("20")
-    page.evaluate("walkerlab.applyChanges()")
+    page.evaluate(APPLY)
     assert page.evaluate("walkerlab.walks[0].gait[0].amplitude") == pytest.approx(math.radians(20), abs=1e-3) != before
     assert page.evaluate("walkerlab.walks[0].isChanged")
 
@@ -154,6 +156,7 @@ def test_a_file_walks_as_in_python_while_genes_and_world_change(page, tmp_path):
     page.locator(".body summary").click()
     slider(page, "leg_length").fill("0.2")
     slider(page, "mass").fill(slider(page, "mass").get_attribute("max"))
+    page.evaluate(APPLY)
     assert "require" in page.locator(".message").inner_text()
     page.get_by_label("Planet, which sets the gravity").select_option("moon")
     page.get_by_label("Material of the ground, which sets the friction").select_option("ice")
@@ -161,6 +164,7 @@ def test_a_file_walks_as_in_python_while_genes_and_world_change(page, tmp_path):
     text = page.get_by_label("Genome as text", exact=True).input_value()
     genome = wl.Genome.parse(text)
     assert np.array_equal(genome.within(SHORT.robot).values, genome.values)
+    page.evaluate(APPLY)
     assert page.locator(".changes code").inner_text() == 'settings.with_(gravity="moon", texture="ice")'
     assert_same_walk(page.evaluate(MEASURE), genome, SHORT.with_(gravity="moon", texture="ice"))
 

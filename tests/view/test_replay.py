@@ -295,6 +295,18 @@ class TestThePage:
         frame._handle_custom_msg({"request": "page"}, [])
         assert (frame.page, frame.alt) == (b"", "the new robot")
 
+    def test_a_late_report_that_an_earlier_replay_was_opened_does_not_end_the_opening_of_the_next(self):
+        frame = Frame()
+        frame.set_replay(lambda: pytest.fail("made without a request"), "new", "the new robot")
+        frame.play()
+        frame.is_open = True  # of the replay before
+        frame.is_open = False
+        assert frame.is_watched
+        frame.page = b"page"
+        frame.is_open = True
+        frame.is_open = False
+        assert not frame.is_watched
+
     def test_an_offer_removes_the_page_of_the_previous_replay(self):
         frame = Frame()
         frame.page = b"previous"
@@ -311,9 +323,12 @@ def open_file(page, path):
     page.wait_for_function("window.walkerlab")
 
 
+TWO_FRAMES = "() => new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
+
+
 def take_picture(page, time, camera):
     page.evaluate(f"walkerlab.pause(); walkerlab.state.camera = '{camera}'; walkerlab.seek({time})")
-    page.wait_for_timeout(300)
+    page.evaluate(TWO_FRAMES)  # what was drawn in the first is visible in the second
     return page.locator("#canvasTarget").screenshot()
 
 

@@ -1,6 +1,7 @@
 """The report of a run is complete, accessible and harmless; its code repeats the run."""
 
 import re
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -19,6 +20,7 @@ from walkerlab.simulation.fitness import distance
 from walkerlab.simulation.robustness import Confirmation
 from walkerlab.text.numbers import with_unit
 from walkerlab.view import report
+from walkerlab.view.report import page, pictures
 from walkerlab.view.report.code import as_python
 from walkerlab.view.report.pictures import FORMATS, PICTURES
 
@@ -29,12 +31,20 @@ TINY = wl.Settings().with_(
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
-    return wl.evolve(TINY, tmp_path_factory.mktemp("run") / "run.walk", progress=False)
+    with ThreadPoolExecutor(1) as thread:
+        return wl.evolve(TINY, tmp_path_factory.mktemp("run") / "run.walk", thread, progress=False)
 
 
 @pytest.fixture(scope="module")
 def path(run, tmp_path_factory):
     return run.save_report(tmp_path_factory.mktemp("report") / "new")
+
+
+@pytest.fixture
+def only_svg(monkeypatch):
+    """Save each picture in one format, which is faster; the page then also links to one format."""
+    monkeypatch.setattr(pictures, "FORMATS", ("svg",))
+    monkeypatch.setattr(page, "FORMATS", ("svg",))
 
 
 @pytest.fixture(scope="module")
@@ -191,10 +201,10 @@ def test_the_same_run_gives_the_same_page(run, path, tmp_path):
     assert run.save_report(tmp_path).read_bytes() == path.read_bytes()
 
 
-def test_an_earlier_report_stays_if_the_new_one_cannot_be_written(run, path, tmp_path, monkeypatch):
+def test_an_earlier_report_stays_if_the_new_one_cannot_be_written(run, tmp_path, only_svg, monkeypatch):
     run.save_report(tmp_path)
     before = {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()}
-    assert before[tmp_path / "report.html"] == path.read_bytes()
+    assert tmp_path / "report.html" in before
 
     def disk_full(*_, **__):
         raise OSError(28, "No space left on device")
@@ -205,19 +215,20 @@ def test_an_earlier_report_stays_if_the_new_one_cannot_be_written(run, path, tmp
     assert {file: file.read_bytes() for file in tmp_path.rglob("*") if file.is_file()} == before
 
 
-def test_hostile_texts_stay_texts(run, tmp_path):
+def test_hostile_texts_stay_texts(run, tmp_path, only_svg):
     records = run.records.copy()
     records["reason"] = HOSTILE
     records["operators"] = HOSTILE
     records.loc[records.index[3], "verdict"] = "<script>x()</script>"
     settings = run.settings.with_(fitness=hostile_function, mutation=hostile_function)
-    page = wl.Run(settings, records).save_report(tmp_path / HOSTILE.replace("/", " "))
-    assert HOSTILE in assert_harmless(page.read_text(encoding="utf-8")).text
+    written = wl.Run(settings, records).save_report(tmp_path / HOSTILE.replace("/", " "))
+    assert HOSTILE in assert_harmless(written.read_text(encoding="utf-8")).text
 
 
-def test_a_loaded_run_with_user_functions_is_reported(tmp_path):
+def test_a_loaded_run_with_user_functions_is_reported(tmp_path, only_svg):
     settings = TINY.with_(fitness=partial(my_fitness, power=2), mutation=my_mutation, generations=1)
-    wl.evolve(settings, tmp_path / "run.walk", progress=False)
+    with ThreadPoolExecutor(1) as thread:
+        wl.evolve(settings, tmp_path / "run.walk", thread, progress=False)
     text = assert_harmless(wl.load(tmp_path).save_report(tmp_path).read_text(encoding="utf-8")).text
     assert "mutation=my_mutation" in text
     assert "my_fitness, my_mutation" in text
@@ -227,9 +238,10 @@ def my_fitness(rollout, power):
     return abs(rollout.distance) ** power
 
 
-def test_a_run_in_which_no_walk_counts_is_reported(tmp_path):
+def test_a_run_in_which_no_walk_counts_is_reported(tmp_path, only_svg):
     settings = TINY.with_(structure="flat", generations=1, gravity=(0, 0, 1), forgive=["restless", "too_high"])
-    run = wl.evolve(settings, progress=False)
+    with ThreadPoolExecutor(1) as thread:
+        run = wl.evolve(settings, executor=thread, progress=False)
     assert run.champion.verdict != "ok", "the test requires a run without a walk that counts"
     seen = assert_harmless(run.save_report(tmp_path).read_text(encoding="utf-8"))
     assert "No walk counted" in seen.text

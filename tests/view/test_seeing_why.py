@@ -11,6 +11,8 @@ from matplotlib.figure import Figure
 import walkerlab as wl
 from walkerlab.analysis.price import TERMS
 from walkerlab.ga.selection import tournament
+from walkerlab.settings.choices import Crossover, Mutation, Selection
+from walkerlab.view.plots.operator_words import explain_operator, explain_operators
 
 FITNESS = np.array([3.0, 1.0, -np.inf, 2.0, 5.0])
 
@@ -42,8 +44,8 @@ def test_slices_and_bars_are_the_probabilities(select):
     assert [bar.get_height() for bar in bars.patches] == pytest.approx((100 * expected).tolist())
     for axes in (wheel, bars):
         assert f"{100 * expected.iloc[0]:.1f} %" in caption(axes)
-        assert ("exact" in caption(axes)) == (select is not softmax)
-        assert "1 individual cannot be selected" in wl.plots.alt_text(axes)
+        assert ("estimated" in caption(axes)) == (select is softmax)
+        assert "1 robot cannot be selected" in wl.plots.alt_text(axes)
 
 
 def test_measured_and_theoretical_pressure_are_drawn():
@@ -56,6 +58,52 @@ def test_measured_and_theoretical_pressure_are_drawn():
         assert np.array_equal(np.float64(measured.get_xdata()), rows.measured, equal_nan=True)
     with pytest.raises(ValueError, match="intensity, loss_of_diversity"):
         wl.plots.selection_pressure(table, "strength")
+
+
+@pytest.mark.parametrize(
+    ("name", "clause"), [("tournament", "best of 3 drawn"), ("tournament(size=5)", "best of 5 drawn")]
+)
+def test_a_caption_says_in_one_clause_what_each_operator_does(name, clause):
+    assert clause in explain_operator(name, Selection)
+    assert explain_operators(["mine", name], Selection) == f" {name.capitalize()}: {explain_operator(name, Selection)}."
+    assert explain_operators(["mine"], Selection) == ""
+
+
+def texts_of(axes):
+    return " ".join(" ".join(text.get_text().split()) for text in axes.texts)
+
+
+def test_the_caption_of_a_birth_explains_each_operator_once_also_if_a_name_has_two_meanings():
+    settings = wl.Settings().with_(crossover="randomized", mutation="randomized")
+    rng = np.random.default_rng(0)
+    parents = [wl.Genome.random(settings.robot, rng=rng) for _ in range(2)]
+    births = (
+        wl.analysis.mate(*parents, settings, rng=rng, mutates=True),
+        wl.analysis.mutate(parents[0], settings, rng=rng),
+    )
+    crossed, mutated = (texts_of(wl.plots.birth(birth)) for birth in births)
+    assert f"First randomized: {Crossover.randomized.about}. Then randomized: {Mutation.randomized.about}." in crossed
+    assert f"First randomized: {Mutation.randomized.about}." in mutated
+    assert Crossover.randomized.about not in mutated
+
+
+def test_robots_are_drawn_under_both_fitness_functions(run):
+    table = wl.analysis.rescore(run, "velocity")
+    axes = wl.plots.rescoring(table)
+    counted = table[np.isfinite(table.fitness) & np.isfinite(table.fitness_after)]
+    robots = axes.lines[0]
+    assert sorted(np.float64(robots.get_ydata())) == pytest.approx(sorted(counted.fitness_after))
+    marked = {line.get_label(): np.float64(line.get_xydata())[0] for line in axes.lines[1:]}
+    best, best_after = (counted.loc[counted[rank].idxmin()] for rank in ("rank", "rank_after"))
+    expected = {"fittest by distance": best, "fittest by velocity": best_after}
+    if best.individual == best_after.individual:
+        expected = {"fittest by both": best}
+    assert marked.keys() == expected.keys()
+    for label, robot in expected.items():
+        assert marked[label] == pytest.approx([robot.fitness, robot.fitness_after])
+    assert table.attrs["summary"] in caption(axes)
+    with pytest.raises(ValueError, match=r"wl\.analysis\.rescore"):
+        wl.plots.rescoring(run.records)
 
 
 def test_takeover_and_onemax_are_drawn_beside_theory():
@@ -139,3 +187,13 @@ def test_tables_from_elsewhere_are_rejected(run):
         wl.plots.roulette_wheel(run.records)
     with pytest.raises(ValueError, match=r"wl\.analysis\.evolve_onemax"):
         wl.plots.onemax("top_half")
+
+
+def test_captions_do_not_shrink_the_drawings(run):
+    settings = wl.Settings().with_(crossover="randomized", mutation="randomized")
+    rng = np.random.default_rng(0)
+    parents = [wl.Genome.random(settings.robot, rng=rng) for _ in range(2)]
+    child = wl.analysis.mate(*parents, settings, rng=rng, mutates=True)
+    for axes in (wl.plots.birth(child), wl.plots.pedigree(run)):
+        axes.figure.canvas.draw()
+        assert axes.get_window_extent().width > 0.95 * axes.figure.bbox.width

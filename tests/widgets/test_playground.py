@@ -18,7 +18,7 @@ def test_sliders_and_python_change_the_same_genome(page, jupyter):
     frame = page.locator(".wl-playground iframe").element_handle(timeout=30_000).content_frame()
     frame.wait_for_function("window.walkerlab && walkerlab.walks[0].time > 0.1", timeout=60_000)
     frame.wait_for_function("walkerlab.listeners.length === 1 && walkerlab.genome.includes('frequency=0.9')")
-    frame.get_by_label("stride frequency").fill("1.7")
+    frame.get_by_label("frequency").fill("1.7")
     page.locator(".jp-Cell").nth(1).click()
     page.keyboard.press("Control+Enter")
     page.get_by_text("frequency 1.7").wait_for()

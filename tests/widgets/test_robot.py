@@ -28,6 +28,12 @@ def test_the_champion_is_replaced_by_a_better_one(area, early, done):
         assert area.editor.genome == run.champion.genome
 
 
+def test_a_robot_can_be_played_as_soon_as_it_is_described(area, done):
+    area.card.observe(lambda _: area.frame.play(), "value")
+    area.show(done, -1)
+    assert area.frame.is_watched
+
+
 def test_a_champion_that_is_watched_stays(area, early, done):
     area.show(early, -1)
     before = area.card.value

@@ -7,7 +7,7 @@ import pytest
 import walkerlab as wl
 from walkerlab.commands.worlds import WALKER_GENOME as GENOME
 from walkerlab.view import sketch
-from walkerlab.widgets.world import World
+from walkerlab.widgets.world import PICTURE_SIZE, World
 
 
 @pytest.fixture
@@ -16,9 +16,9 @@ def drawings(monkeypatch):
     drawings = []
     draw = sketch.draw_world
 
-    def world(settings, genome):
+    def world(settings, genome, size):
         drawings.append((settings, genome))
-        return draw(settings, genome)
+        return draw(settings, genome, size=size)
 
     monkeypatch.setattr(sketch, "draw_world", world)
     return drawings
@@ -28,7 +28,7 @@ def test_it_shows_its_settings_and_its_genome(drawings):
     settings = wl.Settings().with_(gravity="moon")
     world = World(settings, GENOME)
     assert drawings == [(settings, wl.Genome.parse(GENOME))]
-    assert world.picture == sketch.draw_world(settings, GENOME)
+    assert world.picture == sketch.draw_world(settings, GENOME, size=PICTURE_SIZE)
 
 
 def test_random_robots_are_those_of_generation_0(drawings):
@@ -89,4 +89,4 @@ def test_another_thread_can_drive_it():
         world._handle_custom_msg("another", [])
     thread.join()
     world.draw(wanted[0], wl.Genome.parse(GENOME))
-    assert world.picture == sketch.draw_world(wanted[0], GENOME)
+    assert world.picture == sketch.draw_world(wanted[0], GENOME, size=PICTURE_SIZE)

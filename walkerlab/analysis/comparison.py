@@ -82,7 +82,7 @@ def _match_parts(values: Floats, table: Floats, genes: Genes) -> tuple[Sources, 
 
 
 def _blend_share(values: Floats, table: Floats, genes: Genes) -> float | None:
-    """Return the share of the second parent that most differing genes have in common; None without one."""
+    """Return the share of the second parent that most differing genes have in common, or None."""
     difference = shortest_change(table[0], table[1], genes)
     is_used = (np.abs(difference) > 20 * ROUNDING_TOLERANCE) & ~genes.is_count
     if not is_used.any():

@@ -37,7 +37,8 @@ def mate(
         settings: Settings with the operators and the limits of the robots; the defaults if None.
         rng: Random generator.
         others: Further selected parents, for operators that use them, such as ``randomized``.
-        fitness: Fitness of all parents, in the order of the arguments; if None, that of individuals, and 0 for genomes.
+        fitness: Fitness of all parents, in the order of the arguments; if None, each individual has its own fitness,
+            and each genome has 0.
         mutates: Whether to mutate the child, too, with the mutation operators of the settings.
         child: Index of the child, from 0; the children of the first two parents are 0 and 1.
 
@@ -108,7 +109,8 @@ def trace_birth(
         child: Index of the child to trace.
         name: Name of the child.
         mutates: Whether the children are mutated.
-        repair_rows: Function that repairs (n, n_genes) genomes; by default, to the limits of the settings.
+        repair_rows: Function that repairs genomes, shape (n, n_genes); by default, it brings them within the limits of
+            the settings.
 
     Raises:
         OperatorError: If an operator does not work.
@@ -154,7 +156,8 @@ def _complete_birth(
         settings: Settings with the operators and the limits of the robots.
         seed: Seed of the operators' random generators.
         generation: Number of the generation that is created.
-        repair_rows: Function that repairs (n, n_genes) genomes; by default, to the limits of the settings.
+        repair_rows: Function that repairs genomes, shape (n, n_genes); by default, it brings them within the limits of
+            the settings.
     """
     operators = resolve_operators(settings.algorithm)
     genes = birth.genes
@@ -183,7 +186,7 @@ def _complete_birth(
 
 
 def _merge_parents(sources: Sources, indices: Indices, names: Sequence[str]) -> tuple[Sources, list[int]]:
-    """Merge parents with the same name, and keep those that contributed genes, or both parents of a couple.
+    """Merge parents with the same name; keep both parents of a couple, or those of several that contributed genes.
 
     Returns:
         Sources with indices into the kept parents, and the indices of these parents; if there are more than two,

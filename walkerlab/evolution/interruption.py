@@ -28,7 +28,7 @@ def save_after(error: Exception, archive: Archive, settings: Settings, n_generat
     if not n_generations:
         saved = f"No generation was done; the settings are saved in {display_path(path)}."
     error.saved_path = path  # type: ignore[attr-defined]
-    error.add_note(f"{saved} When the error is fixed, resume with:\n    run = {_resume_call(path, settings)}")
+    error.add_note(f"{saved} Fix the error, then resume with:\n    run = {_resume_call(path, settings)}")
 
 
 def interrupted_message(path: Path | None, settings: Settings) -> str:

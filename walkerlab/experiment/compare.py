@@ -40,18 +40,19 @@ def compare(
 ) -> Experiment:
     """Run each condition with each seed, and return the experiment, which compares them.
 
-    Runs with the same seed are pairs: they have the same first generation, if the limits of the robots are the same,
-    and the same random numbers for every operator that does not differ. Seed by seed, all conditions are run, so that
-    an interrupted experiment has complete pairs. Ctrl-C stops and returns the runs that have ended.
+    Runs with the same seed are paired: they have the same first generation, if the limits of the robots are the same,
+    and the same random numbers for every operator that does not differ. All conditions are run with
+    one seed before the next, so that an interrupted experiment has complete pairs. Ctrl-C stops the experiment, which
+    is returned with the runs that have ended.
 
     The same call with the same ``path`` continues an interrupted experiment; its table becomes the same as that of an
     experiment without an interruption. It can also add seeds.
 
     Args:
-        conditions: Settings by the name of the condition; they may differ in everything but the fitness. An optimiser
-            such as ``wl.random_search``, or your own function (see ``walkerlab.experiment.optimisers``), is another
-            condition, with the settings of the others or, as ``(optimiser, settings)``, with its own. It has as many
-            evaluations as the genetic algorithm.
+        conditions: Settings, keyed by the name of the condition; they may differ in everything but the fitness. An
+            optimiser such as ``wl.random_search``, or your own function (see ``walkerlab.experiment.optimisers``), is
+            another condition, with the settings of the others or, as ``(optimiser, settings)``, with its own. It is
+            given as many evaluations as the genetic algorithm.
         seeds: Seeds of the runs; they replace the seeds of the settings.
         path: File of the experiment; if None, the experiment is discarded when it is no longer referenced.
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
@@ -70,7 +71,7 @@ def compare(
         SettingsError: If conditions cannot be compared, or a seed is not valid.
         ValueError: If ``population`` is not valid.
         OperatorError: If a user function does not do what its slot requires.
-        RunFileError: If the file contains something else or another experiment, or cannot be used.
+        RunFileError: If the file is not an experiment, contains a different one, or cannot be used.
     """
     planned = read_conditions(conditions, population)
     wanted = read_seeds(seeds)
@@ -109,7 +110,7 @@ def sweep(
     Raises:
         TypeError: If the values of a setting are not a list.
         SettingsError: If a name or a value is not valid, or two conditions are equal.
-        RunFileError: If the file contains something else or another experiment, or cannot be used.
+        RunFileError: If the file is not an experiment, contains a different one, or cannot be used.
     """
     return compare(grid(settings, values), seeds, path, executor, progress, population=population)
 
@@ -117,7 +118,7 @@ def sweep(
 def _run_experiment(
     file: RunFile, planned: list[Condition], seeds: list[int], executor: Executor | None, progress: bool
 ) -> Experiment:
-    """Run the missing runs of an experiment, and return the experiment as its file contains it."""
+    """Carry out the missing runs of an experiment, and return the experiment as stored in its file."""
     plain = [condition.to_plain() for condition in planned]
     if isinstance(file, Path) and file.exists():
         experiment_id, stored = experiments.read(file)
@@ -188,7 +189,7 @@ class _Storage:
         self._n_generations = 0
 
     def recall(self, texts: list[str]) -> dict[str, EvaluationRow]:
-        """Return the evaluations that are stored, by the texts of their genomes."""
+        """Return the stored evaluations, keyed by the text of their genomes."""
         return {text: self._known[text] for text in texts if text in self._known}
 
     def add(self, table: pd.DataFrame) -> None:
@@ -203,8 +204,8 @@ class _Storage:
             if not stored.equals(table.reset_index(drop=True)):
                 raise RunFileError(
                     f"generation {number} of condition {self._condition.name!r}, seed {self._place[1]}, differs "
-                    f"from {display_path(self._file)}: one of your functions has changed, or draws random "
-                    "numbers from elsewhere than rng. Repeat the experiment with another file."
+                    f"from the one in {display_path(self._file)}: one of your functions has changed, or draws random "
+                    "numbers from a source other than rng. Repeat the experiment with another file."
                 )
         else:
             with interrupts_held():
@@ -234,7 +235,7 @@ def _run(
 
 
 def _add_note(error: Exception, file: RunFile) -> None:
-    """Add a note to an error that says where the experiment is stored; a temporary file is saved first."""
+    """Add to an error a note that says where the experiment is stored; a temporary file is saved first."""
     try:
         path = file if isinstance(file, Path) else store.save_temporary(file)
     except RunFileError as problem:
@@ -242,6 +243,6 @@ def _add_note(error: Exception, file: RunFile) -> None:
         return
     error.saved_path = path  # type: ignore[attr-defined]
     error.add_note(
-        f"The experiment so far is saved in {display_path(path)}. When the error is fixed, continue it with the same "
-        f"call and path={display_path(path)!r}."
+        f"The experiment so far is saved in {display_path(path)}. Fix the error, then continue the experiment with "
+        f"the same call and path={display_path(path)!r}."
     )

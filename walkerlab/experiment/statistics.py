@@ -1,4 +1,4 @@
-"""Statistics of paired runs, as functions of arrays: intervals, effect size, tests, and what seeds can show.
+"""Statistics of paired runs, as functions of arrays: intervals, effect size, tests, and what n seeds can show.
 
 A run in which no walk counted has the result ``-inf``, which is lower than any number.
 """
@@ -14,8 +14,8 @@ from scipy import optimize, stats
 from walkerlab.ga.genes import Floats
 
 CONFIDENCE = 0.95
-ALPHA = 0.05  # probability of a false alarm in all comparisons of an experiment together
-POWER = 0.8  # probability that a difference is found, by which a smallest difference is defined
+ALPHA = 0.05  # probability of at least one false alarm among all comparisons of an experiment
+POWER = 0.8  # probability with which the smallest detectable difference must be found
 N_RESAMPLES = 4999
 RANK_TEST_EFFICIENCY = 3 / np.pi  # of the signed-rank test, relative to the t-test with normal differences
 NOTHING: tuple[float, float] = (np.nan, np.nan)
@@ -29,7 +29,7 @@ def median_interval(values: ArrayLike, confidence: float = CONFIDENCE) -> tuple[
         confidence: Probability that the interval covers the median.
 
     Returns:
-        Low and high end; NaN with fewer values than any interval of a median requires.
+        Lower and upper end; NaN if there are too few values for an interval of a median.
     """
     given = np.asarray(values, dtype=np.float64)
     if len(given) < seeds_required(alpha=1 - confidence):
@@ -53,7 +53,7 @@ def difference_interval(
             as for runs that do not share their seeds.
 
     Returns:
-        Low and high end; NaN with fewer values than any interval of a median requires, or if a result is not finite.
+        Lower and upper end; NaN if there are too few values for an interval of a median, or if a result is not finite.
     """
     first, second = (np.asarray(values, dtype=np.float64) for values in (a, b))
     n = min(len(first), len(second))
@@ -72,7 +72,7 @@ def difference_interval(
 def effect_size(a: ArrayLike, b: ArrayLike) -> float:
     """Return A12, the probability that a run of ``a`` is better than one of ``b``; ties count half.
 
-    Vargha & Delaney 2000, Journal of Educational and Behavioral Statistics 25. It is 0.5 without a difference.
+    Vargha & Delaney 2000, Journal of Educational and Behavioral Statistics 25. A12 is 0.5 if both are equal.
     """
     first, second = (np.asarray(values, dtype=np.float64) for values in (a, b))
     greater = first[:, np.newaxis] > second
@@ -81,10 +81,10 @@ def effect_size(a: ArrayLike, b: ArrayLike) -> float:
 
 
 def effect_size_interval(a: ArrayLike, b: ArrayLike, confidence: float = CONFIDENCE) -> tuple[float, float]:
-    """Return the interval of A12, also if all runs of one condition are better.
+    """Return the confidence interval of A12; it is valid even if all runs of one condition are better.
 
-    Method 5 of Newcombe 2006, Statistics in Medicine 25. It treats the runs as not paired, so that for runs with the
-    same seeds it is too wide rather than too narrow.
+    Method 5 of Newcombe 2006, Statistics in Medicine 25. It treats the runs as unpaired, so that for runs with the
+    same seeds the interval is too wide rather than too narrow.
     """
     theta = effect_size(a, b)
     n_a = np.size(a)
@@ -97,17 +97,18 @@ def effect_size_interval(a: ArrayLike, b: ArrayLike, confidence: float = CONFIDE
         inner = n_extra * (1 - at) / (2 - at) + n_extra * at / (1 + at)
         return (theta - at) ** 2 - z**2 * at * (1 - at) * (1 + inner) / (n_a * n_b)
 
-    tiny = 1e-9  # the ends themselves have no error, so that they solve the equation as well
+    tiny = 1e-9  # at 0 and 1 the standard error is 0, so that these ends can solve the equation, too
     low = 0.0 if theta == 0 else float(optimize.brentq(excess, tiny, min(theta, 1 - tiny)))  # type: ignore[arg-type]
     high = 1.0 if theta == 1 else float(optimize.brentq(excess, max(theta, tiny), 1 - tiny))  # type: ignore[arg-type]
     return low, high
 
 
 def paired_test(a: ArrayLike, b: ArrayLike) -> float:
-    """Return the two-sided p-value of the signed-rank test of Wilcoxon for paired results.
+    """Return the two-sided p-value of Wilcoxon's signed-rank test for paired results.
 
-    The p-value is exact for any number of pairs, also with ties, which ``scipy.stats.wilcoxon`` only approximates.
-    Pairs without a difference are left out. A run without a counted walk is worse by more than any finite difference.
+    The p-value is exact for any number of pairs, even with ties; ``scipy.stats.wilcoxon`` approximates it then.
+    Pairs without a difference are left out. A run without a counted walk is worse than its partner by
+    more than any finite difference.
 
     Args:
         a: Results of one condition, shape (n,).
@@ -119,14 +120,14 @@ def paired_test(a: ArrayLike, b: ArrayLike) -> float:
     if not differences.size:
         return 1.0
     doubled_ranks = np.rint(2 * stats.rankdata(np.abs(differences))).astype(int)
-    n_signs = _count_sign_patterns(tuple(sorted(doubled_ranks.tolist())))
+    probabilities = _rank_sum_probabilities(tuple(sorted(doubled_ranks.tolist())))
     positive = int(doubled_ranks[differences > 0].sum())
     extreme = min(positive, int(doubled_ranks.sum()) - positive)
-    return min(1.0, float(2 * n_signs[: extreme + 1].sum()))
+    return min(1.0, float(2 * probabilities[: extreme + 1].sum()))
 
 
 @lru_cache(maxsize=256)
-def _count_sign_patterns(doubled_ranks: tuple[int, ...]) -> Floats:
+def _rank_sum_probabilities(doubled_ranks: tuple[int, ...]) -> Floats:
     """Return the probability of each sum of doubled ranks with a positive sign, if each sign has probability 1/2."""
     probability = np.zeros(sum(doubled_ranks) + 1)
     probability[0] = 1.0
@@ -158,8 +159,9 @@ def seeds_required(n_comparisons: int = 1, alpha: float = ALPHA) -> int:
 def detectable_difference(differences: ArrayLike, n_comparisons: int = 1) -> float:
     """Return the smallest true difference that is found with a probability of 80 %.
 
-    It is that of a t-test with the spread of the given differences, for a little fewer seeds, since the signed-rank
-    test uses ranks only. The level is divided by the number of comparisons, as Holm's correction does for the first.
+    It is computed as for a t-test with the spread of the given differences and slightly fewer seeds, because the
+    signed-rank test uses only ranks. The level is divided by the number of comparisons, as Holm's correction does for
+    the first.
 
     Args:
         differences: Paired differences, shape (n,).
@@ -178,7 +180,7 @@ def detectable_difference(differences: ArrayLike, n_comparisons: int = 1) -> flo
 
 @lru_cache(maxsize=64)
 def _detectable_effect(n: int, n_comparisons: int) -> float:
-    """Return the smallest effect that is found with a probability of 80 %, as ``power`` takes it."""
+    """Return the smallest effect that is found with a probability of 80 %, in the unit that ``power`` expects."""
     return float(optimize.brentq(lambda effect: power(n, effect, n_comparisons) - POWER, 1e-6, 1e3))  # type: ignore
 
 
@@ -194,7 +196,7 @@ def power(n: int, effect: float, n_comparisons: int = 1) -> float:
     degrees = effective - 1
     critical = stats.t.ppf(1 - ALPHA / n_comparisons / 2, degrees)
     shift = effect * np.sqrt(effective)
-    found = stats.nct.sf(critical, degrees, shift)  # NaN if the effect is so large that it is found always
+    found = stats.nct.sf(critical, degrees, shift)  # NaN if the effect is so large that it is always found
     return 1.0 if np.isnan(found) else float(found)
 
 
@@ -217,5 +219,5 @@ def _with_finite_floor(values: Floats) -> tuple[Floats, float]:
 
 
 def _restore_floor(value: float, floor: float) -> float:
-    """Return ``-inf`` for a number that was mixed with a replacement of ``-inf``."""
+    """Return ``-inf`` for a number that was interpolated from the replacement for ``-inf``."""
     return float(value) if value >= floor else -np.inf

@@ -18,7 +18,7 @@ It allows a gene whose value is zero to change.
 """
 
 FAVORED_RATE_FACTOR = 10.0
-"""Ratio of the favored feature's mutation rate to the rate of the other genes."""
+"""Ratio of the favoured feature's mutation rate to the rate of the other genes."""
 
 MICRO_STEP_FACTOR = 0.2
 """Ratio of a step of ``micro`` to one of ``randomized``."""
@@ -178,7 +178,7 @@ def _add_whole_steps(genomes: Floats, genes: Genes, step: Floats) -> Floats:
 
 
 def _duplicate_or_drop_part(genome: Floats, genes: Genes, rng: Generator) -> Floats:
-    """Duplicate one expressed part of a (n_genes,) genome next to itself, or drop one; see ``macro``."""
+    """Duplicate one expressed part of a genome, shape (n_genes,), next to itself, or drop one; see ``macro``."""
     if genes.count is None:
         return genome
     n_grown = int(genes.n_grown(genome[None])[0])

@@ -1,4 +1,4 @@
-"""Calls of user functions: with a time limit, and with an explanation of every error that they raise."""
+"""Call user functions with a time limit, and explain every error that they raise."""
 
 import inspect
 import sys
@@ -29,7 +29,7 @@ THREAD_ADVICE = (
 )
 
 RANDOM_MODULE = "random"
-"""Module of Python's shared random generator; its state is read only if it is imported already."""
+"""Module of Python's shared random generator; unless it has already been imported, its state is not read."""
 
 
 class OperatorError(WalkerlabError, ValueError):
@@ -90,12 +90,12 @@ def name_of(operator: Callable[..., object]) -> str:
 
 
 def call_in_slot(slot: Slot, function: Callable[..., object], call: Callable[[], Any], time_limit: float) -> Any:
-    """Call the function in a slot; a user function with a time limit, and with a check of its random numbers.
+    """Call the function in a slot; if it is a user function, limit its time and check its use of random numbers.
 
     Args:
         slot: Slot of the function.
         function: Function in the slot.
-        call: Calls the function; may be called twice, with the same result.
+        call: Calls the function; it must give the same result if called twice.
         time_limit: Time limit of one call, s, unless the environment variable WALKERLAB_PATIENCE sets another.
 
     Returns:
@@ -113,8 +113,8 @@ def call_in_slot(slot: Slot, function: Callable[..., object], call: Callable[[],
     used = {name for name, state in _shared_random_states().items() if state != before.get(name)}
     if used and not _are_equal(result, attempt()):  # equal if other threads, such as those of Dask, drew from it
         raise OperatorError(
-            f"{slot.label(function)} used {' and '.join(sorted(used))}, which all of Python shares",
-            f"The run could not be repeated. {slot.repeatability_advice}",
+            f"{slot.label(function)} used {' and '.join(sorted(used))}, shared with all other Python code",
+            f"A run with it would not be reproducible. {slot.repeatability_advice}",
         )
     return result
 
@@ -179,7 +179,7 @@ def _are_equal(one: Any, other: Any) -> bool:
 
 
 def _shared_random_states() -> dict[str, object]:
-    """Return the state of each random generator that all code in the process shares, by the name that users write."""
+    """Return the state of each random generator that all code in the process shares, keyed by its name."""
     _, keys, *rest = np.random.get_state()  # noqa: NPY002  # only reads the state
     states: dict[str, object] = {"np.random": (np.asarray(keys).tobytes(), rest)}
     if module := sys.modules.get(RANDOM_MODULE):

@@ -1,4 +1,4 @@
-"""The run file: a SQLite file with the settings and the tidy table, written in one transaction per generation.
+"""The run file: an SQLite file with the settings and the tidy table, written in one transaction per generation.
 
 Even if the process is killed, the file contains only complete generations. Every generation has a seal, so later
 changes and damage are detected. The file stores text and numbers only, and a file with anything else in it is rejected:
@@ -45,7 +45,7 @@ def save_temporary(db: sqlite3.Connection) -> Path:
         db: Temporary file.
 
     Returns:
-        Path of the new file, in the current folder, or if that cannot be written to, in the system's temporary folder.
+        Path of the new file, in the current folder or, if that cannot be written to, in the system's temporary folder.
 
     Raises:
         RunFileError: If no file can be created in either folder.
@@ -105,7 +105,7 @@ def append(file: RunFile, generation: pd.DataFrame, run_id: str, functions: Mapp
                 "process has continued the run, or an older copy was put in its place. Resume it when no other "
                 "process is using it."
             )
-        _insert_generations(db, generation, _made_with_now(functions))
+        _insert_generations(db, generation, _current_provenance(functions))
 
 
 def prepare_resume(path: Path, settings: dict[str, Any], history: History | None = None) -> str:
@@ -133,7 +133,7 @@ def _insert_generations(db: sqlite3.Connection, table: pd.DataFrame, made_with: 
         schema.seal_generation(db, number, made_with)
 
 
-def _made_with_now(functions: Mapping[str, str]) -> str:
+def _current_provenance(functions: Mapping[str, str]) -> str:
     return json.dumps({**provenance.current_facts(), **functions})
 
 

@@ -45,6 +45,9 @@ def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, na
 
     The sensor ``com`` measures the centre of mass before each step. The custom text ``genome`` holds the genome.
 
+    MuJoCo 3.11 changed the integration of free bodies and ended Newton's method earlier, so walks in 3.9 and 3.10 may
+    differ: with a sledge from the first contact on, otherwise in a few walks that small differences change.
+
     Args:
         genome: Genome or its text; repaired to be within the robot limits.
         settings: Settings of terrain, robot and simulation.

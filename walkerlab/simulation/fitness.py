@@ -1,4 +1,4 @@
-"""Fitness functions: each rates one rollout by a number; higher is better."""
+"""Fitness functions: each rates one rollout with a single number; higher is better."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -33,7 +33,7 @@ FITNESS_SLOT = Slot(
     "fitness(rollout)",
     "com = rollout.com.copy()",
     advice="It is called with one Rollout: .distance in m, .velocity in m/s, .time (n,) in s, .com (n, 3) in m, "
-    ".up (n, 3), .on_ground (n,), .work (n,) in J, .phenotype; .poses are not recorded in an evolution.",
+    ".up (n, 3), .on_ground (n,), .work (n,) in J, .phenotype; .poses are not recorded during evolution.",
     repeatability_advice="It must depend only on the walk.",
 )
 
@@ -52,7 +52,7 @@ def velocity(rollout: Rollout) -> float:
 
 
 def efficiency(rollout: Rollout) -> float:
-    """Return the net forward travel per work of the legs, in m/J."""
+    """Return the net forward travel per unit of work done by the legs, in m/J."""
     return distance(rollout) / (IDLE_WORK + float(rollout.work[-1]))
 
 
@@ -125,13 +125,13 @@ def rate_walk(
 
 
 def as_number(value: Any) -> float | None:
-    """Convert any single real number of Python, numpy or another library to a float.
+    """Convert any single real number from Python, numpy or another library to a float.
 
     Booleans count as 0 and 1, and an array of one element as that element. A number too large for a float becomes inf,
     regardless of its sign.
 
     Returns:
-        The number; None for anything else, such as a text, a complex number or an array of several elements.
+        The number; None for anything else, such as a string, a complex number or an array of several elements.
     """
     if np.ma.is_masked(value):
         return math.nan
@@ -152,7 +152,7 @@ class MissingFitnessFunction(Protocol):
     """Stand-in for a user function of a loaded run: the run file holds its name and results, but not its code."""
 
     def select_counted_walk(self, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Rollout:
-        """Return the walk of a robot, from all its starts, that counted in the run."""
+        """Return the one of a robot's walks, from all its starts, that counted in the run."""
         ...
 
 
@@ -197,8 +197,8 @@ def check_user_function(fitness: Fitness | Callable[..., Any]) -> None:
         first, second = (score(_create_made_up_walk(), fitness, seconds=CHECK_TIME_LIMIT) for _ in range(2))
         if first != second:
             raise OperatorError(
-                f"{FITNESS_SLOT.label(fitness)} returned {first} and then {second} for the same walk; the run "
-                "could not be repeated",
+                f"{FITNESS_SLOT.label(fitness)} returned {first} and then {second} for the same walk, so "
+                "a run would not be reproducible",
                 FITNESS_SLOT.repeatability_advice,
             )
     except OperatorError as error:

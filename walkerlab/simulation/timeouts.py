@@ -6,7 +6,14 @@ from concurrent.futures import Executor, Future
 from contextlib import suppress
 from typing import TypeVar
 
-from walkerlab.simulation.workers import LOAD_ADVICE, WorkerLostWarning, WorkersLostError, replace_hung_workers
+from walkerlab.simulation.workers import (
+    LOAD_ADVICE,
+    WorkerLostWarning,
+    WorkersLostError,
+    check_client_open,
+    replace_hung_workers,
+    unwrap_executor,
+)
 from walkerlab.system.time_limit import LIMIT_VARIABLE, effective_limit
 
 MIN_TIME_LIMIT = 10.0  # s; workers need some time to start, whatever limit the user sets
@@ -30,6 +37,7 @@ def results_in_order(futures: Sequence[Future[_T]], executor: Executor, limit: f
         limit: Longest time without any result, in seconds.
 
     Raises:
+        RuntimeError: If the executor's Dask client is closed before all tasks have a result.
         WorkersLostError: If another executor exceeds the time limit, or a worker runs out of memory.
     """
     limit = max(MIN_TIME_LIMIT, effective_limit(limit))
@@ -42,6 +50,7 @@ def results_in_order(futures: Sequence[Future[_T]], executor: Executor, limit: f
     try:
         for future in futures:
             while not wait_for(future, interval):
+                check_client_open(unwrap_executor(executor))
                 n_before = n_done
                 n_done = sum(future.done() for future in futures)
                 is_silent = n_done == n_before and not getattr(executor, "is_paused", False)

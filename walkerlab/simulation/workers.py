@@ -90,14 +90,23 @@ def check_open(executor: object) -> None:
     Raises:
         RuntimeError: If it is closed.
     """
-    if getattr(getattr(executor, "_client", None), "status", "") == "closed":
-        raise RuntimeError("this executor's Dask client is closed; make another: Client(cluster).get_executor()")
+    check_client_open(executor)
     flags = getattr(executor, "_flags", executor)  # loky keeps it there
     if any(getattr(flags, name, False) is True for name in ("_shutdown", "_shutdown_thread", "shutdown")):
         raise RuntimeError(
             "this executor is closed. Create another, such as ThreadPoolExecutor(4), and use it before it is shut "
             "down; or give none, for all cores of this computer."
         )
+
+
+def check_client_open(executor: object) -> None:
+    """Check that the Dask client of an executor, if it has one, is open; tasks of a closed client may never end.
+
+    Raises:
+        RuntimeError: If it is closed.
+    """
+    if getattr(getattr(executor, "_client", None), "status", "") == "closed":
+        raise RuntimeError("this executor's Dask client is closed; make another: Client(cluster).get_executor()")
 
 
 def unwrap_executor(executor: Executor) -> Executor:

@@ -1,19 +1,21 @@
-"""Replace a set of output files as a whole: a folder holds all old files or all new files.
+"""Replace a set of output files as a whole: a folder holds either all the old files or all the new ones.
 
-The new files are written into a hidden folder beside the old ones. Then they are renamed to their places, one after
-another, as a transaction with a rollback journal, as in a database:
+The new files are written into a hidden folder beside the old ones. Then they are moved into place, one after another,
+as a transaction with a rollback journal, as in a database:
 
 1. each old file is linked (or copied) into ``old`` in the hidden folder, and the journal ``undo.json`` lists the new
    files that have no old version;
 2. the new files are renamed;
 3. the journal is deleted. This is the commit.
 
-An error in step 2 is undone at once. A process killed in step 2 leaves the journal; the next call of ``restore``, which
-every ``load`` makes, puts the old files back. A process killed before step 2 has not changed the old files. The lock of
-the hidden folder, which the system releases when a process dies, distinguishes a dead writer from an active one.
+If step 2 fails, it is undone at once. A process killed in step 2 leaves the journal behind; the next call to
+``restore``, which every ``load`` calls, puts the old files back. A process killed before step 2 has not changed the old
+files. The lock of the hidden folder, which the system releases when a process dies, distinguishes a dead writer from an
+active one.
 
-If a part of the set cannot be created, the other parts still are, and the error names it. They replace the old files
-unless an outdated file of the failed part would remain beside them; then all old files stay.
+If a part of the set cannot be created, the other parts are created nevertheless, and the error names the failed part.
+The new files replace the old ones, unless an outdated file of the failed part would remain beside them; in that case,
+all old files are kept.
 """
 
 import json
@@ -53,7 +55,7 @@ class NewFiles:
 
     Attributes:
         folder: Folder in which to write them.
-        failed: Errors of the parts that could not be created, by the names of their files.
+        failed: Errors of the parts that could not be created, keyed by the names of their files.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -125,13 +127,13 @@ def _prepare(folder: Path, hidden: Path) -> NewFiles:
         (hidden / "new").mkdir()
     except OSError as error:
         raise OutputError(
-            f"no files can be written into {display_path(hidden)}: {error.strerror}. Delete it."
+            f"no files can be written into {display_path(hidden)}: {error.strerror}. Delete this folder and try again."
         ) from error
     return NewFiles(hidden / "new")
 
 
 def restore(folder: Path) -> None:
-    """Put the old files back if a process was killed while it replaced them, and delete its hidden folder.
+    """Put the old files back if a process was killed while it was replacing them, and delete the hidden folder.
 
     Do nothing while another process is writing, or if the folder cannot be written to.
 
@@ -168,7 +170,7 @@ def _message(error: Exception) -> str:
 
 
 def _replace_files(folder: Path, hidden: Path) -> None:
-    """Rename all new files to their places, or leave all old files.
+    """Move all new files into place, or leave all the old files as they are.
 
     Raises:
         OutputError: If one of them cannot be replaced.

@@ -225,16 +225,14 @@ def describe_step(step: Step, genes: Genes, max_length: int) -> tuple[str, str]:
     """
     if not step.n_generations:
         return "the first robot of the line", ""
-    waited = f"{step.n_generations} generations later" if step.n_generations > 1 else "next generation"
-    origin = f"{step.n_births} births" if step.n_births > 1 else "crossed"
     inherited = [one for one in step.changes if one.is_inherited]
     changed = [one for one in step.changes if not one.is_inherited]
     if step.n_births > 1:
-        first = f"{waited}, {origin}: {_count(changed)}"
+        first = f"{_count(changed)} changed in {step.n_births} births"
     elif inherited:
-        first = f"{waited}: {_count(inherited)} from robot {step.other_parent}, {len(changed)} changed"
+        first = f"{_count(inherited)} from robot {step.other_parent}, {len(changed)} with new values"
     else:
-        first = f"{waited}: {_count(changed)} changed"
+        first = f"{_count(changed)} changed"
     visible = [one for one in [*changed, *inherited] if one.is_expressed]
     if not visible:
         return first, "no gene with an effect"
@@ -245,17 +243,17 @@ def describe_step(step: Step, genes: Genes, max_length: int) -> tuple[str, str]:
         name = one.gene.replace("_", " ").replace(".", " ")
         text = f"{name} {format_gene(genes, j, one.before)} → {format_gene(genes, j, one.after)}{unit}"
         left = len(visible) - n - 1
-        end = f" +{left}" if left else ""
+        end = f", and {left} more" if left else ""
         joined = f"{second}, {text}" if second else text
         if second and len(joined) + len(end) > max_length:
-            return first, f"{second} +{left + 1}"
+            return first, f"{second}, and {left + 1} more"
         second = joined
     return first, second
 
 
 def _count(changes: Sequence[GeneChange]) -> str:
-    """Count changed genes, and how many of them have no effect: ``12 genes (9 no effect)``."""
+    """Count changed genes, and how many of them have no effect: ``12 genes (9 without effect)``."""
     n = len(changes)
     hidden = sum(not one.is_expressed for one in changes)
     genes = f"{n} gene{'' if n == 1 else 's'}"
-    return f"{genes} ({hidden} no effect)" if hidden else genes
+    return f"{genes} ({hidden} without effect)" if hidden else genes

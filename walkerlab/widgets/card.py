@@ -13,6 +13,7 @@ from walkerlab.view.plots.tables import format_value
 from walkerlab.widgets.origins import describe_origins
 
 COUNTED = "ok"  # verdict on a walk that counts
+OPERATOR_KINDS = ("selection", "crossover", "mutation")
 MAX_PARENTS = 4  # maximum number of parents that are listed
 
 
@@ -55,7 +56,16 @@ def _origin(row: Any) -> str:
     if not parents:
         return "made by hand" if row.operators == INSERTED_BY_HAND else str(row.operators)
     more = f" and {len(parents) - MAX_PARENTS} more" if len(parents) > MAX_PARENTS else ""
-    return f"child of {', '.join(parents[:MAX_PARENTS])}{more}, by {row.operators.replace(' > ', ', ')}"
+    named = f"robot{'s' if len(parents) > 1 else ''} {', '.join(parents[:MAX_PARENTS])}{more}"
+    return f"child of {named}, by {_name_operators(str(row.operators))}"
+
+
+def _name_operators(operators: str) -> str:
+    """Add the kind to each of three operators: ``tournament selection, uniform crossover, gaussian mutation``."""
+    names = operators.split(" > ")
+    if len(names) != len(OPERATOR_KINDS):
+        return ", ".join(names)
+    return ", ".join(f"{name} {kind}" for name, kind in zip(names, OPERATOR_KINDS, strict=True))
 
 
 def _ancestor_rows(records: pd.DataFrame, individual: int) -> list[list[object]]:

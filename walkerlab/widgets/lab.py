@@ -229,6 +229,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
             self.transport.state = live.state
             self.transport.words = describe_state(live)
             self.transport.share = live.n_done / live.n_walks if live.n_walks else 1.0
+        self.walker.frame.is_busy = live.state == State.running
         self.robot.editor.can_insert = not live.is_over and live.n_generations > 0
         if live.loss_note:
             self.runs.drawer.words = live.loss_note

@@ -8,13 +8,13 @@ function render({ model, el }) {
   const sign = make("span", { textContent: "Walk live" });
   const cover = make("button", { type: "button", className: "cover", title: "Walk live" }, sign, picture);
   const box = make("div", {}, cover);
-  let frame = null, timer = 0, isLoading = false;
+  let frame = null, timer = 0, isLoading = false, isRemoved = false; // a removed widget has no connection to Python
   el.classList.add("wl-component", "wl-playground");
   el.append(box);
 
   const live = () => frame?.contentWindow?.walkerlab;
 
-  function setIsOpen(isOpen) { model.set("is_open", isOpen); model.save_changes(); }
+  function setIsOpen(isOpen) { if (isRemoved) return; model.set("is_open", isOpen); model.save_changes(); }
 
   function close() {
     clearInterval(timer);
@@ -61,6 +61,6 @@ function render({ model, el }) {
   observer.observe(box);
   const release = captureKeys(el);
   if (model.get("opens_at_once")) cover.onclick();
-  return () => { observer.disconnect(); release(); close(); };
+  return () => { isRemoved = true; observer.disconnect(); release(); close(); };
 }
 export default { render };

@@ -131,11 +131,12 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         name = f"robot {robot}"
         rivals = {name: genome} | ({} if champion.individual == robot else {_champion_name(run): champion.genome})
         self._original = ShownRobot(name, genome, rivals)
-        self._describe(robot_card(run.records, robot))
         self.set_settings(run.settings)
         self.editor.genome = genome
         self.editor.accept(recorded_outcome(row, run.settings))
         self._offer_replay({f"robot {robot} of generation {row.born}": genome})
+        # Last, because the user may play the robot as soon as it is described, and another replay would cancel that.
+        self._describe(robot_card(run.records, robot))
 
     def _describe(self, description: Markup) -> None:
         """Show a description; it is kept for the snapshot, because a browser may change the value of the card."""
@@ -175,6 +176,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
     def _walk_live(self, genome: Genome) -> None:  # noqa: ARG002
         """Open a playground of the robot in the editor; the sliders of the editor change it while it walks."""
         self._close_live_robot()
+        self.frame.stop()  # an edit would play an open replay again, which pauses the live robot
         self.live.children = [open_live_robot(self.editor, self._original.name, self._settings)]
 
     def _close_live_robot(self) -> None:

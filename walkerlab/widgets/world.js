@@ -5,11 +5,12 @@ function render({ model, el }) {
     title: "show another random robot at the start" });
   el.classList.add("wl-component", "wl-world");
   const note = make("span", { className: "note", textContent: "drawing …", attributes: { role: "status" } });
-  el.append(picture, note, another);
+  const legend = make("span", { className: "legend", textContent: "the world, with a random robot" });
+  el.append(picture, legend, note, another);
 
   const update = () => {
     picture.replaceChildren(parseSvg(model.get("picture")));
-    another.hidden = !model.get("by_chance");
+    another.hidden = legend.hidden = !model.get("by_chance");
   };
   const mark = () => el.classList.toggle("outdated", model.get("is_outdated"));
   model.on("change:is_outdated", mark);

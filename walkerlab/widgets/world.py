@@ -15,6 +15,8 @@ from walkerlab.view import sketch
 from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
 
+PICTURE_SIZE = (720, 240)  # pixels
+
 
 class World(Component):
     """A drawing of the ground, the obstacles, gravity and wind, and a robot to scale.
@@ -88,7 +90,9 @@ class World(Component):
                 settings, genome, number = self._drawn = wanted
                 self.by_chance = genome is None
                 rng = random_stream(settings.algorithm.seed, "population", 0, number)
-                self.picture = sketch.draw_world(settings, genome or Genome.random(settings.robot, rng=rng))
+                self.picture = sketch.draw_world(
+                    settings, genome or Genome.random(settings.robot, rng=rng), size=PICTURE_SIZE
+                )
 
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
         """Show the next random robot if the browser requests it."""

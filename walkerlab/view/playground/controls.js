@@ -1,12 +1,8 @@
 // The sliders and menus of a playground. `change` is called with what changed: "world", "gait", "strength" or "body".
 const DEGREES = 180 / Math.PI;
 const GAIT_FEATURES = ["hip_amplitude", "hip_phase", "hip_offset", "knee_amplitude", "knee_phase", "knee_offset", "stride"];
-const FEATURE_LABELS = {
-  segments: "segments", frequency: "stride frequency", lag: "lag per segment", duty: "share of pushing", length: "length", mass: "mass",
-  legs: "has legs", repeat: "copies front legs", leg_length: "leg length", leg_force: "servo torque", hip_amplitude: "hip swing",
-  hip_phase: "hip phase", hip_offset: "hip angle", knee_amplitude: "knee swing", knee_phase: "knee phase", knee_offset: "knee angle",
-  stride: "lag of right leg",
-};
+const FEATURE_LABELS = { legs: "has legs", repeat: "copies legs in front" }; // others: the name of the gene, as in the editor
+const featureLabel = (name) => FEATURE_LABELS[name] ?? name.replace("_", " ");
 
 function make(name, properties = {}, ...children) {
   const node = document.createElement(name);
@@ -151,7 +147,7 @@ class Controls {
     const { low, high, unit, kind, about } = this.page.genes[name];
     const index = geneIndex(this.page, name, segment);
     const isAngle = unit === "rad";
-    const slider = makeSlider({ label: FEATURE_LABELS[name], about, low, high, step: kind === "count" ? 1 : 0.001,
+    const slider = makeSlider({ label: featureLabel(name), about, low, high, step: kind === "count" ? 1 : 0.001,
       factor: isAngle ? DEGREES : 1, unit: isAngle ? "°" : name === "segments" ? "" : unit, digits: isAngle || kind === "count" ? 0 : unit === "N·m" ? 1 : 2,
       onInput: (value) => this.setGene(index, name, value) });
     if (isAngle) slider.input.step = 0.5;
@@ -166,14 +162,14 @@ class Controls {
     box.dataset.gene = index;
     box.onchange = () => this.setGene(index, name, box.checked ? 1 : 0);
     this.shown.push(() => { box.checked = this.values[index] > 0; });
-    return make("label", { className: "slider", title: this.page.genes[name].about }, make("span", { textContent: FEATURE_LABELS[name] }), box);
+    return make("label", { className: "slider", title: this.page.genes[name].about }, make("span", { textContent: featureLabel(name) }), box);
   }
 
   strengthSlider(robot) { // multiplies the torque of all legs
     const { low, high } = this.page.genes.leg_force;
     const forces = () => expressRobot(this.page, this.values).segments.flatMap(({ legs }) => (legs ? [[legs.source, legs.force]] : []));
     const strongest = () => Math.max(...forces().map(([, force]) => force));
-    const slider = makeSlider({ label: "servo strength", about: "greatest torque of the strongest leg; the torque of the other legs changes in proportion", low, high,
+    const slider = makeSlider({ label: "leg force", about: "greatest torque of the strongest leg; the torque of the other legs changes in proportion", low, high,
       step: 0.001, unit: "N·m", digits: 1, onInput: (value) => {
         const ratio = value / strongest();
         const values = [...this.values];

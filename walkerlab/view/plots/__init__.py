@@ -16,6 +16,7 @@ from walkerlab.view.plots.improvement import improvement as improvement
 from walkerlab.view.plots.improvement import operator_credit as operator_credit
 from walkerlab.view.plots.landscape import landscape as landscape
 from walkerlab.view.plots.pedigree import pedigree as pedigree
+from walkerlab.view.plots.rescoring import rescoring as rescoring
 from walkerlab.view.plots.selection import roulette_wheel as roulette_wheel
 from walkerlab.view.plots.selection import selection_by_rank as selection_by_rank
 from walkerlab.view.plots.selection import selection_pressure as selection_pressure

@@ -1,5 +1,6 @@
 """Plot of a birth gene by gene: parents, child, and a table of its genes coloured by their origin."""
 
+import textwrap
 from collections.abc import Sequence
 from itertools import groupby
 from typing import Any
@@ -12,11 +13,13 @@ from matplotlib.patches import Rectangle
 from walkerlab.analysis.inheritance import Birth, parent_letter
 from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES
 from walkerlab.genome.genome import Genome
+from walkerlab.settings.choices import Crossover, Mutation
 from walkerlab.settings.settings import Settings
 from walkerlab.view.inheritance import GeneMark, cell_colour, describe_birth, mark_genes, parent_colour
 from walkerlab.view.painted_bodies import PartPaint, paint_child, paint_parent, painted_parts
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.bodies import DEPTH_SHIFT, BodyParts, add_body
+from walkerlab.view.plots.operator_words import explain_operator
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description, escape_label
 from walkerlab.world.geometry import ROPE_POINTS, convex_outline
 
@@ -29,7 +32,8 @@ BODY_HEIGHT = 1.75  # height of the drawings of the bodies
 BODY_SCALE = 3.0  # maximum scale of the bodies, in inches per metre
 MAX_BODIES = 3  # maximum number of parents that are drawn
 HEADING_HEIGHT = 0.42
-CAPTION_HEIGHT = 0.6
+CAPTION_LINE_HEIGHT = 0.155
+LINE_LENGTH = 160  # of the caption, in characters; the layout shrinks all else if a line is wider than the figure
 GROUPS = ("trunk",) * 4 + ("legs",) * 2 + ("hip",) * 3 + ("knee",) * 3 + ("left/right",)
 """Heading above the name of each feature of a segment."""
 FONT_SIZE = 8.5  # points, in a figure of full size
@@ -56,7 +60,8 @@ def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None
         The Axes drawn on.
     """
     n_parts = birth.genes.n_parts
-    top = CAPTION_HEIGHT + n_parts * CELL_HEIGHT + HEADING_HEIGHT
+    caption = _caption(birth)
+    top = CAPTION_LINE_HEIGHT * (caption.count("\n") + 1) + n_parts * CELL_HEIGHT + HEADING_HEIGHT
     ground = top + CELL_HEIGHT + 0.25
     height = ground + BODY_HEIGHT + 0.1
     axes = ax or new_axes(WIDTH, height)
@@ -86,19 +91,30 @@ def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None
         for column in range(len(SEGMENT_FEATURES)):
             _draw_cell(axes, next(of_parts), LABEL_WIDTH + column * CELL_WIDTH, y, size)
     colour = foreground_colour(axes, 0.8)
-    axes.text(0, 0, escape_label(_caption(birth)), va="bottom", fontsize=size, linespacing=1.3, color=colour)
+    axes.text(0, 0, escape_label(caption), va="bottom", fontsize=size, linespacing=1.3, color=colour)
     add_description(axes, TITLE, describe_birth(birth))
     return axes
 
 
 def _caption(birth: Birth) -> str:
-    """Explain the signs, colours and frames that the plot contains."""
+    """Explain what the plot shows, and the signs, colours and frames that it contains."""
     origins = birth.origins
-    signs: list[str] = []
-    if len(birth.parents) > 1:
-        signs.append("Letter and colour: the parent from which a gene comes.")
+    has_parents = len(birth.parents) > 1
+    made = f"How this robot was made from its parent{'s' if has_parents else ''}, gene by gene."
+    # Both kinds have an operator "randomized": with several parents, the first operator is a crossover.
+    first = (Crossover, Mutation) if has_parents else (Mutation, Crossover)
+    known = [
+        (name, explain_operator(name, *(first if i == 0 else (Mutation, Crossover))))
+        for i, name in enumerate(birth.operators)
+    ]
+    clauses = [(name, clause) for name, clause in known if clause]
+    steps = [f"Then {name}: {clause}." if i else f"First {name}: {clause}." for i, (name, clause) in enumerate(clauses)]
+    table = "The table has the child's genes: a cell is one gene, a row is one segment; segment 1 is on the right."
+    signs = [table]
+    if has_parents:
+        signs.append("Letter and colour of a cell: the parent from which the gene comes.")
     if "same" in origins:
-        signs.append("= : equal in all parents.")
+        signs.append("White, = : equal in all parents.")
     if birth.is_moved.any():
         signs.append("Number: the segment of the parent from which the gene was moved.")
     if "blend" in origins:
@@ -107,14 +123,14 @@ def _caption(birth: Birth) -> str:
         signs.append("new: not from a parent.")
     frames: list[str] = []
     if (birth.change != 0).any():
-        frames.append("Bold frame: changed, with the amount in the gene's unit.")
+        frames.append("Bold frame: changed, with the amount in the gene's unit; bold outline: part with such a gene.")
     if (birth.is_repaired & (birth.change != 0)).any():
         frames.append("Dashed: changed by repair, which keeps robots within their limits.")
     if not birth.is_expressed.all():
-        frames.append("Hatched: no effect on this robot.")
+        frames.append("Hatched: no effect, for example because the segment repeats the legs in front of it.")
     if not birth.is_exact:
         frames.append("Origins inferred from the genomes.")
-    return " ".join(signs) + "\n" + " ".join(frames)
+    return "\n".join(textwrap.fill(" ".join(line), LINE_LENGTH) for line in ([made, *steps], signs, frames) if line)
 
 
 def _draw_headings(axes: Axes, birth: Birth, y: float, size: float) -> None:

@@ -5,9 +5,11 @@ from typing import Any
 import pandas as pd
 from matplotlib.axes import Axes
 
+from walkerlab.settings.choices import Selection
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.captions import add_caption
+from walkerlab.view.plots.operator_words import explain_operators
 from walkerlab.view.plots.style import (
     RUN_COLOURS,
     RUN_MARKERS,
@@ -21,6 +23,9 @@ from walkerlab.view.plots.style import (
     style_axes,
 )
 from walkerlab.view.plots.tables import require_analysis
+
+THEORY_DASHES = ((0, (4, 1.5)), (0, (1, 1.2)), (0, (6, 1.5, 1, 1.5)), (0, (8, 3)))
+"""Dashes of the theory of each operator."""
 
 MIN_WELL_MIXED_MATINGS = 3
 """Minimum number of matings in each generation of OneMax for which the theory of well-mixed bits holds."""
@@ -43,7 +48,7 @@ def takeover(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     table = require_analysis(
         table, "follow_takeover", "selection", "generation", "share", "lowest", "highest", "theory"
     )
-    axes = ax or new_axes()
+    axes = ax or new_axes(height=4.6)
     times: list[str] = []
     names: list[str] = list(dict.fromkeys(table.selection))
     for number, name in enumerate(names):
@@ -52,26 +57,35 @@ def takeover(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
         axes.fill_between(rows.generation, 100 * rows.lowest, 100 * rows.highest, color=colour, alpha=0.15, lw=0)
         line: dict[str, Any] = {"color": colour, "marker": RUN_MARKERS[number % len(RUN_MARKERS)], "ms": 5}
         every = marker_stride(len(rows))
-        axes.plot(rows.generation, 100 * rows.share, lw=2, markevery=every, **line, label=escape_label(name))
-        axes.plot(rows.generation, 100 * rows.theory, lw=1.6, ls=(0, (2, 2)), color=foreground_colour(axes, 0.8))
+        known = rows.theory.notna().any()
+        label = escape_label(name if known else f"{name} (no theory)")
+        axes.plot(rows.generation, 100 * rows.share, lw=2, markevery=every, **line, label=label)
+        if known:
+            dashes: dict[str, Any] = {"lw": 1.8, "ls": THEORY_DASHES[number % len(THEORY_DASHES)]}
+            ink = foreground_colour(axes, 0.8)
+            axes.plot(rows.generation, 100 * rows.theory, color=ink, **dashes, label=escape_label(f"{name}: theory"))
         complete = rows[rows.share >= 1]
         times.append(f"{name} {int(complete.generation.iloc[0])}" if len(complete) else f"{name} never")
-    axes.plot([], [], lw=1.6, ls=(0, (2, 2)), color=foreground_colour(axes, 0.8), label="theory")
     if not table.share.notna().any():
         annotate_no_data(axes, "the best individual died out in every trial")
     axes.set_xlabel("generation")
-    axes.set_ylabel("copies of the best [% of the population]")
+    axes.set_ylabel("copies of the best robot [%]")
     axes.xaxis.set_major_locator(integer_locator())
     axes.set_ylim(0, 103)
     axes.set_xlim(left=0)
     style_axes(axes)
-    add_legend(axes, n_legend_columns(len(names) + 1))
-    text = f"Generations until all individuals are copies of the best, in the slowest trial: {', '.join(times)}."
+    add_legend(axes, n_legend_columns(2 * len(names)))
+    text = f"Generations until all robots are copies of the best, in the slowest trial: {', '.join(times)}."
     add_description(axes, "Takeover by the best individual", text)
+    n = table.attrs.get("population_size")
+    size = f"In generation 0, one of {n} robots is the best. " if n else ""
+    trials = pluralize(table.attrs["n_trials"], "trial") if "n_trials" in table.attrs else "the trials"
     add_caption(
         axes,
-        "At the start, one individual is the best. There is no crossover and no mutation. A steeper curve means "
-        f"stronger selection. Lines: mean of the trials; areas: from the slowest to the fastest trial. {text}",
+        f"How fast the best robot fills the population if children are exact copies of their parents. {size}"
+        f"A steeper curve means stronger selection. Coloured line: mean of {trials}; coloured area: from "
+        "the slowest to the fastest trial; black dashes: what theory predicts. "
+        f"{text}{explain_operators(names, Selection)}",
     )
     return axes
 

@@ -9,9 +9,11 @@ from matplotlib.axes import Axes
 
 from walkerlab.analysis.credit import operator_credit as compare_with_parents
 from walkerlab.analysis.price import TERMS, price_equation
+from walkerlab.settings.choices import Crossover, Mutation
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.captions import add_caption
+from walkerlab.view.plots.operator_words import explain_operators
 from walkerlab.view.plots.stages import mark_stages
 from walkerlab.view.plots.style import (
     add_description,
@@ -80,9 +82,10 @@ def improvement(records: Any, ax: Axes | None = None, *, trait: str = "fitness")
     add_description(axes, "Why the mean changed", text, quantity)
     add_caption(
         axes,
-        "Why the mean changes from each generation to the next. Selection: the parents differ from the mean of their "
-        "generation, because fitter robots are selected. Crossover and mutation: the children differ from the mean of "
-        f"their parents. The line with dots is the sum: the actual change of the mean. {text}",
+        f"Why the mean {name} of the robots changes from each generation to the next. Selection (blue): fitter "
+        "robots become parents, so the parents are better than the mean of their generation. Crossover and mutation "
+        "(orange, hatched): the children are better or, usually, worse than their parents. The line with dots is the "
+        f"sum: the change that was measured. {text}",
     )
     return axes
 
@@ -142,7 +145,7 @@ def operator_credit(records: Any, ax: Axes | None = None) -> Axes:
         The Axes drawn on.
     """
     credit: Any = compare_with_parents(records)
-    axes = ax or new_axes(height=2.0 + 0.55 * max(1, len(credit)))
+    axes = ax or new_axes(height=2.5 + 0.55 * max(1, len(credit)))
     names = [f"crossover {row.crossover}\nmutation {row.mutation}" for row in credit.itertuples()]
     unit = str(credit.attrs["unit"])
     y = np.arange(len(credit))
@@ -170,8 +173,11 @@ def operator_credit(records: Any, ax: Axes | None = None) -> Axes:
     add_description(axes, "Credit of the operators", f"{text or 'No robot has parents yet'}.")
     add_caption(
         axes,
-        "How often each pair of crossover and mutation makes a child that is fitter than all of its parents (± "
-        "standard error). Mean gain: fitness of a child minus the mean fitness of its parents, for walks that count. "
-        "Usually, most children are worse; progress comes from selecting the few that are better.",
+        "How often each pair of operators makes a child that is fitter than all of its parents. The black line at "
+        "the end of a bar is the uncertainty (standard error), which is smaller with more children. Mean gain: fitness "
+        "of a child minus the mean fitness of its parents; below 0, children are worse on average, which is usual: "
+        "progress comes from selecting the few that are better."
+        f"{explain_operators(credit.crossover.unique(), Crossover)}"
+        f"{explain_operators(credit.mutation.unique(), Mutation)}",
     )
     return axes

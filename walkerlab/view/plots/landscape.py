@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 
+from walkerlab.settings.choices import Feature
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.captions import add_caption
@@ -75,7 +76,7 @@ def _draw_curve(axes: Axes, table: pd.DataFrame, names: list[str], labels: list[
         )  # fmt: skip
     if centre.verdict == "ok":
         axes.plot(
-            centre[names[0]], centre.fitness, "*", ms=14, color=CENTRE_COLOUR, mec="white", label="the genome itself"
+            centre[names[0]], centre.fitness, "*", ms=14, color=CENTRE_COLOUR, mec="white", label="the robot itself"
         )
     axes.set_xlabel(labels[0])
     axes.set_ylabel(escape_label(fitness))
@@ -105,7 +106,7 @@ def _draw_map(axes: Axes, table: pd.DataFrame, names: list[str], labels: list[st
             )  # fmt: skip
     axes.plot(
         centre[names[0]], centre[names[1]], "*", ms=16, color=CENTRE_COLOUR, mec="white", mew=1.2, ls="",
-        label="the genome itself",
+        label="the robot itself",
     )  # fmt: skip
     axes.set_xlabel(labels[0])
     axes.set_ylabel(labels[1])
@@ -116,12 +117,20 @@ def _draw_map(axes: Axes, table: pd.DataFrame, names: list[str], labels: list[st
 def _explain(table: pd.DataFrame, names: list[str]) -> str:
     """Explain how to read the plot."""
     varied = " and ".join(map(spell, names))
-    each = "dot" if len(names) == 1 else "cell"
+    fitness = str(table.attrs.get("fitness", UNKNOWN_FITNESS))
     settings = table.attrs.get("settings")
     seconds = f" of {settings.simulation.duration:g} s" if settings else ""
+    n_walks = int((~table.is_centre).sum())
+    reading = (
+        f"Each dot is one of {n_walks} such walks{seconds}; higher is fitter."
+        if len(names) == 1
+        else f"Each cell is one of {n_walks} such walks{seconds}; the brighter (yellow) a cell, the fitter the robot."
+    )
+    backward = " A negative distance is a walk backward." if fitness == "distance" else ""
+    meanings = "; ".join(f"{spell(name)}: {Feature[name.rpartition('.')[2]].about}" for name in names)
     return (
-        f"How well one robot does if only its {varied} had other values; all other genes stay the same. Each {each} is "
-        f"one walk{seconds}. The star is the robot as it is. A negative distance is a walk backward."
+        f"The {fitness} that one robot would reach if its {varied} had other values; all its other genes stay as they "
+        f"are. {reading} The star is the robot itself.{backward} {meanings[0].upper()}{meanings[1:]}."
     )
 
 

@@ -1,6 +1,7 @@
 """Plot of the line of descent of a robot: the robots of the line, and the genes that changed at each step."""
 
 import math
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -8,13 +9,14 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
+from walkerlab.ga.genes import Genes
+from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
 from walkerlab.view.painted_bodies import PartPaint, painted_parts
 from walkerlab.view.pedigree import Step, changed_parts, describe_step, genes_of_text, trace_line
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
-from walkerlab.view.plots.births import outline_changed
 from walkerlab.view.plots.bodies import DEPTH_SHIFT, add_body
 from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, add_description, annotate_no_data, escape_label
 from walkerlab.view.plots.tables import UNKNOWN_FITNESS, format_value, require_table, unit_of
@@ -24,9 +26,12 @@ WIDTH = 12.8  # width of the figure in inches, the unit of all positions below
 ROW_HEIGHT = 0.365
 N_COLUMNS = 2
 ROBOTS_PER_SCREEN = 40  # number of robots that fit on a screen of 1280 × 800 pixels
-MAX_LINE_LENGTH = 60  # maximum length of a line of text, in characters
+MAX_LINE_LENGTH = 64  # maximum length of a line of text, in characters
 FONT_SIZE = 7.5  # points
-CAPTION_HEIGHT = 0.42
+CAPTION_LINE_HEIGHT = 0.165
+LINE_LENGTH = 195  # of the caption, in characters; the layout shrinks all else if a line is wider than the figure
+CHANGED_COLOUR = (0.84, 0.37, 0.0)  # parts that differ from the row above, RGB
+EQUAL_COLOUR = (0.82, 0.82, 0.82)
 BAR_LEFT = 0.62
 BAR_WIDTH = 0.8
 BODY_LEFT = 1.5
@@ -74,8 +79,22 @@ def pedigree(
     n_generations = int(table.generation.max()) + 1
     limit = max_robots or ROBOTS_PER_SCREEN * max(1, math.ceil(n_generations / 100))
     steps = trace_line(table, individual, limit)
+    last = steps[-1]
+    fitness_name = str(table.attrs.get("fitness", UNKNOWN_FITNESS))
+    n_births = sum(step.n_births for step in steps)
+    robot = f"robot {last.individual}" + ("" if individual is not None else ", the fittest of its run,")
+    caption = (
+        f"How {robot} came to be: its line of ancestors, the oldest first. Each row is one robot, a child of the robot "
+        f"in the row above; read down the left column, then down the right one. Blue bar: its {fitness_name}. Orange "
+        "(darker): trunks and legs whose size or force differs from the row above; pale grey: no difference. Text: "
+        "the genes that differ, the largest change first, as old value → new value. Of the two parents of a robot, the "
+        "fitter one is in the row above, and the text names the other one. The line has "
+        f"{pluralize(n_births, 'birth')} in {pluralize(last.born + 1, 'generation')}; {len(steps)} robots are shown, "
+        "those that differ visibly from the row above."
+    )
+    lines = textwrap.fill(escape_label(caption), LINE_LENGTH)
     n_rows = max(math.ceil(len(steps) / N_COLUMNS), 4)
-    height = n_rows * ROW_HEIGHT + CAPTION_HEIGHT
+    height = n_rows * ROW_HEIGHT + CAPTION_LINE_HEIGHT * (lines.count("\n") + 1)
     axes = ax or new_axes(WIDTH, height)
     axes.set_xlim(0, WIDTH)
     axes.set_ylim(0, height)
@@ -86,17 +105,7 @@ def pedigree(
     size = float(np.clip(FONT_SIZE * scale, 2.0, FONT_SIZE))
     _draw_rows(axes, steps, n_rows, settings, unit_of(table, "fitness"), size)
 
-    last = steps[-1]
-    fitness_name = str(table.attrs.get("fitness", UNKNOWN_FITNESS))
-    n_births = sum(step.n_births for step in steps)
-    caption = (
-        f"Line of descent of robot {last.individual} through the fitter parent of each robot, "
-        f"{pluralize(n_births, 'birth')} in {pluralize(last.born + 1, 'generation')}; {len(steps)} robots drawn. "
-        f"Bar: {fitness_name}.\n"
-        "Text: how a robot differs from the robot before it; each gene with its value before → after. "
-        "Bold outline: part whose size or force changed. Number after +: further changed genes."
-    )
-    axes.text(0, height, escape_label(caption), va="top", fontsize=size, color=foreground_colour(axes, 0.85))
+    axes.text(0, height, lines, va="top", fontsize=1.07 * size, linespacing=1.35)
     first = steps[0]
     unit = unit_of(table, "fitness")
     text = (
@@ -111,7 +120,7 @@ def pedigree(
 def _draw_rows(axes: Axes, steps: list[Step], n_rows: int, settings: Settings | None, unit: str, size: float) -> None:
     genes = genes_of_text(steps[0].genome)
     bodies = [
-        painted_parts(Genome.parse(step.genome), PartPaint({}, changed_parts(step, genes)), settings) for step in steps
+        painted_parts(Genome.parse(step.genome), _paint(changed_parts(step, genes), genes), settings) for step in steps
     ]
     corners = [np.concatenate([points for points, _ in parts]) for parts, _ in bodies]
     across = [points[:, 0] + DEPTH_SHIFT * points[:, 1] for points in corners]
@@ -123,7 +132,7 @@ def _draw_rows(axes: Axes, steps: list[Step], n_rows: int, settings: Settings | 
     column_width = WIDTH / N_COLUMNS
     secondary = foreground_colour(axes, SECONDARY_STRENGTH)
     small: dict[str, Any] = {"fontsize": 0.9 * size, "color": secondary}
-    for i, (step, (parts, changed), x) in enumerate(zip(steps, bodies, across, strict=True)):
+    for i, (step, (parts, _), x) in enumerate(zip(steps, bodies, across, strict=True)):
         column, row = divmod(i, n_rows)
         left = column * column_width
         bottom = (n_rows - row - 1) * ROW_HEIGHT
@@ -141,11 +150,17 @@ def _draw_rows(axes: Axes, steps: list[Step], n_rows: int, settings: Settings | 
         axes.text(left + BAR_LEFT, bottom + 0.17, escape_label(_result(step, unit)), va="bottom", fontsize=size)
         origin = (left + BODY_LEFT + BODY_WIDTH / 2 - scale * float(x.max() + x.min()) / 2, bottom + 0.015)
         add_body(axes, parts, at=origin, scale=scale, slant=DEPTH_SHIFT, gid=f"robot-{step.individual}")
-        outline_changed(axes, parts, changed, at=origin, scale=scale, width=1.1)
         first, second = describe_step(step, genes, MAX_LINE_LENGTH)
         axes.text(left + TEXT_LEFT, middle + 0.01, escape_label(second or first), va="top", fontsize=size)
         if second:
             axes.text(left + TEXT_LEFT, middle + 0.015, escape_label(first), va="bottom", **small)
+
+
+def _paint(changed: frozenset[str], genes: Genes) -> PartPaint:
+    """Return the colours of a body of which some parts changed."""
+    n_parts = (len(genes) - len(BODY_FEATURES)) // len(SEGMENT_FEATURES)
+    parts = [f"{part}{i + 1}" for i in range(n_parts) for part in ("trunk", "legs")]
+    return PartPaint({part: CHANGED_COLOUR if part in changed else EQUAL_COLOUR for part in parts}, changed)
 
 
 def _result(step: Step, unit: str) -> str:

@@ -7,10 +7,11 @@ import pandas as pd
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 
-from walkerlab.analysis.selection import MEASURES
+from walkerlab.settings.choices import Selection
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.captions import add_caption
+from walkerlab.view.plots.operator_words import explain_operators
 from walkerlab.view.plots.style import (
     RUN_COLOURS,
     SECONDARY_STRENGTH,
@@ -32,13 +33,24 @@ MAX_EDGED_SLICES = 100  # maximum number of slices with a white edge
 LEGEND_SPACE = 1.25  # height of the axis as a multiple of the highest bar
 
 MEASURE_LABELS = {
-    "intensity": "selection intensity [standard deviations of fitness]",
+    "intensity": "selection intensity [standard deviations of the fitness]",
     "loss_of_diversity": "loss of diversity [share of the places among the parents]",
     "unselected": "never selected [share of the population]",
     "takeover": "takeover time [generations]",
     "best_lost": "best individual lost [share of the trials]",
 }
 
+PLAIN_MEASURES = {
+    "intensity": "The number tells how much fitter the selected parents are than the whole population, on average. "
+    "Its unit is the standard deviation, the typical distance of a robot's fitness from the mean.",
+    "loss_of_diversity": "The number is the share of the places among the parents that poorer individuals lose to "
+    "fitter ones.",
+    "unselected": "The number is the share of the population that is never selected, so that it has no children.",
+    "takeover": "The number of generations until all individuals are copies of the best, without crossover and "
+    "mutation.",
+    "best_lost": "The number is the share of the trials in which the best individual had no copy left.",
+}
+"""Each measure in whole sentences, for the caption."""
 
 FALLING_MEASURES = ("takeover", "best_lost")
 """Measures that are smaller if selection is stronger."""
@@ -68,11 +80,12 @@ def roulette_wheel(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
         shown.probability, startangle=90, counterclock=False, colors=colours, wedgeprops=wedge, normalize=True
     )[0]
     for each, rank, probability in zip(wedges, shown["rank"], shown.probability, strict=True):
-        if probability >= MIN_LABELLED_PROBABILITY:
+        if probability >= MIN_LABELLED_PROBABILITY or rank == 1:
             angle = np.deg2rad((each.theta1 + each.theta2) / 2)
             x, y = 1.06 * np.cos(angle), 1.06 * np.sin(angle)
             side = "left" if x > 0.05 else "right" if x < -0.05 else "center"
-            axes.text(x, y, f"rank {rank}: {probability:.1%}".replace("%", " %"), ha=side, va="center", size=8)
+            name = "the fittest" if rank == 1 else f"rank {rank}"
+            axes.text(x, y, f"{name}: {probability:.1%}".replace("%", " %"), ha=side, va="center", size=8)
     axes.plot([0], [1.04], marker="v", ms=9, color=foreground_colour(axes), clip_on=False, zorder=4)
     axes.set(xlim=(-1.35, 1.35), ylim=(-1.12, 1.16))
     text = _describe_probabilities(table)
@@ -80,9 +93,10 @@ def roulette_wheel(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     axes.set_title(f"selection: {escape_label(_selection_of(table))}", fontsize=10, loc="left")
     add_caption(
         axes,
-        "The wheel is spun once for each parent. Each slice is one individual, and its share of the wheel is the "
-        "probability that the pointer stops there. The darkest slice, to the right of the pointer, is the fittest "
-        f"individual; less fit ones follow clockwise. {text}",
+        "How parents are chosen: the wheel is spun once for each parent, and the robot on which the black pointer "
+        "stops becomes a parent. Each slice is one robot, and its share of the wheel is its probability. The darkest "
+        f"slice, to the right of the pointer, is the fittest robot; less fit ones follow clockwise. {text}"
+        f"{explain_operators([_selection_of(table)], Selection)}",
     )
     return axes
 
@@ -104,7 +118,7 @@ def selection_by_rank(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     table = require_analysis(table, "selection_probabilities", "rank", "probability", "standard_error").sort_values(
         "rank"
     )
-    axes = ax or new_axes()
+    axes = ax or new_axes(height=4.3)
     percent = 100 * table.probability
     axes.bar(table["rank"], percent, width=0.85, color=_rank_colours(table["rank"], len(table)))
     if not _is_exact(table):
@@ -112,7 +126,7 @@ def selection_by_rank(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
         axes.errorbar(table["rank"], percent, yerr=100 * table.standard_error, **line)
     fair = 100 / len(table)
     axes.axhline(fair, color="#D55E00", lw=1.6, ls=(0, (5, 2)), label="equal chance for all")
-    axes.set_xlabel("rank of the individual (1 = fittest)")
+    axes.set_xlabel("rank of the robot (1 = fittest)")
     axes.set_ylabel("chance to be the next parent [%]")
     axes.xaxis.set_major_locator(integer_locator())
     axes.set_xlim(0.3, len(table) + 0.7)
@@ -124,8 +138,9 @@ def selection_by_rank(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     add_description(axes, "Probability of selection by rank", text)
     add_caption(
         axes,
-        "A bar above the dashed line is an individual that selection favours. The faster the bars fall, the stronger "
-        f"the selection. {text}",
+        "How probably each robot becomes a parent. Each bar is one robot, the fittest on the left. A bar above the "
+        "dashed line is a robot that selection favours. The faster the bars fall, the stronger the selection. "
+        f"{text}{explain_operators([_selection_of(table)], Selection)}",
     )
     return axes
 
@@ -149,16 +164,16 @@ def selection_pressure(table: pd.DataFrame, measure: str = "intensity", ax: Axes
     if measure not in MEASURE_LABELS:
         raise ValueError(f"there is no measure {measure!r}; the measures are {', '.join(MEASURE_LABELS)}")
     rows: Any = table[table.measure == measure]
-    axes = ax or new_axes(height=1.9 + 0.42 * len(rows))
+    axes = ax or new_axes(height=2.6 + 0.42 * len(rows))
     y = np.arange(len(rows))
     ink = foreground_colour(axes)
-    axes.plot(rows.theory, y, ls="", marker="D", ms=11, mfc="none", mec=ink, mew=1.4, label="theory")
+    axes.plot(rows.theory, y, ls="", marker="D", ms=13, mfc="none", mec=ink, mew=1.4, label="predicted by theory")
     bars: dict[str, Any] = {
         "fmt": "o",
         "ms": 6,
         "color": RUN_COLOURS[0],
         "capsize": 3,
-        "label": "measured ± standard error",
+        "label": "measured",
     }
     axes.errorbar(rows.measured, y, xerr=rows.standard_error, **bars)
     axes.set_yticks(y, [escape_label(name) for name in rows.selection])
@@ -176,14 +191,21 @@ def selection_pressure(table: pd.DataFrame, measure: str = "intensity", ax: Axes
         for row in rows.itertuples()
     )
     add_description(axes, f"Selection pressure: {measure}", f"{MEASURE_LABELS[measure]}: {values}.")
-    meaning = MEASURES[measure]
     stronger = "left" if measure in FALLING_MEASURES else "right"
-    size = f" Populations of {table.attrs['population_size']} individuals." if "population_size" in table.attrs else ""
+    populations = ""
+    if {"population_size", "n_populations"} <= table.attrs.keys():
+        populations = (
+            f"Each dot: mean of {table.attrs['n_populations']} random populations of "
+            f"{table.attrs['population_size']} individuals; its bar: the uncertainty of the mean (standard error), "
+            "often narrower than the dot. "
+        )
     unknown = " No theory is known for operators without a diamond; their result can depend on the fitness values."
     add_caption(
         axes,
-        f"{meaning[0].upper()}{meaning[1:]}. Further {stronger} means stronger selection; a dot inside its diamond "
-        f"agrees with theory.{size}{unknown if rows.theory.isna().any() and rows.theory.notna().any() else ''}",
+        f"How strongly each operator selects. {PLAIN_MEASURES[measure]} Further {stronger} means stronger selection; "
+        f"a dot inside its diamond agrees with theory. {populations}"
+        f"{explain_operators(rows.selection, Selection).lstrip()}"
+        f"{unknown if rows.theory.isna().any() and rows.theory.notna().any() else ''}",
     )
     return axes
 
@@ -207,9 +229,9 @@ def _describe_probabilities(table: pd.DataFrame) -> str:
     n = len(table)
     percent = 100 * float(table.probability.iloc[0])
     never = int((table.probability == 0).sum())
-    how = "exact" if _is_exact(table) else "estimated"
-    zero = f" {pluralize(never, 'individual')} cannot be selected." if never else ""
+    how = "" if _is_exact(table) else " (estimated from repeated draws)"
+    zero = f" {pluralize(never, 'robot')} cannot be selected." if never else ""
     return (
-        f"The fittest of {n} individuals has a chance of {percent:.1f} %, {percent / 100 * n:.1f} times an equal share "
-        f"({how} probabilities).{zero}"
+        f"The fittest of {n} robots has a chance of {percent:.1f} % each time, {percent / 100 * n:.1f} times an equal "
+        f"share{how}.{zero}"
     )

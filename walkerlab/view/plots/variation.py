@@ -13,16 +13,19 @@ from walkerlab.analysis.inheritance import gene_widths, shortest_change
 from walkerlab.ga.genes import Floats, Genes
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome, read_genomes
+from walkerlab.settings.choices import Crossover, Mutation
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
+from walkerlab.view.plots.captions import add_caption
+from walkerlab.view.plots.operator_words import explain_operators
 from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, add_description
 
 Genomes: TypeAlias = Iterable[Genome | str | ArrayLike]
 
 TITLE = "A population before and after an operator"
 BAR_OFFSET = 0.19  # distance of the two bars of a gene from the middle of its column
-BEFORE_COLOUR = "#7f7f7f"
+BEFORE_COLOUR = "#a6a6a6"
 
 
 @styled_plot
@@ -53,7 +56,7 @@ def before_after(
     genes = build_genes(robot)
     first, second = _read_table(before, genes), _read_table(after, genes)
     tables = [first, second]
-    axes = ax or new_axes(12.0, 4.2)
+    axes = ax or new_axes(12.0, 4.8)
     x = np.arange(len(genes))
     for table, offset, colour, face in zip(
         tables, (-BAR_OFFSET, BAR_OFFSET), (BEFORE_COLOUR, RUN_COLOURS[0]), ("white", RUN_COLOURS[0]), strict=True
@@ -68,9 +71,7 @@ def before_after(
     axes.set_ylim(-0.03, 1.03)
     axes.set_yticks([0, 0.5, 1], ["minimum", "middle", "maximum"])
     axes.set_ylabel("position in the gene's range")
-    axes.set_xlabel(
-        "For each gene, thin bar: all robots; thick bar: the middle half of the robots; dot: the median.", fontsize=8
-    )
+    axes.set_xlabel("gene")
     axes.spines[["top", "right", "bottom"]].set_visible(False)
     spreads = [_mean_spread(table, genes) for table in tables]
     changed = _share_changed(first, second, genes)
@@ -84,6 +85,18 @@ def before_after(
     axes.legend(handles=entries, frameon=False, loc="lower right", bbox_to_anchor=(1, 1.06), ncols=2, fontsize=8)
     title = f"{label}: " if label else ""
     axes.set_title(title + "; ".join(facts), loc="left", fontsize=9, pad=22)
+    subject = f"the operator {label}" if label else "an operator"
+    name = label.partition(" ")[0]
+    clauses = [clause for kind in (Crossover, Mutation) if (clause := explain_operators([name], kind))]
+    meaning = clauses[0] if len(clauses) == 1 else ""  # "randomized" is the name of a crossover and of a mutation
+    add_caption(
+        axes,
+        f"What {subject} did to the genes of a whole population. Each column is a gene, with the values of all robots "
+        "before (grey, left) and after (blue, right) as positions in the gene's range. Thin bar: from the lowest to "
+        "the highest value; thick bar: the middle half of the robots; dot: the robot in the middle (median). A blue "
+        "bar longer than its grey one: the robots became more different in this gene. Spread: standard deviation, the "
+        f"typical distance from the mean.{meaning}",
+    )
     add_description(axes, TITLE, f"{title}{'; '.join(facts)}. The spread is the standard deviation.")
     return axes
 

@@ -201,6 +201,7 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
     alt = traitlets.Unicode("").tag(sync=True)  # alternative text of the preview image
     page = traitlets.Bytes(b"").tag(sync=True)  # page of the replay; empty until it is created
     is_open = traitlets.Bool(False).tag(sync=True)  # whether the page is displayed
+    is_busy = traitlets.Bool(False).tag(sync=True)  # whether an animated preview image must not take computing time
 
     def __init__(self, shown: Replay | None = None) -> None:
         """Show a replay, or nothing if None."""
@@ -248,8 +249,13 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         self._is_opening = True
         self.send({"play": True})
 
+    def stop(self) -> None:
+        """Close the page, if it is displayed or being created; the preview image is shown again."""
+        self._is_opening = False
+        self.send({"stop": True})
+
     def _opened(self, change: Any) -> None:
-        if change.new:
+        if change.new and self.page:  # without a page, the browser reports that an earlier replay was opened
             self._is_opening = False
 
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
