@@ -12,7 +12,6 @@ import walkerlab as wl
 from walkerlab.__main__ import main
 from walkerlab.commands.worlds import WALKER_GENOME
 from walkerlab.tournament.entries import MAX_NAME_LENGTH, MAX_TEXT_BYTES, read_entries
-from walkerlab.tournament.page import page_html
 from walkerlab.tournament.seals import SealError
 
 SETTINGS = wl.Settings().with_(duration=1)
@@ -119,9 +118,10 @@ class Scripts(HTMLParser):
             assert dict(attributes)["sandbox"] == "allow-scripts"
 
 
-def test_the_page_runs_nothing_but_the_replay_and_reveals_the_seal(result):
+def test_the_page_runs_nothing_but_the_replay_and_reveals_the_seal(result, tmp_path):
     sealed = wl.seal(SETTINGS.with_(structure="stairs"))
-    page = page_html(wl.League(result.standings[:2], result.skipped, [sealed.settings], sealed))
+    final = wl.League(result.standings[:2], result.skipped, [sealed.settings], sealed)
+    page = final.save(tmp_path / "league.html").read_text(encoding="utf-8")
     parser = Scripts()
     parser.feed(page)
     assert parser.dangerous == []

@@ -7,17 +7,21 @@ replay, each named by its hash, so that no text of an entry can run as a script.
 import base64
 import hashlib
 import re
-from pathlib import Path
+from collections.abc import Sequence
 from typing import Any
 
 from walkerlab.runfile import provenance
 from walkerlab.settings.glossary import glossary
+from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
+from walkerlab.simulation.fitness import name_and_unit
 from walkerlab.simulation.robustness import N_NUDGES
 from walkerlab.text.templates import Markup, render
+from walkerlab.tournament.entries import SkippedEntry
 from walkerlab.tournament.scores import Standing
-from walkerlab.tournament.standings import MAX_FINALISTS, League, describe_distance, describe_kept, describe_verdict
-from walkerlab.view.pages import write_page
+from walkerlab.tournament.seals import Seal
+from walkerlab.tournament.wording import describe_distance, describe_kept, describe_verdict
+from walkerlab.view.replay import Replay
 from walkerlab.view.replay.preview import draw_preview
 from walkerlab.view.sketch import draw_robot, draw_world
 from walkerlab.view.snapshots import image_html, svg_image_html
@@ -29,51 +33,66 @@ WORLD_SIZE = (640, 240)  # pixels
 SCRIPT = re.compile(r"<script[^>]*>(.*?)</script>", re.DOTALL)
 
 
-def league_html(league: League) -> Markup:
-    """Return the leaderboard as a notebook shows it."""
-    return render("tournament/league.html", **_leaderboard(league))
+def league_html(standings: Sequence[Standing], skipped: Sequence[SkippedEntry], grounds: Sequence[Settings]) -> Markup:
+    """Return the leaderboard as a notebook shows it.
+
+    Args:
+        standings: The entries, the best first.
+        skipped: Files that take no part.
+        grounds: Settings of each round.
+    """
+    return render("tournament/league.html", **_leaderboard(standings, skipped, grounds))
 
 
-def save_page(league: League, path: str | Path) -> Path:
-    """Write the page of a league; see ``League.save``."""
-    return write_page(lambda: page_html(league), path)
+def page_html(
+    standings: Sequence[Standing],
+    skipped: Sequence[SkippedEntry],
+    grounds: Sequence[Settings],
+    seal: Seal | None,
+    final: Replay,
+) -> Markup:
+    """Return the complete page.
 
-
-def page_html(league: League) -> Markup:
-    """Return the complete page."""
-    final = league.replay()
+    Args:
+        standings: The entries, the best first.
+        skipped: Files that take no part.
+        grounds: Settings of each round.
+        seal: Seal of the settings; None if they were not sealed.
+        final: Replay of the final.
+    """
     player = final.page
-    ground = league.grounds[-1]
-    names = ", ".join(standing.entry.name for standing in league.finalists)
+    names = ", ".join(walk.label for walk in final.walks)
     return render(
         "tournament/page.html",
-        **_leaderboard(league),
+        **_leaderboard(standings, skipped, grounds),
         title="Class tournament",
-        max_finalists=MAX_FINALISTS,
+        n_finalists=len(final.walks),
         n_nudges=N_NUDGES,
         player=player,
         policy=_policy(player),
         final_picture=image_html("image/png", draw_preview(final.walks, final.settings), f"The final: {names}"),
-        world=svg_image_html(draw_world(ground, size=WORLD_SIZE)),
-        domains=[glossary(domain) for _, domain in league.grounds[0]],
-        python=league.grounds[0].as_python(),
-        seeds=[settings.terrain.seed for settings in league.grounds],
-        seal=league.seal,
+        world=svg_image_html(draw_world(grounds[-1], size=WORLD_SIZE)),
+        domains=[glossary(domain) for _, domain in grounds[0]],
+        python=grounds[0].as_python(),
+        seeds=[settings.terrain.seed for settings in grounds],
+        seal=seal,
         versions=provenance.current_facts().items(),
     )
 
 
-def _leaderboard(league: League) -> dict[str, Any]:
+def _leaderboard(
+    standings: Sequence[Standing], skipped: Sequence[SkippedEntry], grounds: Sequence[Settings]
+) -> dict[str, Any]:
     """Return the values that the page and the notebook share."""
-    name, unit = league.measure
+    name, unit = name_and_unit(grounds[0].algorithm.fitness)
     return {
-        "rows": [_row(standing, unit) for standing in league.standings],
-        "skipped": league.skipped,
+        "rows": [_row(standing, unit) for standing in standings],
+        "skipped": skipped,
         "measure": name,
         "unit": unit,
-        "n_rounds": len(league.grounds),
-        "summary": f"{pluralize(len(league.standings), 'robot')}, {pluralize(len(league.grounds), 'round')}"
-        + (f", {len(league.skipped)} not valid" if league.skipped else ""),
+        "n_rounds": len(grounds),
+        "summary": f"{pluralize(len(standings), 'robot')}, {pluralize(len(grounds), 'round')}"
+        + (f", {len(skipped)} not valid" if skipped else ""),
     }
 
 

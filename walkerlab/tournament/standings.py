@@ -14,17 +14,16 @@ from walkerlab.settings.arguments import require_count, require_settings
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
 from walkerlab.simulation.fitness import name_and_unit
-from walkerlab.simulation.validity import VERDICTS
-from walkerlab.text.numbers import with_unit
 from walkerlab.tournament.entries import SkippedEntry, read_entries
 from walkerlab.tournament.scores import N_WALKS_PER_ROUND, Standing, rank_entries, walk_rounds
 from walkerlab.tournament.seals import Seal
+from walkerlab.tournament.wording import describe_verdict
 from walkerlab.view.replay import Replay, replay
 
 if TYPE_CHECKING:
     from walkerlab.text.templates import Markup
 
-MAX_FINALISTS = 8  # maximum number of robots in the final
+N_FINALISTS = 8  # robots in the final
 MAX_ROUNDS = 20
 MAX_TERRAIN_SEED = 2**32 - 1
 
@@ -87,14 +86,14 @@ class League:
         """Name and unit of the fitness by which the entries are ranked."""
         return name_and_unit(self.grounds[0].algorithm.fitness)
 
-    @property
-    def finalists(self) -> tuple[Standing, ...]:
-        """The best entries, at most ``MAX_FINALISTS``."""
-        return self.standings[:MAX_FINALISTS]
+    def replay(self, n_racers: int = N_FINALISTS) -> Replay:
+        """Return the final: the best entries walk as a race on the ground of the last round, from the exact start.
 
-    def replay(self) -> Replay:
-        """Return the final: the best entries walk as a race on the ground of the last round, from the exact start."""
-        racers = {f"{standing.rank}. {standing.entry.name}": standing.entry.genome for standing in self.finalists}
+        Args:
+            n_racers: Maximum number of robots in the race.
+        """
+        best = self.standings[: require_count(n_racers, "n_racers", "the number of robots in the race")]
+        racers = {f"{standing.rank}. {standing.entry.name}": standing.entry.genome for standing in best}
         return replay(racers, self.grounds[-1])
 
     def save(self, path: str | Path) -> Path:
@@ -110,9 +109,13 @@ class League:
             ValueError: If the name does not end in ``.html``.
             OSError: If the file cannot be written.
         """
-        from walkerlab.tournament.page import save_page
+        from walkerlab.tournament.page import page_html  # here because it is slow to import
+        from walkerlab.view.pages import write_page
 
-        return save_page(self, path)
+        def render_page() -> str:
+            return page_html(self.standings, self.skipped, self.grounds, self.seal, self.replay())
+
+        return write_page(render_page, path)
 
     def __repr__(self) -> str:
         """Summarise the league in a line."""
@@ -127,7 +130,7 @@ class League:
     def _repr_html_(self) -> "Markup":
         from walkerlab.tournament.page import league_html
 
-        return league_html(self)
+        return league_html(self.standings, self.skipped, self.grounds)
 
 
 def league(
@@ -181,31 +184,3 @@ def league(
 
         results = walk_rounds(entries, grounds, executor, count)
     return League(rank_entries(entries, results), skipped, grounds, sealed)
-
-
-def describe_verdict(standing: Standing) -> str:
-    """Describe in words how the walks of an entry were judged."""
-    n_walks = sum(len(result.confirmation.nudged) for result in standing.rounds)
-    n_counted = sum(result.n_counted for result in standing.rounds)
-    fault = next((result.evaluation for result in standing.rounds if result.evaluation.verdict != "ok"), None)
-    reason = ""
-    if fault:
-        about = VERDICTS.get(fault.verdict, "").rstrip(".")
-        reason = f" From the exact start: {fault.verdict} ({about[:1].lower()}{about[1:]}; {fault.reason})."
-    elif n_counted < n_walks:
-        verdicts = [verdict for result in standing.rounds for verdict in result.confirmation.verdicts[1:]]
-        reason = f" The others: {', '.join(sorted({verdict for verdict in verdicts if verdict != 'ok'}))}."
-    if n_counted == n_walks:
-        return f"All {n_walks} walks count.{reason}"
-    return f"{n_counted} of {n_walks} walks count.{reason}"
-
-
-def describe_kept(standing: Standing) -> str:
-    """Return the share of the fitness that remains from other starts in the first round, as text."""
-    confirmation = standing.rounds[0].confirmation
-    return f"{confirmation.kept_nudged:.0%}" if confirmation.fitness > 0 else "–"
-
-
-def describe_distance(standing: Standing) -> str:
-    """Return the distance from the exact start in the first round, as text."""
-    return with_unit(standing.rounds[0].evaluation.distance, "m")
