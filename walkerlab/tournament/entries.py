@@ -10,8 +10,9 @@ import stat
 import tempfile
 import unicodedata
 import warnings
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -41,7 +42,8 @@ class Entry:
     """A genome that takes part.
 
     Attributes:
-        name: Name of the file without its ending, with control characters escaped.
+        name: Name of the file without its ending, with control characters escaped; names that several entries have are
+            numbered.
         genome: Genome within the robot limits.
     """
 
@@ -89,24 +91,28 @@ def read_entries(given: Any, robot: Robot) -> tuple[list[Entry], list[SkippedEnt
         files = {f"robot {number}": genome for number, genome in enumerate(cast(Sequence[Any], given), start=1)}
     else:
         raise TypeError("a league takes a folder, or genomes by name, as in wl.league({'Ada': genome}, settings)")
-    entries: list[Entry] = []
+    found: list[Entry] = []
     skipped: list[SkippedEntry] = []
-    file_of_name: dict[str, str] = {}
     for file in sorted(files, key=lambda file: (_comparable(file), file)):
         source = files[file]
         is_file = isinstance(source, Path)
         try:
             name = _entry_name(Path(file).stem if is_file else file)
-            if earlier := file_of_name.get(_comparable(name)):
-                raise EntryError(f"the name is taken by {printable(earlier)}")
             genome = _read_file(source) if is_file else _genome_of(source)
-            genome = _require_within(genome, robot)
+            found.append(Entry(name, _require_within(genome, robot)))
         except EntryError as error:
             skipped.append(SkippedEntry(truncate(printable(file)), printable(error)))
-            continue
-        file_of_name[_comparable(name)] = file
-        entries.append(Entry(name, genome))
-    return entries, skipped
+    return list(_number_names(found)), skipped
+
+
+def _number_names(entries: Sequence[Entry]) -> Iterator[Entry]:
+    """Yield entries with a number after each name that several have, so that no one can take the name of another."""
+    totals = Counter(_comparable(entry.name) for entry in entries)
+    numbers: Counter[str] = Counter()
+    for entry in entries:
+        key = _comparable(entry.name)
+        numbers[key] += 1
+        yield replace(entry, name=f"{entry.name} ({numbers[key]})") if totals[key] > 1 else entry
 
 
 def _is_genome_text(given: object) -> bool:

@@ -20,15 +20,16 @@ from walkerlab.text.templates import Markup, render
 from walkerlab.tournament.entries import SkippedEntry
 from walkerlab.tournament.scores import Standing
 from walkerlab.tournament.seals import Seal
-from walkerlab.tournament.wording import describe_distance, describe_kept, describe_verdict
+from walkerlab.tournament.strips import draw_strip, largest_result
+from walkerlab.tournament.wording import describe_verdict
 from walkerlab.view.replay import Replay
 from walkerlab.view.replay.preview import draw_preview
 from walkerlab.view.sketch import draw_robot, draw_world
 from walkerlab.view.snapshots import image_html, svg_image_html
 
 MEDALS = {1: "gold", 2: "silver", 3: "bronze"}
-BODY_SIZE = (150, 90)  # pixels
-BODY_SPAN = 2.2  # m; width of a drawing, so that all bodies have the same scale
+BODY_SIZE = (140, 64)  # pixels
+BODY_SPAN = 1.9  # m; width of a drawing, so that all bodies have the same scale
 WORLD_SIZE = (640, 240)  # pixels
 SCRIPT = re.compile(r"<script[^>]*>(.*?)</script>", re.DOTALL)
 
@@ -85,19 +86,27 @@ def _leaderboard(
 ) -> dict[str, Any]:
     """Return the values that the page and the notebook share."""
     name, unit = name_and_unit(grounds[0].algorithm.fitness)
+    largest = largest_result(standings)
     return {
-        "rows": [_row(standing, unit) for standing in standings],
+        "rows": [_row(standing, largest, unit) for standing in standings],
+        "largest": f"{largest:.1f} {unit}".rstrip(),
         "skipped": skipped,
         "measure": name,
         "unit": unit,
         "n_rounds": len(grounds),
         "summary": f"{pluralize(len(standings), 'robot')}, {pluralize(len(grounds), 'round')}"
-        + (f", {len(skipped)} not valid" if skipped else ""),
+        + (f"; {pluralize(len(skipped), 'file')} not valid" if skipped else ""),
     }
 
 
-def _row(standing: Standing, unit: str) -> dict[str, Any]:
-    """Return the values of one row of the leaderboard; robots with a score of 0 have no medal."""
+def _row(standing: Standing, largest: float, unit: str) -> dict[str, Any]:
+    """Return the values of one row of the leaderboard; robots with a score of 0 have no medal.
+
+    Args:
+        standing: The entry.
+        largest: Value at the right end of the line of walks.
+        unit: Unit of the scores.
+    """
     drawing = draw_robot(standing.entry.genome, size=BODY_SIZE, span=BODY_SPAN)
     return {
         "rank": standing.rank,
@@ -105,8 +114,7 @@ def _row(standing: Standing, unit: str) -> dict[str, Any]:
         "name": standing.entry.name,
         "score": f"{standing.score_text} {unit}".rstrip(),
         "rounds": [f"{result.score:.2f}" for result in standing.rounds],
-        "distance": describe_distance(standing),
-        "kept": describe_kept(standing),
+        "walks": svg_image_html(draw_strip(standing, largest, unit)),
         "verdict": describe_verdict(standing),
         "body": svg_image_html(drawing),
         "genome": str(standing.entry.genome),

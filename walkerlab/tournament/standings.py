@@ -60,8 +60,7 @@ class League:
         """One row for each entry, the best first.
 
         Columns: rank, name, score (mean over the rounds of the median over the other starts), distance [m] (exact start
-        of the first round), kept (share of the fitness that remains from other starts, first round), verdict in words,
-        score_1, score_2, … (of each round), genome.
+        of the first round), verdict in words, score_1, score_2, … (of each round), genome.
         """
         rows = [
             {
@@ -69,7 +68,6 @@ class League:
                 "name": standing.entry.name,
                 "score": float(standing.score_text),
                 "distance": standing.rounds[0].evaluation.distance,
-                "kept": standing.rounds[0].confirmation.kept_nudged,
                 "verdict": describe_verdict(standing),
                 **{f"score_{number}": result.score for number, result in enumerate(standing.rounds, start=1)},
                 "genome": str(standing.entry.genome),
@@ -93,7 +91,7 @@ class League:
             n_racers: Maximum number of robots in the race.
         """
         best = self.standings[: require_count(n_racers, "n_racers", "the number of robots in the race")]
-        racers = {f"{standing.rank}. {standing.entry.name}": standing.entry.genome for standing in best}
+        racers = {standing.entry.name: standing.entry.genome for standing in best}
         return replay(racers, self.grounds[-1])
 
     def save(self, path: str | Path) -> Path:

@@ -6,9 +6,11 @@
   const POINT_CHANNELS = 3; // per centre of mass
   const MIN_MARK_SPACING = 28; // pixels between two marks
   const MAX_NAME_TAGS = 8; // maximum number of walks with a name above the picture
+  const MAX_PHONE_WIDTH = 520, MAX_NAMES_ON_PHONE = 4; // pixels; walks in the list on a phone, above which the list is compact
   const RANKING_INTERVAL = 0.25; // s of the walk between two updates of the order of the list
   const TAG_HEIGHT = 0.25; // m from the centre of mass to the lower end of the line to its name
   const TAG_ROW = 22; // pixels between two rows of names
+  const MAX_TAG_SHARE = 0.4; // share of the height of the picture that names may cover; the others are hidden
   const TAG_GAP = 6; // pixels between two names in a row
   const NOT_EQUAL = 517, REPLACE = 7681; // three.js constants for stencils
   const MIN_ASPECT = 4 / 3; // width over height; in a narrower window the camera moves back until all is visible
@@ -138,7 +140,7 @@
       make("span", { className: "sign", textContent: walk.counts ? "✓" : "✗", title: walk.verdict }));
     return make("details", { open: recording.walks.length === 1 && innerWidth > 620, ontoggle: () => fitPicture() }, head, verdict, facts);
   });
-  const isRanked = recording.walks.length > MAX_NAME_TAGS; // the list shows the present order, because there are no tags
+  const isRanked = recording.walks.length > (innerWidth > MAX_PHONE_WIDTH ? MAX_NAME_TAGS : MAX_NAMES_ON_PHONE); // a compact list in the present order
   const walkList = make("section", { className: isRanked ? "walks ranked" : "walks", ariaLabel: "Walks" }, ...entries);
 
   // Sorts the list by the distance at this time; walks that do not count come last.
@@ -204,6 +206,7 @@
       const left = Math.max(0, Math.min(x - width / 2, target.clientWidth - width));
       let row = rowEnds.findIndex((end) => end + TAG_GAP <= left);
       if (row < 0) row = rowEnds.length;
+      if ((row + 1) * TAG_ROW > MAX_TAG_SHARE * target.clientHeight) { tag.style.display = "none"; continue; }
       rowEnds[row] = left + width;
       tag.style.translate = `${left}px ${row * TAG_ROW}px`;
       tag.style.setProperty("--x", `${x - left}px`);
