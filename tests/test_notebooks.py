@@ -1,35 +1,45 @@
-"""The notebooks have short cells, a question before each cell, and run from top to bottom.
+"""The lessons run from top to bottom: the teacher's copies pass their checks, the students' copies pass none of them.
 
-With WALKERLAB_SCREENSHOTS=<folder>, screenshots of all their cells in JupyterLab are saved in that folder.
+With WALKERLAB_SCREENSHOTS=<folder>, screenshots of all the cells of the students' copies in JupyterLab are saved there.
 """
 
 import importlib.util
 import itertools
 import os
 import re
+from base64 import b64decode
+from io import BytesIO
 from pathlib import Path
 from statistics import median
+from typing import Any
 
 import nbformat
 import pytest
+from matplotlib.image import imread
 from nbclient import NotebookClient
 
 from tests.conftest import skip_without
-from tests.frontends import picture_cells, run_all
+from tests.frontends import OUTPUTS, picture_cells, run_all
 
-NOTEBOOKS = sorted((Path(__file__).parents[1] / "notebooks").glob("*.ipynb"))
+FOLDER = Path(__file__).parents[1] / "notebooks"
+NOTEBOOKS = sorted(FOLDER.rglob("*.ipynb"))
+"""Those of the teacher, which contain the answers, and the copies for students, which do not."""
+TEACHERS = [path for path in NOTEBOOKS if path.parent.name == "teacher"]
+STUDENTS = [path for path in NOTEBOOKS if path.parent == FOLDER]
 SHORT_RUN = "generations = 2"
 SCREENSHOT_FOLDER = os.environ.get("WALKERLAB_SCREENSHOTS")
 
-each_notebook = pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+
+def each_of(paths: list[Path]) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize("path", paths, ids=lambda path: str(path.relative_to(FOLDER).with_suffix("")))
 
 
 def read_notebook(path: Path) -> nbformat.NotebookNode:
     return nbformat.read(path, as_version=4)
 
 
-def code_cells(path: Path) -> list[nbformat.NotebookNode]:
-    return [cell for cell in read_notebook(path).cells if cell.cell_type == "code"]
+def code_cells(notebook: nbformat.NotebookNode) -> list[nbformat.NotebookNode]:
+    return [cell for cell in notebook.cells if cell.cell_type == "code"]
 
 
 def count_lines(cell: nbformat.NotebookNode) -> int:
@@ -37,24 +47,27 @@ def count_lines(cell: nbformat.NotebookNode) -> int:
 
 
 def test_notebooks_are_found():
-    assert NOTEBOOKS
+    assert len(TEACHERS) > 10
+    assert {path.name for path in TEACHERS} <= {path.name for path in STUDENTS}
 
 
-@each_notebook
+@each_of(NOTEBOOKS)
 def test_notebook_is_valid_and_stripped(path):
-    nbformat.validate(read_notebook(path))
-    assert all(not cell.outputs and cell.execution_count is None for cell in code_cells(path))
+    notebook = read_notebook(path)
+    nbformat.validate(notebook)
+    assert all(not cell.outputs and cell.execution_count is None for cell in code_cells(notebook))
 
 
-@each_notebook
+@each_of(STUDENTS)
 def test_cells_are_short_and_define_no_class(path):
-    lengths = list(map(count_lines, code_cells(path)))
+    cells = code_cells(read_notebook(path))
+    lengths = [count_lines(cell) for cell in cells] or [0]
     assert median(lengths) <= 6
     assert max(lengths) <= 15
-    assert not any(re.search(r"^\s*class ", cell.source, re.MULTILINE) for cell in code_cells(path))
+    assert not any(re.search(r"^\s*class ", cell.source, re.MULTILINE) for cell in cells)
 
 
-@each_notebook
+@each_of(STUDENTS)
 def test_a_question_precedes_every_code_cell(path):
     cells = read_notebook(path).cells
     for previous, cell in itertools.pairwise(cells):
@@ -64,27 +77,51 @@ def test_a_question_precedes_every_code_cell(path):
 
 
 def shorten(path: Path) -> nbformat.NotebookNode:
-    if path.stem == "05_cluster" and not importlib.util.find_spec("dask_jobqueue"):
+    if path.stem == "12_a_bigger_computer" and not importlib.util.find_spec("dask_jobqueue"):
         skip_without("dask_jobqueue")
     notebook = read_notebook(path)
-    [parameters] = [cell for cell in notebook.cells if "parameters" in cell.metadata.get("tags", [])]
-    parameters.source, replaced = re.subn(r"^generations = \d+$", SHORT_RUN, parameters.source, flags=re.MULTILINE)
-    assert replaced == 1
+    parameters = [cell for cell in notebook.cells if "parameters" in cell.metadata.get("tags", [])]
+    for cell in parameters:
+        cell.source, replaced = re.subn(r"^generations = \d+$", SHORT_RUN, cell.source, flags=re.MULTILINE)
+        assert replaced == 1
+    assert len(parameters) <= 1
     return notebook
 
 
-@each_notebook
-def test_notebook_runs_with_few_generations(path, tmp_path):
-    NotebookClient(shorten(path), timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+def assert_outputs_are_clean(outputs: list[dict[str, Any]]) -> None:
+    """Raise an error if an output is a warning or a picture of one colour."""
+    for output in outputs:
+        assert output.get("name") != "stderr", output["text"]
+        data = output.get("data", {})
+        assert "Warning" not in data.get("text/plain", "") + output.get("text", "")
+        if "image/png" in data:
+            pixels = imread(BytesIO(b64decode(data["image/png"])))
+            assert pixels[..., :3].std() > 0.01
+
+
+def feedback_on_answers(outputs: list[dict[str, Any]]) -> list[str]:
+    """Return the first word of the feedback of each check: right, not yet or empty."""
+    texts = [output.get("data", {}).get("text/plain", "") for output in outputs]
+    return [found[1] for text in texts if (found := re.match(r"(Right|Not yet|Empty)\. ", text))]
+
+
+@each_of(TEACHERS)
+def test_the_teachers_copy_passes_its_checks(path, tmp_path):
+    notebook = shorten(path)
+    NotebookClient(notebook, timeout=120, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    cells = code_cells(notebook)
+    outputs = [output for cell in cells for output in cell.outputs]
+    assert_outputs_are_clean(outputs)
+    n_checks = sum(cell.source.count("wl.lessons.check(") for cell in cells)
+    assert feedback_on_answers(outputs) == ["Right"] * n_checks
 
 
 SLIDERS = {
     "00_meet_a_walker": ("generations", ".wl-transport"),
-    "01_terrain": ("texture density", ".wl-world"),
-    "02_robot": ("minimum legs", ".wl-world"),
-    "03_algorithm": ("elites", "[data-setting='algorithm.n_elites']"),
+    "01_bodies_and_genes": ("minimum legs", ".wl-world"),
+    "02_the_ground": ("texture density", ".wl-world"),
 }
-"""One slider of each notebook that has any, and the selector of an element that changes when it moves."""
+"""One slider of some notebooks, and the selector of an element that changes when it moves."""
 
 
 def assert_slider_has_effect(page, name, selector):
@@ -104,10 +141,13 @@ def assert_slider_has_effect(page, name, selector):
     )
 
 
-@each_notebook
-def test_notebook_runs_in_jupyterlab_and_its_slider_has_an_effect(path, page, jupyter):
+@each_of(STUDENTS)
+def test_the_students_copy_runs_in_jupyterlab_and_no_empty_answer_is_right(path, page, jupyter):
     page.set_viewport_size({"width": 1280, "height": 800})
-    assert run_all(page, jupyter.put(shorten(path), name=path.name)) == []
+    assert run_all(page, jupyter.put(shorten(path), name=path.name), timeout=240) == []
+    outputs = [output for cell in page.evaluate(OUTPUTS) for output in cell["outputs"]]
+    assert_outputs_are_clean(outputs)
+    assert "Right" not in feedback_on_answers(outputs)
     if path.stem in SLIDERS:
         assert_slider_has_effect(page, *SLIDERS[path.stem])
     if SCREENSHOT_FOLDER:

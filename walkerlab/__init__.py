@@ -48,6 +48,10 @@ _PUBLIC_NAMES = {
     "experiment.optimisers": ("random_search",),
     "tournament.standings": ("League", "league"),
     "tournament.seals": ("Seal", "open_seal", "seal", "verify_seal"),
+    "interfaces.environment": ("environment", "gait_policy"),
+    "interfaces.reinforcement": ("gym_env",),
+    "interfaces.genetic_algorithm": ("GeneticAlgorithm",),
+    "interfaces.problem": ("Problem",),
     "simulation.export": ("export_mjcf",),
     "ga.crossover": ("Children",),
     "ga.user_functions": ("OperatorError",),
@@ -77,6 +81,7 @@ _PUBLIC_MODULES = {
     "analysis": "analysis",
     "fitness": "simulation.fitness",
     "ga": "ga",
+    "lessons": "lessons",
     "plots": "view.plots",
     "stats": "experiment.stats",
     "widgets": "widgets",
@@ -88,6 +93,7 @@ _DEFINING_MODULE = {name: module for module, names in _PUBLIC_NAMES.items() for 
 if TYPE_CHECKING:
     from walkerlab import analysis as analysis
     from walkerlab import ga as ga
+    from walkerlab import lessons as lessons
     from walkerlab import widgets as widgets
     from walkerlab.breeding import crossover_population as crossover_population
     from walkerlab.breeding import generate_robot_gene as generate_robot_gene
@@ -117,6 +123,11 @@ if TYPE_CHECKING:
     from walkerlab.genome.phenotype import Phenotype as Phenotype
     from walkerlab.genome.phenotype import express as express
     from walkerlab.genome.text import GenomeError as GenomeError
+    from walkerlab.interfaces.environment import environment as environment
+    from walkerlab.interfaces.environment import gait_policy as gait_policy
+    from walkerlab.interfaces.genetic_algorithm import GeneticAlgorithm as GeneticAlgorithm
+    from walkerlab.interfaces.problem import Problem as Problem
+    from walkerlab.interfaces.reinforcement import gym_env as gym_env
     from walkerlab.runfile.opening import RunFileError as RunFileError
     from walkerlab.settings.choices import Camera as Camera
     from walkerlab.settings.choices import Crossover as Crossover

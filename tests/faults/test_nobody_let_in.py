@@ -140,7 +140,7 @@ def test_a_run_on_all_cores_does_not_listen(tmp_path):
 def test_the_cluster_of_the_notebook_is_local(tmp_path):
     if not importlib.util.find_spec("distributed"):
         skip_without("distributed")
-    book = json.loads((NOTEBOOKS / "05_cluster.ipynb").read_text(encoding="utf-8"))
+    book = json.loads((NOTEBOOKS / "teacher" / "12_a_bigger_computer.ipynb").read_text(encoding="utf-8"))
     cells = ["".join(cell["source"]) for cell in book["cells"] if cell["cell_type"] == "code"]
     with walking(tmp_path, "\n".join(cells[:2]), "executor") as pid:
         assert len(listening(pid)) >= 1 + 2 * 2  # the scheduler, and of each worker its own port and its nanny's

@@ -139,3 +139,16 @@ def test_the_file_has_the_given_name(tmp_path):
     path = wl.export_mjcf(str(GENOME), wl.Settings(), tmp_path / "Größe", name="fido & <2>".replace("<2>", "Ω"))
     assert path == tmp_path / "Größe" / "fido & Ω.xml"
     assert ElementTree.parse(path).getroot().get("model") == "fido & Ω"
+
+
+@pytest.mark.parametrize("world", [{}, {"structure": "stairs", "drag_weight": 1, "timestep": 0.003}], ids=str)
+def test_the_exported_script_repeats_the_walk_without_walkerlab(world, tmp_path):
+    settings = wl.Settings().with_(duration=1, **world)
+    path = wl.export_mjcf(GENOME, settings, tmp_path, "my walker", replay=True)
+    script = tmp_path / "my walker_replay.py"
+    assert "walkerlab" not in script.read_text(encoding="utf-8")
+    printed = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True).stdout
+    distance = float(printed.removeprefix("walked ").removesuffix(" m\n"))
+    assert distance == pytest.approx(wl.simulate(GENOME, settings).distance, abs=1e-6)
+    model = mujoco.MjModel.from_xml_path(str(path))
+    assert [model.camera(i).name for i in range(model.ncam)] == ["side", "front", "top", "chase"]

@@ -24,12 +24,15 @@ FirstPopulation: TypeAlias = Run | pd.DataFrame | Iterable[Genome | str | ArrayL
 """Genomes, texts, arrays or individuals; or a run or its table, whose last generation is used, best first."""
 
 
-def read_founders(given: FirstPopulation | None, settings: Settings) -> tuple[Founder, ...]:
+def read_founders(
+    given: FirstPopulation | None, settings: Settings, argument: str = "population=[genome]"
+) -> tuple[Founder, ...]:
     """Return the genomes given for generation 0, within the limits.
 
     Args:
         given: Genomes, a run or a table; None for none.
         settings: Settings of the new run.
+        argument: How to give a genome, for the error message.
 
     Raises:
         GenomeError: If a text is not a genome.
@@ -48,7 +51,7 @@ def read_founders(given: FirstPopulation | None, settings: Settings) -> tuple[Fo
     if frozen_features(settings.algorithm.frozen) and not founders:
         raise SettingsError(
             f"Algorithm.frozen is {code_text(settings.algorithm.frozen)}, but there is no genome whose values the "
-            "frozen genes keep. Give one: population=[genome]"
+            f"frozen genes keep. Give one: {argument}"
         )
     return tuple(
         Founder(str(Genome.parse(founder.genome).within(settings.robot)), founder.origin) for founder in founders

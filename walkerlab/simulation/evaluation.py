@@ -1,9 +1,9 @@
 """Evaluation of genomes on any executor; the results are in the order of the genomes."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import CancelledError, Executor
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from uuid import uuid4
 
 import numpy as np
@@ -19,6 +19,7 @@ from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import short_repr
+from walkerlab.simulation.descriptors import Descriptor, describe_walk, read_descriptors
 from walkerlab.simulation.fitness import find_poorest, rate_walk
 from walkerlab.simulation.rollout import Rollout, walk_from_every_start
 from walkerlab.simulation.timeouts import results_in_order
@@ -49,6 +50,7 @@ class Evaluation:
         n_legs: Number of legs.
         weight: Weight of the robot, kg.
         body_length: Length of the body, m.
+        descriptors: Behaviour descriptors of the walk by name; empty if the walk does not count.
     """
 
     genome: Genome
@@ -61,6 +63,7 @@ class Evaluation:
     n_legs: int
     weight: float
     body_length: float
+    descriptors: Mapping[str, float] = field(default_factory=dict[str, float])
 
     def __repr__(self) -> str:
         """Return a one-line summary; the genome is too long to print."""
@@ -77,6 +80,7 @@ def evaluate(
     on_done: Callable[[int], None] = lambda _: None,
     starts: Sequence[int] | None = None,
     on_rated: Callable[[int, Evaluation], None] = lambda *_: None,
+    descriptors: Iterable[str] | Mapping[str, Descriptor] = (),
 ) -> list[Evaluation]:
     """Simulate the walk of each individual and rate it.
 
@@ -94,6 +98,8 @@ def evaluate(
         starts: Numbers of the starts from which each robot walks: 0 is the exact start, and each other number is a
             slightly different start. By default, 0 up to the number in ``settings.simulation.n_starts``.
         on_rated: Function called with the index of each genome and its evaluation, before ``on_done``.
+        descriptors: Names of built-in behaviour descriptors, or a dict from names to functions of a ``Rollout``; each
+            evaluation has their values for its walk.
 
     Returns:
         One evaluation per genome, in the same order; it does not depend on the executor or its number of workers.
@@ -101,11 +107,14 @@ def evaluate(
     Raises:
         GenomeError: If a string is not a valid genome.
         ValueError: If ``genomes`` is a single genome or an array of another shape, if ``starts`` are not whole numbers
-            of 0 or more, or if the fitness function returns anything but a finite number, -inf or None.
-        TypeError: If ``executor`` is not an executor, or ``settings`` is not a ``Settings``.
+            of 0 or more, if there is no descriptor of a name, or if the fitness function returns anything but a finite
+            number, -inf or None.
+        TypeError: If ``executor`` is not an executor, ``settings`` is not a ``Settings``, or a descriptor is not a
+            function.
         RuntimeError: If the executor is closed.
         WorkersLostError: If the workers do not answer or run out of memory.
     """
+    functions = read_descriptors(descriptors)
     robots = _read_and_repair(genomes, require_settings(settings).robot)
     world = settings.model_copy(update={"algorithm": Algorithm()})
     check_executor(executor)
@@ -121,7 +130,7 @@ def evaluate(
         with closing(results_in_order(futures, pool, limit)) as results:
             for task, rollouts_of_task in zip(tasks, results, strict=True):
                 for i, rollouts in zip(task, rollouts_of_task, strict=True):
-                    evaluations[i] = _rate_robot(i, robots[i], rollouts, settings)
+                    evaluations[i] = _rate_robot(i, robots[i], rollouts, settings, functions)
                     on_rated(i, evaluations[i])
                 on_done(len(task))
     except CancelledError as error:
@@ -199,20 +208,28 @@ def _simulate_task(
     ]
 
 
-def _rate_robot(index: int, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Evaluation:
+def _rate_robot(
+    index: int,
+    genome: Genome,
+    rollouts: Sequence[Rollout],
+    settings: Settings,
+    descriptors: Mapping[str, Descriptor],
+) -> Evaluation:
     """Rate the walks of one robot and return the evaluation of the poorest.
 
     Raises:
-        OperatorError: If the fitness function fails; the error contains the index and the genome of the robot.
+        OperatorError: If the fitness function or a descriptor fails; the error contains the index and the genome of the
+            robot.
     """
     try:
         rated = [rate_walk(rollout, settings.algorithm.fitness) for rollout in rollouts]
+        fitness, rollout = find_poorest(rated)
+        described = describe_walk(rollout, descriptors) if rollout.counts else {}
     except OperatorError as error:
         error.robot_index = index
         error.genome = genome
         error.context = f"for the robot at index {index}"
         raise
-    fitness, rollout = find_poorest(rated)
     phenotype = rollout.phenotype
     return Evaluation(
         genome=genome,
@@ -225,4 +242,5 @@ def _rate_robot(index: int, genome: Genome, rollouts: Sequence[Rollout], setting
         n_legs=phenotype.n_legs,
         weight=phenotype.weight,
         body_length=phenotype.body_length,
+        descriptors=described,
     )

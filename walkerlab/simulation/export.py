@@ -1,6 +1,7 @@
 """Export of one robot and its world as MJCF, which MuJoCo loads without walkerlab."""
 
 import ctypes
+import json
 import math
 import re
 import sys
@@ -11,13 +12,17 @@ from threading import Lock
 from xml.etree import ElementTree
 
 import mujoco
+import numpy as np
 
 from walkerlab.ga.genes import Floats
 from walkerlab.genome.genome import Genome
+from walkerlab.settings.choices import Camera
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.starts import count_settling_steps
 from walkerlab.system.files import folder_path, write_text
-from walkerlab.world.scene import CONTROL_RATE, RAMP_TIME, Scene, describe_scene
+from walkerlab.world.assembly import ROBOT_BODY
+from walkerlab.world.cameras import CAMERA_VIEWS, MIN_SIZE
+from walkerlab.world.scene import CONTROL_RATE, RAMP_TIME, Scene, compile_scene, control_steps, describe_scene
 
 FORBIDDEN_CHARACTERS = set('/\\:*?"<>|')
 """Characters that some operating system does not allow in file names, or that separate folders."""
@@ -25,11 +30,31 @@ FORBIDDEN_CHARACTERS = set('/\\:*?"<>|')
 EXACT_DIGITS = 17
 """Significant digits that represent every double exactly; MuJoCo writes 6 by default."""
 
+REPLAY_SCRIPT = """from pathlib import Path
+import mujoco
+import numpy as np
+here = Path(__file__).parent
+model = mujoco.MjModel.from_xml_path(str(here / "NAME.xml"))
+data = mujoco.MjData(model)
+steps, targets = np.split(np.loadtxt(here / "NAME_controls.csv", delimiter=",", skiprows=1), [1], axis=1)
+mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
+mujoco.mj_step(model, data, int(model.numeric("settle_steps").data[0]))  # the robot settles at rest
+forward = []  # m, position of the centre of mass before each step
+for step in range(int(steps[-1, 0]) + 1):
+    data.ctrl[:] = targets[np.searchsorted(steps[:, 0], step, side="right") - 1]
+    mujoco.mj_step(model, data)
+    forward.append(data.sensor("com").data[0])
+print(f"walked {forward[-1] - forward[0]:.6f} m")
+"""
+"""Script that repeats the walk of an exported robot."""
+
 NEW_ATTRIBUTES = {"texture": "class", "general": "input"}
 """Attribute of each element that MuJoCo 3.17 writes and older versions reject; the model does not depend on them."""
 
 
-def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, name: str = "walker") -> Path:
+def export_mjcf(
+    genome: Genome | str, settings: Settings, folder: str | Path, name: str = "walker", *, replay: bool = False
+) -> Path:
     """Write one individual and its world as MJCF, which MuJoCo 3.9 to 3.17 loads and simulates without walkerlab.
 
     Numbers are stored at full precision, so MuJoCo compiles the file to the same model that walkerlab simulates. To
@@ -53,6 +78,8 @@ def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, na
         settings: Settings of terrain, robot and simulation.
         folder: Folder of the file; created if it does not exist.
         name: Name of the file, without extension.
+        replay: Whether to add cameras, and to write beside the file the servo targets of the whole walk as
+            ``NAME_controls.csv``, and ``NAME_replay.py``, a short script that repeats the walk with mujoco and numpy.
 
     Returns:
         The path of the file.
@@ -67,13 +94,30 @@ def export_mjcf(genome: Genome | str, settings: Settings, folder: str | Path, na
             f"{' '.join(sorted(FORBIDDEN_CHARACTERS))}. Pass the folder as the argument folder."
         )
     path = folder_path(folder) / f"{name}.xml"
-    text = format_mjcf(genome, settings, name)
+    text = format_mjcf(genome, settings, name, cameras=replay)
     path.parent.mkdir(parents=True, exist_ok=True)
     write_text(path, text)
+    if replay:
+        write_text(path.with_name(f"{name}_controls.csv"), _format_controls(compile_scene(genome, settings)))
+        script = REPLAY_SCRIPT.replace("NAME", json.dumps(name)[1:-1])
+        write_text(path.with_name(f"{name}_replay.py"), script)
     return path
 
 
-def format_mjcf(genome: Genome | str, settings: Settings, name: str, *, only_physics: bool = False) -> str:
+def _format_controls(scene: Scene) -> str:
+    """Return the servo targets as CSV: a row for each physics step at which they change, and one for the last step."""
+    timestep = scene.settings.simulation.timestep
+    n_steps = round(scene.settings.simulation.duration / timestep) + 1
+    controls = scene.controls(n_steps)
+    steps = [*control_steps(n_steps, timestep)[0].tolist(), n_steps - 1]
+    names = [scene.model.actuator(i).name for i in range(scene.model.nu)]
+    rows = [",".join(map(repr, [step, *controls[step].tolist()])) for step in steps]
+    return "\n".join([",".join(["step", *names]), *rows, ""])
+
+
+def format_mjcf(
+    genome: Genome | str, settings: Settings, name: str, *, only_physics: bool = False, cameras: bool = False
+) -> str:
     """Return one individual and its world as MJCF; see ``export_mjcf``.
 
     Args:
@@ -81,6 +125,7 @@ def format_mjcf(genome: Genome | str, settings: Settings, name: str, *, only_phy
         settings: Settings of terrain, robot and simulation.
         name: Name of the model.
         only_physics: Whether to omit visual-only geometry and the arrays with the gait.
+        cameras: Whether to add cameras that follow the robot.
 
     Raises:
         GenomeError: If the text is not a valid genome.
@@ -90,6 +135,8 @@ def format_mjcf(genome: Genome | str, settings: Settings, name: str, *, only_phy
     spec.modelname = name
     if not only_physics:
         _add_walk(spec, scene)
+    if cameras:
+        _add_cameras(spec, scene)
     text = _exact_xml(spec)
     mujoco.MjModel.from_xml_string(text)  # raises an error here if the file cannot be loaded
     return text
@@ -114,6 +161,31 @@ def _add_walk(spec: mujoco.MjSpec, scene: Scene) -> None:
         "gait_offset": gait.offset,
     }.items():
         spec.add_numeric(name=name, data=values, size=len(values))
+
+
+def _add_cameras(spec: mujoco.MjSpec, scene: Scene) -> None:
+    """Add cameras that follow the robot, placed like those of a replay."""
+    model = scene.model
+    body = spec.body(model.body(ROBOT_BODY).name)
+    data = mujoco.MjData(model)
+    mujoco.mj_fwdPosition(model, data)
+    centre = data.subtree_com[ROBOT_BODY] - data.xpos[ROBOT_BODY]  # the offset from the centre of mass stays constant
+    for camera, (azimuth, elevation, distance) in CAMERA_VIEWS.items():
+        if camera is Camera.orbit:
+            continue
+        a, e = math.radians(azimuth), math.radians(elevation)
+        forward = np.array([math.cos(e) * math.cos(a), math.cos(e) * math.sin(a), math.sin(e)])
+        right = np.array([math.sin(a), -math.cos(a), 0.0])
+        rotation = np.column_stack([right, np.cross(right, forward), -forward])
+        quaternion = np.empty(4)
+        mujoco.mju_mat2Quat(quaternion, rotation.ravel())
+        offset = distance * max(scene.phenotype.body_length, MIN_SIZE)
+        body.add_camera(
+            name=camera.name,
+            pos=centre - offset * forward,
+            quat=quaternion,
+            mode=mujoco.mjtCamLight.mjCAMLIGHT_TRACKCOM,
+        )
 
 
 def _exact_xml(spec: mujoco.MjSpec) -> str:

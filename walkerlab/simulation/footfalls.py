@@ -35,7 +35,7 @@ def find_footfalls(scene: Scene, poses: Floats) -> NDArray[np.bool_]:
     Raises:
         ValueError: If the poses do not fit the scene.
     """
-    shanks = _shanks(scene)
+    shanks = shank_geoms(scene)
     footfalls = np.zeros((len(poses), len(shanks)), dtype=np.bool_)
     for (geoms, _), on_ground in zip(_find_contacts(scene, poses), footfalls, strict=True):
         on_ground[:] = np.isin(shanks, geoms)
@@ -60,7 +60,7 @@ def foot_share(scene: Scene, poses: Floats) -> float:
     """
     n_parts = 0
     n_feet = 0
-    shanks = _shanks(scene)
+    shanks = shank_geoms(scene)
     for geoms, along in _find_contacts(scene, poses):
         parts = set(geoms)
         beside_foot = set(geoms[along < 1 - FOOT_LENGTH])
@@ -69,7 +69,7 @@ def foot_share(scene: Scene, poses: Floats) -> float:
     return n_feet / n_parts if n_parts else math.nan
 
 
-def _shanks(scene: Scene) -> list[int]:
+def shank_geoms(scene: Scene) -> list[int]:
     """Return the geom of each shank, in the order of ``foot_names``."""
     return [scene.model.geom(f"walker/{side}_shank{number}").id for number, side in _legs_in_actuator_order(scene)]
 

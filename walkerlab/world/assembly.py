@@ -23,7 +23,7 @@ from walkerlab.settings.proportions import (
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.terrain import Terrain
-from walkerlab.world.entities import Pack, Sledge, add_rope, generate_robot, generate_terrain
+from walkerlab.world.entities import Ground, Pack, Sledge, add_rope, generate_robot, generate_terrain
 from walkerlab.world.entities.walker import SIDES, BodyPlan
 from walkerlab.world.materials import MATERIALS
 from walkerlab.world.placement import compute_layout, dome_sphere
@@ -88,6 +88,12 @@ def cache_per_thread(function: Callable[Arguments, Result]) -> Callable[Argument
 @lru_cache(maxsize=MAX_CACHED_WORLDS)
 def _world_xml(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain, scenery: bool) -> str:
     """Build a body plan with its loads on a terrain with composer, with nominal sizes, and return it as MJCF."""
+    ground = build_ground(plan, carry_weight, drag_weight, terrain, scenery)
+    return ground.mjcf_model.to_xml_string(zero_threshold=1e-15)  # MuJoCo fails to parse subnormal numbers
+
+
+def build_ground(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain, scenery: bool) -> Ground:
+    """Build a body plan with its loads on a terrain with composer, with nominal sizes and without texture pieces."""
     walker = generate_robot(plan)
     sledge = Sledge(drag_weight) if drag_weight else None
     if carry_weight:
@@ -110,7 +116,7 @@ def _world_xml(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain:
         add_rope(root, walker.hitch, sledge.ring)
         add_sensor("framepos", name="load", objtype="xbody", objname=sledge.root_body)
         add_sensor("tendonpos", name="rope", tendon="rope")
-    return root.to_xml_string(zero_threshold=1e-15)  # MuJoCo fails to parse subnormal numbers
+    return ground
 
 
 def nominal_spec(

@@ -6,3 +6,10 @@ class Element:
 
 class RootElement(Element):
     def __init__(self, model: str) -> None: ...
+
+class Physics:
+    legacy_step: bool
+    data: Any
+    model: Any
+    @classmethod
+    def from_model(cls, model: Any) -> Physics: ...

@@ -9,9 +9,11 @@ with warnings.catch_warnings():  # dm_control looks for a display when it is imp
     warnings.simplefilter("ignore")
     from dm_control import composer as composer
     from dm_control import mjcf as mjcf
+    from dm_control.composer.observation import observable as observable
+    from dm_control.mujoco.wrapper import MjModel as WrappedModel
 
 from walkerlab.world.entities.load import Pack, Sledge, add_rope
 from walkerlab.world.entities.terrain import Ground, generate_terrain
 from walkerlab.world.entities.walker import Walker, generate_robot
 
-__all__ = ["Ground", "Pack", "Sledge", "Walker", "add_rope", "generate_robot", "generate_terrain"]
+__all__ = ["Ground", "Pack", "Sledge", "Walker", "WrappedModel", "add_rope", "generate_robot", "generate_terrain"]

@@ -1,0 +1,1 @@
+"""Measure whether the statements of the lessons hold: ``python -m benchmarks.claims``."""

@@ -1,0 +1,1 @@
+"""Interfaces to other software: optimisers, reinforcement learning, MuJoCo without walkerlab."""

@@ -1,0 +1,66 @@
+"""Exercises and quiz of lesson 00, meet a walker."""
+
+from typing import Any
+
+from walkerlab.lessons.exercises import Exercise, Question
+from walkerlab.settings.settings import Settings
+
+N_ROBOTS = 10
+DURATION = 3.0  # s
+
+
+def _check_settings(answer: Any) -> bool | str:
+    if not isinstance(answer, Settings):
+        return "The answer must be settings: s.with_(…), with the two changes between the parentheses."
+    if answer.algorithm.population_size != N_ROBOTS:
+        return f"These settings have {answer.algorithm.population_size} robots in each generation."
+    if answer.simulation.duration != DURATION:
+        return f"These settings have walks of {answer.simulation.duration:g} s."
+    return True
+
+
+def _check_furthest(answer: Any) -> bool | str:
+    letter = answer.strip().upper()
+    if letter == "A":
+        return "A is moving for the longest way, but fitness counts where it ends. How far is that from the start?"
+    if letter == "B":
+        return "Forward is along the arrow on the ground. How far forward did B come?"
+    return letter == "C"
+
+
+EXERCISES: dict[str, Exercise] = {
+    "00.2": Exercise(
+        check=_check_furthest,
+        hints=('Answer with one letter in quotes, such as "A".', "Only the way from start to end counts, forward."),
+        right="Fitness is the net forward travel: A ends 2 m ahead, B 0 m, and C 2.5 m.",
+    ),
+    "00.4": Exercise(
+        check=_check_settings,
+        hints=(
+            "Copy the line that makes s in the cell of the panel, and change two numbers.",
+            "The two names are population_size and duration.",
+        ),
+        right="with_ returns new settings in which only the named ones differ; s itself is unchanged.",
+    ),
+}
+
+QUIZ: tuple[Question, ...] = (
+    Question(
+        "Who decides how a robot moves its legs?",
+        {
+            "A programmer": "Nobody wrote this walk: its numbers were random at first.",
+            "The numbers in its genome": "Right. They are inherited, combined and changed at random.",
+            "The robot, while it walks": "It does not learn or see; its genome fixes the rhythm before the walk.",
+        },
+        "The numbers in its genome",
+    ),
+    Question(
+        "Why does the best fitness never fall from one generation to the next?",
+        {
+            "The elites survive unchanged": "Right. The two best robots are copied, and walk the same.",
+            "Children are never worse than their parents": "Most children are worse: look at the median.",
+            "The ground becomes easier": "The ground is the same for all robots of a run.",
+        },
+        "The elites survive unchanged",
+    ),
+)

@@ -1,0 +1,66 @@
+"""Script that prints the sheets of the lessons as PDF, one page of A4 each.
+
+    python -m walkerlab.lessons.sheets FOLDER [SHEET.md ...]
+
+It requires Playwright and Chromium. Without names, all sheets in ``notebooks/teacher/sheets`` are printed.
+"""
+
+import shutil
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from walkerlab.lessons.exercises import LessonError
+from walkerlab.text.templates import render
+
+SHEETS = Path("notebooks") / "teacher" / "sheets"
+
+
+def print_sheets(sources: Sequence[Path], folder: Path) -> list[Path]:
+    """Print sheets as PDF; return the files written.
+
+    Args:
+        sources: Sheets in Markdown.
+        folder: Folder of the PDF files; created if it is missing.
+
+    Raises:
+        LessonError: If Playwright or Chromium is missing, or there is no sheet.
+    """
+    if not sources:
+        raise LessonError("there is no sheet to print; write the path of a Markdown file.")
+    try:
+        from playwright.sync_api import Error, sync_playwright
+    except ImportError:
+        raise LessonError(f'Playwright is missing. Install it: "{sys.executable}" -m pip install playwright') from None
+    folder.mkdir(parents=True, exist_ok=True)
+    with sync_playwright() as playwright:
+        try:
+            browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
+        except Error:
+            raise LessonError(
+                f'Chromium is missing. Install it: "{sys.executable}" -m playwright install chromium'
+            ) from None
+        page = browser.new_page()
+        files = [_print_sheet(page, source, folder / f"{source.stem}.pdf") for source in sources]
+        browser.close()
+    return files
+
+
+def _print_sheet(page: Any, source: Path, file: Path) -> Path:
+    from nbconvert.filters.markdown import markdown2html  # slow to import
+
+    page.set_content(render("lessons/sheet.html", title=source.stem))
+    content = markdown2html(source.read_text(encoding="utf-8"))
+    page.locator("main").evaluate("(main, content) => { main.innerHTML = content; }", content)
+    page.pdf(path=str(file), prefer_css_page_size=True, print_background=True)
+    return file
+
+
+if __name__ == "__main__":
+    try:
+        chosen = list(map(Path, sys.argv[2:])) or sorted(SHEETS.glob("*.md"))
+        for printed in print_sheets(chosen, Path(sys.argv[1] if len(sys.argv) > 1 else "sheets")):
+            print(printed)
+    except LessonError as error:
+        sys.exit(f"Error: {error}")
