@@ -100,7 +100,13 @@ def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.Argu
     add_command("doctor", doctor.run_doctor, "check this computer and print how to fix each fault", "")
 
     lab_command = add_command(
-        "lab", lab.run_lab, "open JupyterLab on copies of the notebooks", "[--no-browser] [--port N] [--allow-root]"
+        "lab",
+        lab.run_lab,
+        "open JupyterLab on copies of the notebooks",
+        "[--class FILE] [--no-browser] [--port N] [--allow-root]",
+    )
+    lab_command.add_argument(
+        "--class", dest="class_file", metavar="FILE", help="settings of a class: fixed settings, budget, shared folder"
     )
     lab_command.add_argument("--no-browser", action="store_true", help="print the address without opening a browser")
     lab_command.add_argument("--port", type=int, metavar="N", help="port of the server on this computer")
