@@ -169,7 +169,8 @@ def read_class(path: str | Path) -> Classroom:
     try:
         classroom = Classroom.model_validate(content)
     except SettingsError as error:
-        raise SettingsError("\n".join(f"{name}: {line}" for line in str(error).splitlines())) from None
+        lines = str(error).replace(f"{Classroom.__name__} has no setting", "there is no entry").splitlines()
+        raise SettingsError("\n".join(f"{name}: {line}" for line in lines)) from None
     if classroom.shared_folder is None:
         return classroom
     folder = path.parent / classroom.shared_folder

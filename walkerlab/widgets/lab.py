@@ -81,9 +81,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
             SettingsError: If a limit, or the file of the class, is wrong.
             ValueError: If each student has a seed, and the name is unknown.
         """
-        self.lock = make_lock(
-            Settings() if settings is None else require_settings(settings), only, budget, locked, student
-        )
+        self.lock = make_lock(settings, only, budget, locked, student)
         settings = self.lock.settings
         self._folder = absolute_path(folder, "folder")
         self._executor = executor
