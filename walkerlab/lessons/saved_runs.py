@@ -8,6 +8,7 @@ from walkerlab.evolution.run import Run
 from walkerlab.lessons.exercises import LessonError
 from walkerlab.runfile.records import Individual
 from walkerlab.settings.values import did_you_mean
+from walkerlab.tournament.seals import Seal, open_seal
 
 FOLDER = Path("data") / "runs"
 
@@ -37,9 +38,7 @@ def saved_run(name: str) -> Run:
         raise LessonError(
             f"there is no saved run {name!r}; the saved runs are {known}.{did_you_mean(name, RUN_CHANGES)}"
         )
-    package = Path(__file__).parents[1]
-    file = FOLDER / f"{name}.walk"
-    return load(next(path for path in (package / file, package.parent / file) if path.exists()))
+    return load(find_file(f"{name}.walk"))
 
 
 def saved_champion(name: str) -> Individual:
@@ -52,3 +51,17 @@ def saved_champion(name: str) -> Individual:
         LessonError: If there is no run with this name.
     """
     return saved_run(name).champion
+
+
+def mystery_terrain() -> Seal:
+    """Return the sealed settings of lesson 11.
+
+    They were sealed by ``walkerlab league --seal``; a copy of the settings is in the guide of the lesson for teachers.
+    """
+    return open_seal(find_file("mystery.json"))
+
+
+def find_file(name: str) -> Path:
+    """Return the path of a file of the lessons: inside an installed package, or next to the package in a checkout."""
+    package = Path(__file__).parents[1]
+    return next(path for path in (package / FOLDER / name, package.parent / FOLDER / name) if path.exists())

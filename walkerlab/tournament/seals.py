@@ -28,9 +28,9 @@ class SealError(WalkerlabError, ValueError):
     """A file with settings or a seal cannot be used, or the settings are not those that were sealed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Seal:
-    """Settings with the salt of their digest.
+    """Settings with the salt of their digest; displayed as the digest, which reveals neither.
 
     Attributes:
         settings: The sealed settings.
@@ -54,6 +54,10 @@ class Seal:
     def shown_digest(self) -> str:
         """The digest in groups of digits, which are easier to compare."""
         return " ".join(self.digest[i : i + SHOWN_GROUP] for i in range(0, len(self.digest), SHOWN_GROUP))
+
+    def __repr__(self) -> str:
+        """Return the digest, without the secret settings."""
+        return f"Seal(digest {self.shown_digest})"
 
     def save(self, path: str | Path) -> Path:
         """Save the settings and the salt; keep the file secret until the tournament.
