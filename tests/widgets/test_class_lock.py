@@ -95,7 +95,7 @@ def test_the_file_of_the_class_limits_every_panel_and_gives_each_student_a_seed(
     assert (
         ada.settings.algorithm.seed == wl.lessons.my_seed("ada") != make_lock(S, student="Bo").settings.algorithm.seed
     )
-    with pytest.raises(ValueError, match="give your name"):
+    with pytest.raises(ValueError, match="with your name"):
         make_lock(S)
     genome = wl.Genome.random(S.robot, rng=np.random.default_rng(0))
     path = make_lock(S, student="../Ada/..").hand_in(genome)
