@@ -102,7 +102,7 @@ def test_the_file_of_the_class_limits_every_panel_and_gives_each_student_a_seed(
     assert path.parent == tmp_path / "hand-in"
     assert wl.Genome.parse(path.read_text()) == genome
     form = ada.make_form()
-    assert [preset["name"] for preset in form.presets] == ["Low stairs"]
+    assert [preset["name"] for preset in form.presets] == ["start", "Low stairs"]
     form.preset = "Low stairs"
     assert form.settings.terrain == ada.settings.with_(structure="stairs").terrain
 

@@ -8,6 +8,7 @@ from typing import Any
 from walkerlab.settings.model import Domain, SettingsError
 from walkerlab.settings.settings import Settings
 
+START_PRESET, START_ABOUT = "start", "the settings at the start"  # first of the presets of a class
 WORLD_DOMAINS = ("terrain", "robot")  # domains that a preset sets; algorithm and simulation are unchanged
 
 
@@ -81,7 +82,7 @@ def choose_presets(
 
     Args:
         start: Initial settings of the form.
-        given: Named worlds: by name, the settings that differ from ``start``; if None, the built-in presets that change
+        given: Named worlds after ``start`` itself: by name, the settings that differ from it; if None, the built-in presets that change
             only complete domains, and no fixed setting.
         complete: Names of the domains whose settings are all shown.
         fixed: Names of the settings that keep their initial values.
@@ -89,9 +90,12 @@ def choose_presets(
     locations = Settings.field_locations()
     if given is not None:
         domains = {locations[name][0] for changes in given.values() for name in changes}
+        worlds = {START_PRESET: (START_ABOUT, start)} | {
+            name: (describe_changes(changes), start.with_(**changes)) for name, changes in given.items()
+        }
         return {
-            name: FormPreset(describe_changes(changes), {one: getattr(start.with_(**changes), one) for one in domains})
-            for name, changes in given.items()
+            name: FormPreset(about, {domain: getattr(settings, domain) for domain in domains})
+            for name, (about, settings) in worlds.items()
         }
     kept = {name: getattr(getattr(start, locations[name][0]), locations[name][1]) for name in fixed}
     chosen: dict[str, FormPreset] = {}
