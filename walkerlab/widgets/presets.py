@@ -82,8 +82,8 @@ def choose_presets(
 
     Args:
         start: Initial settings of the form.
-        given: Named worlds after ``start`` itself: by name, the settings that differ from it; if None, the built-in presets that change
-            only complete domains, and no fixed setting.
+        given: Named worlds after ``start`` itself: by name, the settings that differ from it. If None, the built-in
+            presets that change only complete domains, and no fixed setting.
         complete: Names of the domains whose settings are all shown.
         fixed: Names of the settings that keep their initial values.
     """
