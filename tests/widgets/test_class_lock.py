@@ -101,6 +101,12 @@ def test_the_file_of_the_class_limits_every_panel_and_gives_each_student_a_seed(
     path = make_lock(S, student="../Ada/..").hand_in(genome)
     assert path.parent == tmp_path / "hand-in"
     assert wl.Genome.parse(path.read_text()) == genome
+    panel = wl.Lab(S, tmp_path / "lab", student="Bo")
+    panel.runs.drawer._handle_message(None, {"hand_in": True}, None)
+    assert "there is no run" in panel.runs.drawer.words
+    panel.hand_in(genome)
+    assert (tmp_path / "hand-in" / "Bo.txt").exists()
+    panel.close()
     form = ada.make_form()
     assert [preset["name"] for preset in form.presets] == ["start", "Low stairs"]
     form.preset = "Low stairs"

@@ -94,7 +94,10 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         self.world = World(settings)
         self.transport = Transport(self._press)
         self.walker = WalkerView()
-        self.runs = RunsArea(self._folder, self._drawing, self._run_selected, self._copy_settings, self._evolve_further)
+        hand_in = self._hand_in_champion if self.lock.classroom.shared_folder else None
+        self.runs = RunsArea(
+            self._folder, self._drawing, self._run_selected, self._copy_settings, self._evolve_further, hand_in
+        )
         self.population = Population()
         self.robot = RobotArea(settings, self._insert, self._continue_with)
         columns = ([self.transport], [self.world, self.form], [self.walker, self.runs], [self.population, self.robot])
@@ -133,20 +136,6 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
     def run(self) -> Run | None:
         """Completed generations of the run that is selected in the list; None without runs."""
         return self.runs.selected
-
-    def hand_in(self, genome: Genome | str | None = None) -> Path:
-        """Write a robot into the shared folder of the class, under the name of the student.
-
-        Args:
-            genome: Genome or its text; the champion of the selected run if None.
-
-        Returns:
-            The path of the file; an earlier robot of the same student is replaced.
-
-        Raises:
-            ValueError: If there is no run, no shared folder or no name.
-        """
-        return self.lock.hand_in(self.run if genome is None else Genome.of(genome))
 
     def close(self) -> None:
         """Stop all runs, release their workers and remove the panel; run files remain."""

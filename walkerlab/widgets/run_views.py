@@ -1,10 +1,14 @@
 """What a panel shows of its selected run: the population, the robot and the walk of a generation."""
 
+from pathlib import Path
 from typing import Any
 
 import ipywidgets
 
+from walkerlab.genome.genome import Genome
 from walkerlab.runfile.records import concatenate_tables
+from walkerlab.system.files import display_path
+from walkerlab.widgets.class_lock import ClassLock
 from walkerlab.widgets.drawing_thread import DrawingThread
 from walkerlab.widgets.generation_slider import LATEST
 from walkerlab.widgets.population import Population
@@ -21,7 +25,31 @@ class ShowsRun:
     population: Population
     robot: RobotArea
     walker: WalkerView
+    lock: ClassLock
     _drawing: DrawingThread
+
+    def hand_in(self, genome: Genome | str | None = None) -> Path:
+        """Write a robot into the shared folder of the class, under the name of the student.
+
+        Args:
+            genome: Genome or its text; the champion of the selected run if None.
+
+        Returns:
+            The path of the file; an earlier robot of the same student is replaced.
+
+        Raises:
+            ValueError: If there is no run, no shared folder or no name.
+        """
+        return self.lock.hand_in(self.runs.selected if genome is None else Genome.of(genome))
+
+    def _hand_in_champion(self) -> None:
+        """Hand in the champion of the selected run, and show where it is or why it could not be handed in."""
+        try:
+            path = self.hand_in()
+        except (ValueError, OSError) as error:
+            self.runs.drawer.words = f"The robot was not handed in: {error}"
+        else:
+            self.runs.drawer.words = f"Handed in as {display_path(path)}, in place of any earlier robot of yours."
 
     def _run_selected(self) -> None:
         self.population.selected = -1
