@@ -141,9 +141,9 @@ def league(
 ) -> League:
     """Rank the robots of a class: all walk on the same grounds, under the same judge.
 
-    On each ground, every robot walks once from the exact start, once more at a quarter of the timestep, and from five
-    slightly different starts. Its score is the median of these five walks; a walk that does not count or goes backward
-    scores 0. The total is the mean over the rounds. Robots whose totals are equal as printed share a rank. The result
+    On each ground, every robot walks from the exact start, once more at a quarter of the timestep, and from five
+    slightly different starts. Its score is the median of the last five walks; a walk that does not count or goes
+    backward scores 0. The total is the mean over the rounds. Robots whose totals are equal as printed share a rank. The result
     does not depend on the order of the files, the executor or its number of workers.
 
     Args:

@@ -1,7 +1,12 @@
 """Results of a league in words, as the table and the page show them."""
 
+import math
+
+from walkerlab.simulation.robustness import Confirmation
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.tournament.scores import Standing
+
+MIN_KEPT = 0.5  # share of the fitness at a quarter of the timestep, below which the verdict mentions it
 
 
 def describe_verdict(standing: Standing) -> str:
@@ -16,6 +21,17 @@ def describe_verdict(standing: Standing) -> str:
     elif n_counted < n_walks:
         verdicts = [verdict for result in standing.rounds for verdict in result.confirmation.verdicts[1:]]
         reason = f" The others: {', '.join(sorted({verdict for verdict in verdicts if verdict != 'ok'}))}."
+    doubts = [_describe_doubt(result.confirmation) for result in standing.rounds]
+    doubt = next((doubt for doubt in doubts if doubt), "")
     if n_counted == n_walks:
-        return f"All {n_walks} walks count.{reason}"
-    return f"{n_counted} of {n_walks} walks count.{reason}"
+        return f"All {n_walks} walks count.{reason}{doubt}"
+    return f"{n_counted} of {n_walks} walks count.{reason}{doubt}"
+
+
+def _describe_doubt(confirmation: Confirmation) -> str:
+    """Return a sentence if most of the fitness is lost at a finer timestep, so that it may rest on simulation errors."""
+    if not (confirmation.fitness > 0 and confirmation.kept_finer < MIN_KEPT):
+        return ""
+    if not math.isfinite(confirmation.finer):
+        return " At a finer time step, its walk does not count."
+    return f" At a finer time step, {confirmation.kept_finer:.0%} of the result remains."
