@@ -143,8 +143,8 @@ def league(
 
     On each ground, every robot walks from the exact start, once more at a quarter of the timestep, and from five
     slightly different starts. Its score is the median of the last five walks; a walk that does not count or goes
-    backward scores 0. The total is the mean over the rounds. Robots whose totals are equal as printed share a rank. The result
-    does not depend on the order of the files, the executor or its number of workers.
+    backward scores 0. The total is the mean over the rounds. Robots whose totals are equal as printed share a rank. The
+    result does not depend on the order of the files, the executor or its number of workers.
 
     Args:
         folder_or_genomes: Folder in which each file is an entry: a text file with one genome, or a run file

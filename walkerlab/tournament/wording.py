@@ -29,7 +29,7 @@ def describe_verdict(standing: Standing) -> str:
 
 
 def _describe_doubt(confirmation: Confirmation) -> str:
-    """Return a sentence if most of the fitness is lost at a finer timestep, so that it may rest on simulation errors."""
+    """Return a sentence if most of the fitness is lost at a finer timestep: it may rest on simulation errors."""
     if not (confirmation.fitness > 0 and confirmation.kept_finer < MIN_KEPT):
         return ""
     if not math.isfinite(confirmation.finer):
