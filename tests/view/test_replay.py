@@ -181,7 +181,7 @@ class TestWalkers:
         race = wl.replay([GENOME] * 30, SHORT.with_(structure="stairs", duration=1))
         right, left = lateral_extent(list(race.walks))
         assert -ARENA_WIDTH / 2 - 0.5 < right < left < ARENA_WIDTH / 2 + 0.5
-        assert len({walk.colour for walk in race.walks}) == 18
+        assert len({walk.colour for walk in race.walks}) == 30
 
     def test_wrong_arguments_raise_an_error_with_a_clear_message(self):
         with pytest.raises(ValueError, match="no robot to replay"):
