@@ -151,6 +151,8 @@ def make_lock(
     budgets = [one.budget for one in (shared, asked) if one.budget]
     names = Settings.field_locations()
     shown = tuple(name for name in names if shared.shows(name) and asked.shows(name))
+    if not shown:
+        raise SettingsError("the settings in only are not among those that the class shows; name some of those.")
     values = {**asked.locked, **shared.locked}
     reasons = dict.fromkeys(values, FIXED_REASON)
     student = student.strip() or os.environ.get(STUDENT_VARIABLE, "")
