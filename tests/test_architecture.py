@@ -27,6 +27,7 @@ LAYERS = (
     ("view",),
     ("evolution",),
     ("experiment", "interfaces"),
+    ("tournament",),
     ("widgets",),
     ("lessons", "commands"),
     ("__main__",),

@@ -46,6 +46,8 @@ _PUBLIC_NAMES = {
     "experiment.compare": ("compare", "sweep"),
     "experiment.experiment": ("Experiment", "load_experiment"),
     "experiment.optimisers": ("random_search",),
+    "tournament.standings": ("League", "league"),
+    "tournament.seals": ("Seal", "open_seal", "seal", "verify_seal"),
     "interfaces.environment": ("environment", "gait_policy"),
     "interfaces.reinforcement": ("gym_env",),
     "interfaces.genetic_algorithm": ("GeneticAlgorithm",),
@@ -153,6 +155,12 @@ if TYPE_CHECKING:
     from walkerlab.simulation.rollout import Rollout as Rollout
     from walkerlab.simulation.rollout import simulate as simulate
     from walkerlab.simulation.workers import WorkersLostError as WorkersLostError
+    from walkerlab.tournament.seals import Seal as Seal
+    from walkerlab.tournament.seals import open_seal as open_seal
+    from walkerlab.tournament.seals import seal as seal
+    from walkerlab.tournament.seals import verify_seal as verify_seal
+    from walkerlab.tournament.standings import League as League
+    from walkerlab.tournament.standings import league as league
     from walkerlab.view import plots as plots
     from walkerlab.view.film import Film as Film
     from walkerlab.view.film import FilmError as FilmError

@@ -70,7 +70,7 @@ def _end_workers() -> None:
 def _run_command(words: Sequence[str]) -> int:
     """Parse the arguments, run the command and return its exit code."""
     with interrupts_held():
-        from walkerlab.commands import comparing, runs
+        from walkerlab.commands import comparing, ranking, runs
         from walkerlab.commands.parser import create_parser, describe_unknown_command
 
         parser, commands = create_parser()
@@ -80,7 +80,11 @@ def _run_command(words: Sequence[str]) -> int:
     if words[0] not in commands and not words[0].startswith("-"):
         return print_error(describe_unknown_command(words[0], commands), INVALID_REQUEST)
     arguments, unknown_words = parser.parse_known_args(words)
-    if unknown_words and arguments.run not in (runs.evolve_command, comparing.compare_command):
+    if unknown_words and arguments.run not in (
+        runs.evolve_command,
+        comparing.compare_command,
+        ranking.league_command,
+    ):
         parser.error(f"unknown arguments of {arguments.command}: {' '.join(unknown_words)}")
     arguments.unknown_words = unknown_words
     with warnings.catch_warnings():

@@ -26,6 +26,7 @@ from walkerlab.view.replay.meshes import DISC_CORNERS
 from walkerlab.view.replay.page import Frame
 from walkerlab.view.replay.shadows import SHADOW_SHIFT, bone_ends, shadow_transforms
 from walkerlab.view.replay.tracks import frame_times, pack_channels, track_bodies
+from walkerlab.view.replay.walkers import _racer_colour
 from walkerlab.world.geometry import body_placements, n_valid_poses, rope_ends, rotate, surface_points
 from walkerlab.world.heights import ARENA_WIDTH
 from walkerlab.world.scene import compile_scene
@@ -180,7 +181,7 @@ class TestWalkers:
         race = wl.replay([GENOME] * 30, SHORT.with_(structure="stairs", duration=1))
         right, left = lateral_extent(list(race.walks))
         assert -ARENA_WIDTH / 2 - 0.5 < right < left < ARENA_WIDTH / 2 + 0.5
-        assert len({walk.colour for walk in race.walks}) == 18
+        assert len({walk.colour for walk in race.walks}) == 30
 
     def test_wrong_arguments_raise_an_error_with_a_clear_message(self):
         with pytest.raises(ValueError, match="no robot to replay"):
@@ -466,3 +467,9 @@ def test_more_replays_than_webgl_contexts_can_all_be_played_in_one_notebook(page
             assert_it_plays(frame)
     page.locator('button[title="Close the replay"]').last.click()
     assert external_requests == []
+
+
+def test_the_racers_of_a_large_class_have_different_colours():
+    colours = np.array([_racer_colour(number) for number in range(36)])
+    differences = np.abs(colours[:, np.newaxis] - colours).max(axis=2)
+    assert (differences + np.eye(36) > 0.08).all()

@@ -12,11 +12,12 @@ from tests.strategies import genomes, robots
 from tests.text.test_html import HOSTILE
 from walkerlab.commands.worlds import WALKER_GENOME as GENOME
 from walkerlab.genome.features import is_expressed
+from walkerlab.genome.repair_notes import describe_repairs
 from walkerlab.genome.text import GenomeError
 from walkerlab.view import sketch
 from walkerlab.widgets.editor import MAX_NOTES, PICTURE_SIZE, Editor
 from walkerlab.widgets.outcomes import Outcome, compare_outcomes, simulate_outcome
-from walkerlab.widgets.repairs import describe_fault, describe_repairs, find_fault, format_genome
+from walkerlab.widgets.repairs import describe_fault, find_fault, format_genome
 
 G = wl.Genome.parse(GENOME)
 WORDS = str(G).split()

@@ -1,6 +1,7 @@
 """Command ``lab``: open JupyterLab on copies of the notebooks."""
 
 import argparse
+import os
 import secrets
 import shutil
 import sys
@@ -8,7 +9,9 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from walkerlab.commands.terminal import INVALID_REQUEST, print_error
-from walkerlab.system.files import replace_atomically
+from walkerlab.settings.classroom import CLASS_VARIABLE, Classroom, read_class
+from walkerlab.settings.values import pluralize
+from walkerlab.system.files import absolute_path, display_path, replace_atomically
 from walkerlab.system.package_files import find_package_file
 
 NOTEBOOKS_FOLDER = "walkerlab-notebooks"
@@ -73,8 +76,24 @@ def open_lab(folder: Path, page: str, options: Sequence[str] = ()) -> None:
     server.start()
 
 
+def describe_class(classroom: Classroom) -> str:
+    """Return a line on the limits of a class."""
+    facts = [f"{pluralize(len(classroom.locked), 'setting')} fixed"]
+    facts += [f"at most {classroom.budget:,} walks for a run"] if classroom.budget else []
+    facts += [f"robots are handed in to {display_path(classroom.shared_folder)}"] if classroom.shared_folder else []
+    return f"Class {classroom.name}: {', '.join(facts)}.".replace("Class :", "Class:")
+
+
 def run_lab(arguments: argparse.Namespace) -> int:
-    """Copy the notebooks and open JupyterLab on their index; return the exit code."""
+    """Copy the notebooks and open JupyterLab on their index; return the exit code.
+
+    Raises:
+        SettingsError: If the file of the class is not valid.
+    """
+    if arguments.class_file:
+        classroom = read_class(arguments.class_file)
+        os.environ[CLASS_VARIABLE] = str(absolute_path(arguments.class_file))  # the kernels inherit it
+        print(describe_class(classroom), flush=True)
     folder = Path(NOTEBOOKS_FOLDER)
     try:
         copied = copy_files(folder, teacher=arguments.teacher)

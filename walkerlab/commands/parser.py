@@ -4,7 +4,7 @@ import argparse
 from collections.abc import Mapping
 from difflib import get_close_matches
 
-from walkerlab.commands import comparing, doctor, flags, lab, runs
+from walkerlab.commands import comparing, doctor, flags, lab, ranking, runs
 
 
 def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentParser]]:
@@ -76,6 +76,16 @@ def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.Argu
     compare.add_argument("--quiet", action="store_true", help="print only errors")
     flags.add_flags(compare)
 
+    league = add_command(
+        "league",
+        ranking.league_command,
+        "rank the genomes and runs in a folder, and write the leaderboard as a page",
+        "FOLDER [--mystery FILE] [--rounds N] [--out PAGE] [--SETTING VALUE ...]\n"
+        "       walkerlab league --seal SETTINGS [--out FILE]",
+    )
+    ranking.add_arguments(league)
+    flags.add_flags(league)
+
     show = add_command("show", runs.show_command, "print a summary of a run", "PATH")
     show.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")
 
@@ -93,10 +103,13 @@ def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.Argu
         "lab",
         lab.run_lab,
         "open JupyterLab on copies of the notebooks",
-        "[--teacher] [--no-browser] [--port N] [--allow-root]",
+        "[--teacher] [--class FILE] [--no-browser] [--port N] [--allow-root]",
     )
     lab_command.add_argument(
         "--teacher", action="store_true", help="also copy the notebooks with answers, the guides and the sheets"
+    )
+    lab_command.add_argument(
+        "--class", dest="class_file", metavar="FILE", help="settings of a class: fixed settings, budget, shared folder"
     )
     lab_command.add_argument("--no-browser", action="store_true", help="print the address without opening a browser")
     lab_command.add_argument("--port", type=int, metavar="N", help="port of the server on this computer")

@@ -17,6 +17,7 @@ from walkerlab.lessons.predictions import compare as compare
 from walkerlab.lessons.predictions import predict as predict
 from walkerlab.lessons.quizzes import quiz as quiz
 from walkerlab.lessons.saved_results import saved_results as saved_results
+from walkerlab.lessons.saved_runs import mystery_terrain as mystery_terrain
 from walkerlab.lessons.saved_runs import saved_champion as saved_champion
 from walkerlab.lessons.saved_runs import saved_run as saved_run
 from walkerlab.lessons.seeds import my_seed as my_seed
@@ -30,6 +31,7 @@ __all__ = [
     "choose",
     "compare",
     "my_seed",
+    "mystery_terrain",
     "pool",
     "predict",
     "quiz",

@@ -8,6 +8,7 @@ from walkerlab.lessons.exercises import LessonError
 from walkerlab.runfile.records import Individual
 from walkerlab.settings.values import did_you_mean
 from walkerlab.system.package_files import find_package_file
+from walkerlab.tournament.seals import Seal, open_seal
 
 FOLDER = "data/runs"
 
@@ -50,3 +51,11 @@ def saved_champion(name: str) -> Individual:
         LessonError: If there is no run with this name.
     """
     return saved_run(name).champion
+
+
+def mystery_terrain() -> Seal:
+    """Return the sealed settings of lesson 11.
+
+    They were sealed by ``walkerlab league --seal``; a copy of the settings is in the guide of the lesson for teachers.
+    """
+    return open_seal(find_package_file(f"{FOLDER}/mystery.json"))

@@ -43,6 +43,8 @@ function render({ model, el }) {
 
   const use = button("Use these settings", "copy the settings of the selected run to the form", () => model.send({ settings: true }));
   const out = button("Export", "write report, replay, curve, data and champion of the selected run into its folder", () => model.send({ export: true }));
+  const handIn = button("Hand in", "hand in the best robot of the selected run to the class", () => model.send({ hand_in: true }));
+  handIn.hidden = !model.get("can_hand_in");
   const code = make("textarea", { readOnly: true, rows: 6, ariaLabel: "Python code that repeats this run", spellcheck: false });
   const copy = button("Copy as code", "copy Python code that repeats the selected run", async () => {
     details.open = true;
@@ -53,7 +55,7 @@ function render({ model, el }) {
   const details = make("details", {}, make("summary", { textContent: "Code of this run" }), code);
   const message = make("p", { className: "words", attributes: { role: "status" } });
   const links = make("p", { className: "links" });
-  el.append(continuation, make("div", { className: "row" }, out, copy, use), make("div", { className: "row" }, loader), message, links, details);
+  el.append(continuation, make("div", { className: "row" }, handIn, out, copy, use), make("div", { className: "row" }, loader), message, links, details);
 
   function update() {
     const names = model.get("files");
@@ -63,7 +65,7 @@ function render({ model, el }) {
       make("option", { value: OTHER, textContent: names.length ? "other file …" : "no run in the folder; other file …" }));
     if (isChosen && [...files.options].some(({ value }) => value === before)) files.value = before;
     path.hidden = files.value !== OTHER;
-    out.disabled = use.disabled = !model.get("can_export");
+    out.disabled = use.disabled = handIn.disabled = !model.get("can_export");
     further.disabled = more.disabled = source.disabled = !model.get("n_further");
     copy.disabled = !model.get("code");
     details.hidden = !model.get("code");

@@ -25,6 +25,7 @@ class Drawer(Component):
         code: Python code that repeats the run; empty if there is none.
         words: Message about the last action.
         can_export: Whether there is a run to export.
+        can_hand_in: Whether robots can be handed in to a class.
         exported: Paths of the files that were exported last, relative to the notebook.
         n_further: Number of generations proposed to continue the selected run; 0 if it cannot be continued now.
     """
@@ -36,6 +37,7 @@ class Drawer(Component):
     code = traitlets.Unicode("").tag(sync=True)
     words = traitlets.Unicode("").tag(sync=True)
     can_export = traitlets.Bool(False).tag(sync=True)
+    can_hand_in = traitlets.Bool(False).tag(sync=True)
     exported = traitlets.List(traitlets.Unicode()).tag(sync=True)
     n_further = traitlets.Int(0).tag(sync=True)
 
@@ -45,6 +47,7 @@ class Drawer(Component):
         on_export: Callable[[], None],
         on_settings: Callable[[], None],
         on_further: EvolveFurther,
+        on_hand_in: Callable[[], None] | None = None,
     ) -> None:
         """Create the controls.
 
@@ -53,12 +56,14 @@ class Drawer(Component):
             on_export: Called to export the selected run.
             on_settings: Called to copy the settings of the selected run to the form.
             on_further: Called to continue the selected run.
+            on_hand_in: Called to hand in the champion of the selected run; if None, there is no button for it.
         """
-        super().__init__()
+        super().__init__(can_hand_in=on_hand_in is not None)
         self._on_load = on_load
         self._on_export = on_export
         self._on_settings = on_settings
         self._on_further = on_further
+        self._on_hand_in = on_hand_in
         self.on_msg(self._handle_message)
 
     def snapshot(self) -> Markup:
@@ -73,6 +78,8 @@ class Drawer(Component):
                 self._on_export()
             case {"settings": True}:
                 self._on_settings()
+            case {"hand_in": True} if self._on_hand_in:
+                self._on_hand_in()
             case {"further": int(n_generations), "with_form": bool(with_form)} if n_generations > 0:
                 self._on_further(n_generations, with_form=with_form)
             case _:

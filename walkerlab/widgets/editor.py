@@ -10,6 +10,7 @@ import traitlets
 
 from walkerlab.genome.features import is_expressed
 from walkerlab.genome.genome import Genome
+from walkerlab.genome.repair_notes import describe_repairs
 from walkerlab.genome.text import GenomeError
 from walkerlab.settings.settings import Settings
 from walkerlab.system.errors import WalkerlabError
@@ -20,7 +21,7 @@ from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.gene_controls import describe_genes
 from walkerlab.widgets.outcomes import Outcome, compare_outcomes, simulate_outcome
-from walkerlab.widgets.repairs import describe_fault, describe_repairs, find_fault, format_genome, parse_within
+from walkerlab.widgets.repairs import describe_fault, find_fault, format_genome, parse_within
 
 PICTURE_SIZE = (296, 148)  # pixels of the picture
 MAX_NOTES = 5  # maximum number of changes to the genome that are listed

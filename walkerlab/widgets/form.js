@@ -48,15 +48,16 @@ function render({ model, el }) {
     const { elements, show } = KINDS[control.kind](control, (value) => change(setting, value));
     const [nameId, descriptionId, faultId] = [newId(), newId(), newId()];
     const limits = control.low === undefined ? "" : `; ${format(control.low)} to ${format(control.high)} ${control.unit}`;
-    const description = `${control.term ? `${control.term} ` : ""}${control.about[0].toUpperCase()}${control.about.slice(1)}${limits.trimEnd()}. Default: ${control.default_text}.`;
+    const description = `${control.term ? `${control.term} ` : ""}${control.about[0].toUpperCase()}${control.about.slice(1)}${limits.trimEnd()}. Default: ${control.default_text}.${control.fixed ? ` It is ${control.fixed}.` : ""}`;
     const unusedReason = make("small", { className: "unused-reason" });
     const reset = make("button", { type: "button", className: "reset", title: `reset to ${control.default_text}`,
       ariaLabel: `${control.label}: reset to ${control.default_text}`, onclick: () => change(setting, control.default) }, "↺");
     const fault = make("p", { className: "fault screen-reader-only", id: faultId, role: "status" });
-    const kind = control.hidden_if_unused ? `${control.kind} optional` : control.kind;
+    const kind = [control.kind, ...(control.hidden_if_unused ? ["optional"] : []), ...(control.fixed ? ["fixed"] : [])].join(" ");
+    const fixedReason = make("small", { className: "fixed-reason" }, control.fixed);
     const element = make("div", { className: `row ${kind}`, role: "group",
       attributes: { "aria-labelledby": nameId, "aria-describedby": descriptionId, "data-setting": setting } },
-      make("span", { className: "name", title: control.term }, make("span", { id: nameId }, control.label), unusedReason), ...elements, reset,
+      make("span", { className: "name", title: control.term }, make("span", { id: nameId }, control.label), fixedReason, unusedReason), ...elements, reset,
       fault, make("span", { className: "screen-reader-only", id: descriptionId }, description));
     const unit = element.querySelector(".unit");
     if (unit) unit.title = control.unit_term;
@@ -72,7 +73,8 @@ function render({ model, el }) {
       const changed = JSON.stringify(value) !== JSON.stringify(control.default);
       show(value);
       element.classList.toggle("changed", changed);
-      reset.style.visibility = changed ? "visible" : "hidden";
+      reset.style.visibility = changed && !control.fixed ? "visible" : "hidden";
+      if (control.fixed) for (const input of element.querySelectorAll("input, select, button")) input.disabled = true;
     }
   }
 

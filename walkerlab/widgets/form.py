@@ -5,6 +5,7 @@ from typing import Any, cast
 
 import traitlets
 
+from walkerlab.settings.classroom import require_fixed_values
 from walkerlab.settings.glossary import glossary_rows
 from walkerlab.settings.model import Domain, SettingsError
 from walkerlab.settings.settings import Settings
@@ -19,7 +20,7 @@ from walkerlab.widgets.controls import (
     unused_settings,
     use_labels,
 )
-from walkerlab.widgets.presets import PRESETS, available_presets
+from walkerlab.widgets.presets import choose_presets
 
 NamedValues = dict[str, Any]
 """Values, keyed by name."""
@@ -51,22 +52,33 @@ class Form(Component):
     presets = traitlets.Any([]).tag(sync=True)
     preset = traitlets.Any("").tag(sync=True)
 
-    def __init__(self, settings: Settings | None = None, only: Sequence[str] = ()) -> None:
+    def __init__(
+        self,
+        settings: Settings | None = None,
+        only: Sequence[str] = (),
+        fixed: Mapping[str, str] | None = None,
+        presets: Mapping[str, NamedValues] | None = None,
+    ) -> None:
         """Create the form.
 
         Args:
             settings: Initial settings; the defaults if None.
             only: Names of the domains (``"terrain"``) and settings (``"step_height"``, ``"terrain_seed"``) to show;
                 all if empty. The other settings keep their values.
+            fixed: Reason for each setting that cannot be changed, by the name that ``Settings.with_`` takes; none if
+                None.
+            presets: Named worlds in the menu: by name, the settings that differ; the built-in ones if None.
 
         Raises:
             ValueError: If a name is unknown.
         """
         self._shown = _select_fields([only] if isinstance(only, str) else only)
         self._functions: dict[tuple[str, str], NamedValues] = {}  # user functions, keyed by field and name
-        self._presets = available_presets({domain for domain in DOMAINS if self._shown[domain] == _fields(domain)})
         self._last_valid = settings or Settings()
-        super().__init__(presets=[{"name": name, "about": PRESETS[name].about} for name in self._presets])
+        self._fixed = {Settings.field_locations()[name]: reason for name, reason in (fixed or {}).items()}
+        complete = {domain for domain in DOMAINS if self._shown[domain] == _fields(domain)}
+        self._presets = choose_presets(self._last_valid, presets, complete, fixed or {})
+        super().__init__(presets=[{"name": name, "about": one.about} for name, one in self._presets.items()])
         self._show_settings(self._last_valid)
 
     def set_state(self, sync_data: NamedValues) -> None:
@@ -81,23 +93,39 @@ class Form(Component):
     def _table(self, name: str, domain: Domain) -> tuple[str, list[list[str]], list[str]]:
         """Return the caption, the cells and the class of each row of the shown settings of a domain."""
         rows = [row for row in glossary_rows(domain) if row.name in self._shown[name]]
-        labels = [setting_label(row.name, name) for row in rows]
+        notes = [self._fixed.get((name, row.name), "") for row in rows]
+        labels = [
+            f"{setting_label(row.name, name)}{f' ({note})' if note else ''}"
+            for row, note in zip(rows, notes, strict=True)
+        ]
         cells = [[f"● {label}" if row.changed else label, row.value] for label, row in zip(labels, rows, strict=True)]
         return name.capitalize(), cells, ["strong" if row.changed else "" for row in rows]
 
     @traitlets.validate("values")
     def _complete(self, proposal: Any) -> dict[str, NamedValues]:
-        """Replace missing values with the last ones and remove unknown settings; a browser may send anything."""
+        """Replace missing and fixed values with the last ones, and remove unknown settings.
+
+        A browser may send anything.
+        """
         sent: Any = proposal.value
         given = {name: sent[name] if isinstance(sent, Mapping) and name in sent else {} for name in DOMAINS}
         self._last_values = {
             name: {
-                field: fields[field] if isinstance(fields, Mapping) and field in fields else last
+                field: fields[field]
+                if isinstance(fields, Mapping) and field in fields and (name, field) not in self._fixed
+                else last
                 for field, last in self._last_values[name].items()
             }
             for name, fields in given.items()
         }
         return self._last_values
+
+    @traitlets.validate("settings")
+    def _keep_fixed(self, proposal: Any) -> Settings | None:
+        """Reject settings in which a fixed one differs."""
+        if proposal.value is not None:
+            require_fixed_values(proposal.value, self._last_valid, self._fixed)
+        return proposal.value
 
     @traitlets.observe("settings")
     def _update_controls(self, change: Any) -> None:
@@ -119,9 +147,9 @@ class Form(Component):
     @traitlets.observe("preset")
     def _apply_preset(self, change: Any) -> None:
         """Change the settings to the selected preset, if it exists."""
-        preset = self._presets.get(change.new, {}) if isinstance(change.new, str) else {}
+        preset = self._presets.get(change.new) if isinstance(change.new, str) else None
         if change.new != self._current_preset() and preset:
-            self.settings = self._last_valid.with_(**preset)
+            self.settings = self._last_valid.with_(**preset.domains)
         self.preset = self._current_preset()
 
     def _current_preset(self) -> str:
@@ -130,7 +158,7 @@ class Form(Component):
         equal = (
             name
             for name, preset in self._presets.items()
-            if all(getattr(settings, domain, None) == value for domain, value in preset.items())
+            if all(getattr(settings, domain, None) == value for domain, value in preset.domains.items())
         )
         return next(equal, "")
 
@@ -187,7 +215,11 @@ class Form(Component):
         for domain, domain_class in DOMAINS.items():
             functions = {field: list(named) for (other, field), named in self._functions.items() if other == domain}
             shown = self._shown[domain]
-            controls = [control for control in make_controls(domain_class, functions) if control["name"] in shown]
+            controls = [
+                control | {"fixed": self._fixed.get((domain, control["name"]), "")}
+                for control in make_controls(domain_class, functions)
+                if control["name"] in shown
+            ]
             if controls:
                 about = domain_class.summary()
                 tabs.append({"domain": domain, "title": domain, "about": about, "controls": controls})

@@ -5,32 +5,33 @@ curves, the list of runs and the population. All pictures are drawn on one other
 """
 
 import time
+from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 from threading import Lock
-from typing import cast
+from typing import Any, cast
 
 import ipywidgets
 
 from walkerlab.evolution.live import LiveRun, State
 from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome
-from walkerlab.runfile.records import concatenate_tables
-from walkerlab.settings.arguments import require_settings
+from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.workers import check_executor
 from walkerlab.system.files import absolute_path
 from walkerlab.text.templates import Markup, render
 from walkerlab.view.snapshots import HasSnapshot, nested_widgets
 from walkerlab.widgets.cells import register_in_cell
+from walkerlab.widgets.class_lock import make_lock
 from walkerlab.widgets.controls import use_labels
 from walkerlab.widgets.drawing_thread import DrawingThread
-from walkerlab.widgets.form import Form
 from walkerlab.widgets.generation_slider import LATEST
 from walkerlab.widgets.population import Population
 from walkerlab.widgets.robot import RobotArea
 from walkerlab.widgets.run_folders import ListedRun, new_live_run, prepare_further_generations
-from walkerlab.widgets.run_status import best_walker, describe_forecast, describe_state, error_text
+from walkerlab.widgets.run_status import describe_forecast, error_text, show_state
+from walkerlab.widgets.run_views import ShowsRun, arrange_areas
 from walkerlab.widgets.runs import RunsArea
 from walkerlab.widgets.transport import Transport
 from walkerlab.widgets.walker_view import WalkerView
@@ -39,7 +40,7 @@ from walkerlab.widgets.world import World
 STATUS_INTERVAL = 0.2  # s between two updates of the progress of a run
 
 
-class Lab(HasSnapshot, ipywidgets.Box):
+class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
     """The panel, in a notebook.
 
         lab = wl.Lab()
@@ -53,16 +54,35 @@ class Lab(HasSnapshot, ipywidgets.Box):
     title = "panel"
 
     def __init__(
-        self, settings: Settings | None = None, folder: str | Path = "lab", executor: Executor | None = None
+        self,
+        settings: Settings | None = None,
+        folder: str | Path = "lab",
+        executor: Executor | None = None,
+        *,
+        only: Sequence[str] = (),
+        budget: int | None = None,
+        locked: Mapping[str, Any] | None = None,
+        student: str = "",
     ) -> None:
         """Create the panel; no walk is simulated and no file is created until a button is pressed.
+
+        The limits of the class that ``walkerlab lab --class`` named apply, too.
 
         Args:
             settings: Initial settings of the form; the defaults if None.
             folder: Folder of the runs, each in a subfolder; if it is not writable, runs are not saved.
             executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
+            only: Names of the domains (``"terrain"``) and settings (``"step_height"``) to show; all if empty.
+            budget: Maximum number of walks of a run; None for any.
+            locked: Fixed settings with their values: ``{"population_size": 24}``.
+            student: Name of the student, for the seed and for ``hand_in``.
+
+        Raises:
+            SettingsError: If a limit, or the file of the class, is wrong.
+            ValueError: If each student has a seed, and the name is unknown.
         """
-        settings = Settings() if settings is None else require_settings(settings)
+        self.lock = make_lock(settings, only, budget, locked, student)
+        settings = self.lock.settings
         self._folder = absolute_path(folder, "folder")
         self._executor = executor
         self._reported: dict[LiveRun, tuple[tuple[State, int] | None, float]] = {}  # last state and time shown
@@ -70,21 +90,18 @@ class Lab(HasSnapshot, ipywidgets.Box):
         self._n_started = 0
         self._button_lock = Lock()
         self._drawing = DrawingThread(self._is_running, self._report_drawing_error)
-        self.form = Form(settings)
+        self.form = self.lock.make_form()
         self.world = World(settings)
         self.transport = Transport(self._press)
         self.walker = WalkerView()
-        self.runs = RunsArea(self._folder, self._drawing, self._run_selected, self._copy_settings, self._evolve_further)
+        hand_in = self._hand_in_champion if self.lock.classroom.shared_folder else None
+        self.runs = RunsArea(
+            self._folder, self._drawing, self._run_selected, self._copy_settings, self._evolve_further, hand_in
+        )
         self.population = Population()
         self.robot = RobotArea(settings, self._insert, self._continue_with)
-        columns = (
-            ("wide", [self.transport]),
-            ("left", [self.world, self.form]),
-            ("right", [self.walker, self.runs]),
-            ("wide", [self.population, self.robot]),
-        )
-        areas = [ipywidgets.Box(parts).add_class("wl-area").add_class(f"wl-{name}") for name, parts in columns]
-        super().__init__([ipywidgets.Box(areas).add_class("wl-areas")])
+        columns = ([self.transport], [self.world, self.form], [self.walker, self.runs], [self.population, self.robot])
+        super().__init__([arrange_areas(*columns)])
         check_executor(executor)  # last, so that the panel can be closed if this raises
         self.add_class("wl-lab")
         self.form.observe(self._form_changed, ["settings", "fault"])
@@ -136,6 +153,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
         """Draw the new world, and show the forecast of a run or why none can start."""
         settings = self.settings
         faults = "\n".join(map(use_labels, self.form.fault.splitlines()))
+        faults = self.lock.describe_excess(settings) if settings else faults
         self.transport.fault = f"Cannot start. {faults}" if faults else ""
         if settings:
             self._drawing.request("world", self.world.prepare(settings), is_urgent=True)
@@ -146,7 +164,7 @@ class Lab(HasSnapshot, ipywidgets.Box):
     def _show_forecast(self) -> None:
         """Show how long a run with the form's settings will take; not during a run, which would distort the timing."""
         if (settings := self.settings) and not self._is_running():
-            self.transport.forecast = describe_forecast(settings, self._active)
+            self.transport.forecast = describe_forecast(settings, self._active) + self.lock.describe_budget(settings)
 
     def _press(self, button: str) -> None:
         """Carry out the action of a button; presses from several threads are processed one after the other."""
@@ -168,6 +186,9 @@ class Lab(HasSnapshot, ipywidgets.Box):
 
     def _start(self, settings: Settings, generations: int | None) -> None:
         """Start a run, which pauses after a number of generations unless this is None."""
+        if excess := self.lock.describe_excess(settings):
+            self.transport.words = excess
+            return
         try:
             live, note = new_live_run(settings, self._folder, self._executor, self._run_progressed, self.transport.stop)
         except ValueError as error:  # a user function that cannot be used as this operator
@@ -192,9 +213,9 @@ class Lab(HasSnapshot, ipywidgets.Box):
             entry = self.runs.selected_entry
             if not entry or self._is_in_progress:
                 return
-            settings = self.settings if with_form else None
             try:
-                prepared, note = prepare_further_generations(entry, n_generations, settings)
+                prepared, note = prepare_further_generations(entry, n_generations, self.settings if with_form else None)
+                self.lock.require_within_limits(prepared.settings)
             except ValueError as error:
                 self.runs.drawer.words = use_labels(str(error))
                 return
@@ -225,50 +246,19 @@ class Lab(HasSnapshot, ipywidgets.Box):
         """Show the state and the progress of a run."""
         if live.state == State.failed:
             self.runs.drawer.words = "\n".join(getattr(live.error, "__notes__", []))
-        with self.transport.hold_sync():
-            self.transport.state = live.state
-            self.transport.words = describe_state(live)
-            self.transport.share = live.n_done / live.n_walks if live.n_walks else 1.0
+        show_state(self.transport, live)
         self.walker.frame.is_busy = live.state == State.running
         self.robot.editor.can_insert = not live.is_over and live.n_generations > 0
         if live.loss_note:
             self.runs.drawer.words = live.loss_note
 
-    def _run_selected(self) -> None:
-        self.population.selected = -1
-        self.runs.generation.selected = LATEST
-        self._generation_selected()
-
-    def _generation_selected(self, _change: object = None) -> None:
-        self._drawing.request("population", self._show_population, is_urgent=True)
-
     def _copy_settings(self) -> None:
         """Change the form to the settings of the selected run."""
         if run := self.run:
-            self.settings = run.settings
-
-    def _robot_selected(self, _change: object) -> None:
-        self._drawing.request("robot", self._show_robot, is_urgent=True)
-
-    def _show_population(self) -> None:
-        """Show the selected generation, or the robots that have walked if generation 0 is not complete."""
-        run = self.runs.visible
-        table = run.records if run else concatenate_tables([])
-        generation = self.runs.generation.generation
-        if generation is not None:
-            table = table.loc[table.generation == generation]
-        self.population.show(table, run.settings if run else None)
-        self._show_robot()
-        self._drawing.request("walker", self._show_walker)
-
-    def _show_robot(self) -> None:
-        """Show the selected robot, or the champion so far."""
-        if (run := self.runs.visible) and run.n_generations:
-            self.robot.show(run, self.population.selected)
-
-    def _show_walker(self) -> None:
-        """Show the walk of the best robot so far, or of the best robot of the selected generation."""
-        self.walker.show(best_walker(self.runs.selected_entry, self.runs.generation.generation))
+            try:
+                self.settings = run.settings
+            except SettingsError as error:
+                self.runs.drawer.words = use_labels(str(error))
 
     def _insert(self, genome: Genome) -> str:
         """Insert a genome into the next generation of the active run; return a message about the result."""

@@ -1,12 +1,14 @@
 """Named worlds: the default settings of terrain and robot with some changes."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
-from walkerlab.settings.model import Domain
+from walkerlab.settings.model import Domain, SettingsError
 from walkerlab.settings.settings import Settings
 
+START_PRESET, START_ABOUT = "start", "the settings at the start"  # first of the presets of a class
 WORLD_DOMAINS = ("terrain", "robot")  # domains that a preset sets; algorithm and simulation are unchanged
 
 
@@ -60,17 +62,54 @@ PRESETS: dict[str, Preset] = {
 """Presets, keyed by name; robots within the limits can walk in each of them."""
 
 
-def available_presets(shown: Collection[str]) -> dict[str, dict[str, Domain]]:
-    """Return the presets that change only shown domains: the settings of each shown domain, keyed by preset.
+@dataclass(frozen=True)
+class FormPreset:
+    """A named world in the menu of a form.
+
+    Attributes:
+        about: Short description.
+        domains: Settings of each domain that the preset sets, as arguments of ``Settings.with_``.
+    """
+
+    about: str
+    domains: dict[str, Domain]
+
+
+def choose_presets(
+    start: Settings, given: Mapping[str, Mapping[str, Any]] | None, complete: Collection[str], fixed: Collection[str]
+) -> dict[str, FormPreset]:
+    """Return the presets of a form, keyed by name.
 
     Args:
-        shown: Names of the domains whose settings are all shown.
+        start: Initial settings of the form.
+        given: Named worlds after ``start`` itself: by name, the settings that differ from it. If None, the built-in
+            presets that change only complete domains, and no fixed setting.
+        complete: Names of the domains whose settings are all shown.
+        fixed: Names of the settings that keep their initial values.
     """
     locations = Settings.field_locations()
-    return {
-        name: {
-            domain: getattr(Settings().with_(**preset.changes), domain) for domain in WORLD_DOMAINS if domain in shown
+    if given is not None:
+        domains = {locations[name][0] for changes in given.values() for name in changes}
+        worlds = {START_PRESET: (START_ABOUT, start)} | {
+            name: (describe_changes(changes), start.with_(**changes)) for name, changes in given.items()
         }
-        for name, preset in PRESETS.items()
-        if {locations[change][0] for change in preset.changes} <= {*shown} and "terrain" in shown
-    }
+        return {
+            name: FormPreset(about, {domain: getattr(settings, domain) for domain in domains})
+            for name, (about, settings) in worlds.items()
+        }
+    kept = {name: getattr(getattr(start, locations[name][0]), locations[name][1]) for name in fixed}
+    chosen: dict[str, FormPreset] = {}
+    for name, preset in PRESETS.items():
+        changed = {locations[change][0] for change in preset.changes}
+        if "terrain" not in complete or not changed <= {*complete} or not kept.keys().isdisjoint(preset.changes):
+            continue
+        with suppress(SettingsError):  # the fixed values do not fit to the others
+            settings = Settings().with_(**{**preset.changes, **kept})
+            shown = [domain for domain in WORLD_DOMAINS if domain in complete]
+            chosen[name] = FormPreset(preset.about, {domain: getattr(settings, domain) for domain in shown})
+    return chosen
+
+
+def describe_changes(changes: Mapping[str, Any]) -> str:
+    """Describe a preset of a class by its settings: ``structure stairs, step height 0.05``."""
+    return ", ".join(f"{name.replace('_', ' ')} {value}" for name, value in changes.items())

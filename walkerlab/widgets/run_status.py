@@ -10,6 +10,7 @@ from walkerlab.system.errors import WalkerlabError
 from walkerlab.text.numbers import with_unit
 from walkerlab.widgets.pre_evolved import load_pre_evolved_walker
 from walkerlab.widgets.run_folders import ListedRun
+from walkerlab.widgets.transport import Transport
 from walkerlab.widgets.walker_view import ShownWalker
 
 
@@ -29,6 +30,14 @@ def describe_state(live: LiveRun) -> str:
             return f"Finished: {pluralize(total, 'generation')} in {live.seconds:.0f} s."
         case state:
             return f"{state.capitalize()}: {done} ({live.seconds:.0f} s)."
+
+
+def show_state(transport: Transport, live: LiveRun) -> None:
+    """Show the state and the progress of a live run in the run controls."""
+    with transport.hold_sync():
+        transport.state = live.state
+        transport.words = describe_state(live)
+        transport.share = live.n_done / live.n_walks if live.n_walks else 1.0
 
 
 def error_text(error: BaseException | None) -> str:

@@ -52,6 +52,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         on_selected: Callable[[], None],
         on_settings: Callable[[], None],
         on_further: EvolveFurther,
+        on_hand_in: Callable[[], None] | None = None,
     ) -> None:
         """Create the area without runs.
 
@@ -61,6 +62,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
             on_selected: Called when another run is selected.
             on_settings: Called to copy the settings of the selected run to the form.
             on_further: Called to continue the selected run.
+            on_hand_in: Called to hand in the champion of the selected run; if None, there is no button for it.
         """
         self._folder = folder
         self._drawing = drawing
@@ -70,7 +72,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         self.curve = Curve()
         self.run_list = RunList()
         self.generation = GenerationSlider()
-        self.drawer = Drawer(self._load, self._export, on_settings, on_further)
+        self.drawer = Drawer(self._load, self._export, on_settings, on_further, on_hand_in)
         self._list_files()
         super().__init__([self.curve, self.generation, self.run_list, self.drawer])
         self.add_class("wl-runs")

@@ -6,8 +6,11 @@
   const POINT_CHANNELS = 3; // per centre of mass
   const MIN_MARK_SPACING = 28; // pixels between two marks
   const MAX_NAME_TAGS = 8; // maximum number of walks with a name above the picture
+  const MAX_PHONE_WIDTH = 520, MAX_NAMES_ON_PHONE = 4; // pixels; walks in the list on a phone, above which the list is compact
+  const RANKING_INTERVAL = 0.25; // s of the walk between two updates of the order of the list
   const TAG_HEIGHT = 0.25; // m from the centre of mass to the lower end of the line to its name
   const TAG_ROW = 22; // pixels between two rows of names
+  const MAX_TAG_SHARE = 0.4; // share of the height of the picture that names may cover; the others are hidden
   const TAG_GAP = 6; // pixels between two names in a row
   const NOT_EQUAL = 517, REPLACE = 7681; // three.js constants for stencils
   const MIN_ASPECT = 4 / 3; // width over height; in a narrower window the camera moves back until everything is visible
@@ -133,11 +136,28 @@
     const facts = make("dl", {}, ...walk.facts.flatMap(([name, value]) => [
       make("dt", { textContent: name }), make("dd", { textContent: value })]));
     const verdict = make("p", { className: walk.counts ? "verdict" : "verdict rejected", textContent: walk.verdict });
-    const head = make("summary", {}, dot, make("span", { className: "name", textContent: walk.label }), distances[number],
+    const head = make("summary", {}, make("span", { className: "place" }), dot, make("span", { className: "name", textContent: walk.label }), distances[number],
       make("span", { className: "sign", textContent: walk.counts ? "✓" : "✗", title: walk.verdict }));
     return make("details", { open: recording.walks.length === 1 && innerWidth > 620, ontoggle: () => fitPicture() }, head, verdict, facts);
   });
-  const walkList = make("section", { className: "walks", ariaLabel: "Walks" }, ...entries);
+  const isRanked = recording.walks.length > (innerWidth > MAX_PHONE_WIDTH ? MAX_NAME_TAGS : MAX_NAMES_ON_PHONE); // a compact list in the present order
+  const walkList = make("section", { className: isRanked ? "walks ranked" : "walks", ariaLabel: "Walks" }, ...entries);
+
+  // Sorts the list by the distance at this time; walks that do not count come last.
+  let rankedAt = -1;
+  function rankWalks() {
+    const moment = Math.floor(state.time / RANKING_INTERVAL);
+    if (moment === rankedAt) return;
+    rankedAt = moment;
+    const covered = recording.walks.map((walk, number) => centreOfMass(number, state.time)[0] - walk.start);
+    const counts = recording.walks.map((walk) => Number(walk.counts));
+    recording.walks.map((_, number) => number)
+      .sort((one, other) => counts[other] - counts[one] || covered[other] - covered[one])
+      .forEach((number, place) => {
+        entries[number].style.order = place;
+        entries[number].querySelector(".place").textContent = counts[number] ? `${place + 1}.` : "–";
+      });
+  }
 
   const playButton = make("button", { className: "play", type: "button" });
   playButton.innerHTML = '<svg viewBox="0 0 20 20" width="18" height="18" aria-hidden="true"><path/></svg>';
@@ -186,6 +206,7 @@
       const left = Math.max(0, Math.min(x - width / 2, target.clientWidth - width));
       let row = rowEnds.findIndex((end) => end + TAG_GAP <= left);
       if (row < 0) row = rowEnds.length;
+      if ((row + 1) * TAG_ROW > MAX_TAG_SHARE * target.clientHeight) { tag.style.display = "none"; continue; }
       rowEnds[row] = left + width;
       tag.style.translate = `${left}px ${row * TAG_ROW}px`;
       tag.style.setProperty("--x", `${x - left}px`);
@@ -198,6 +219,7 @@
       const [x] = centreOfMass(number, state.time);
       distances[number].textContent = `${(x - walk.start).toFixed(2).replace(/^-(0\.00)$/, "$1")} m`;
     });
+    if (isRanked) rankWalks();
     slider.value = state.time;
     slider.ariaValueText = clock.textContent = `${state.time.toFixed(2)} s`;
     playButton.querySelector("path").setAttribute("d", state.playing ? PAUSE_PATH : PLAY_PATH);

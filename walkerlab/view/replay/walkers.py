@@ -24,6 +24,7 @@ from walkerlab.world.scene import compile_scene
 LANE_GAP = 0.35  # m between the lanes of a race
 LIGHTNESS_FACTORS = (1.0, 0.6, 1.35)  # lightness of racers with the same hue
 MAX_LIGHTNESS = 0.85
+HUE_STEP = 0.46  # turns of the colour circle between a racer and the one with the same lightness, 18 places before
 MAX_NAMED_NUMBERS = 9  # maximum number of generations listed in an error message
 
 
@@ -113,8 +114,9 @@ def _lanes(reaches: Sequence[float], terrain: Terrain) -> list[float]:
 
 
 def _racer_colour(number: int) -> RGB:
-    """Return the colour of a racer: the colours of runs in turn, then darker, then lighter ones."""
+    """Return the colour of a racer: the colours of runs in turn, then darker, then lighter, then with other hues."""
     n_rounds, index = divmod(number, len(RUN_COLOURS))
+    n_turns, n_lightness = divmod(n_rounds, len(LIGHTNESS_FACTORS))
     hue, lightness, saturation = colorsys.rgb_to_hls(*to_rgb(RUN_COLOURS[index]))
-    factor = LIGHTNESS_FACTORS[n_rounds % len(LIGHTNESS_FACTORS)]
-    return colorsys.hls_to_rgb(hue, min(MAX_LIGHTNESS, lightness * factor), saturation)
+    lightness = min(MAX_LIGHTNESS, lightness * LIGHTNESS_FACTORS[n_lightness])
+    return colorsys.hls_to_rgb((hue + n_turns * HUE_STEP) % 1, lightness, saturation)

@@ -1,0 +1,1 @@
+"""The class tournament: genomes of a folder walk on the same grounds under one judge, and are ranked."""

@@ -1,0 +1,97 @@
+"""What a panel shows of its selected run: the population, the robot and the walk of a generation."""
+
+from pathlib import Path
+from typing import Any
+
+import ipywidgets
+
+from walkerlab.genome.genome import Genome
+from walkerlab.runfile.records import concatenate_tables
+from walkerlab.system.files import display_path
+from walkerlab.widgets.class_lock import ClassLock
+from walkerlab.widgets.drawing_thread import DrawingThread
+from walkerlab.widgets.generation_slider import LATEST
+from walkerlab.widgets.population import Population
+from walkerlab.widgets.robot import RobotArea
+from walkerlab.widgets.run_status import best_walker
+from walkerlab.widgets.runs import RunsArea
+from walkerlab.widgets.walker_view import WalkerView
+
+
+class ShowsRun:
+    """Mix-in of the panel that updates the views of the selected run; its attributes are those of the panel."""
+
+    runs: RunsArea
+    population: Population
+    robot: RobotArea
+    walker: WalkerView
+    lock: ClassLock
+    _drawing: DrawingThread
+
+    def hand_in(self, genome: Genome | str | None = None) -> Path:
+        """Write a robot into the shared folder of the class, under the name of the student.
+
+        Args:
+            genome: Genome or its text; the champion of the selected run if None.
+
+        Returns:
+            The path of the file; an earlier robot of the same student is replaced.
+
+        Raises:
+            ValueError: If there is no run, no shared folder or no name.
+        """
+        return self.lock.hand_in(self.runs.selected if genome is None else Genome.of(genome))
+
+    def _hand_in_champion(self) -> None:
+        """Hand in the champion of the selected run, and show where it is or why it could not be handed in."""
+        try:
+            path = self.hand_in()
+        except (ValueError, OSError) as error:
+            self.runs.drawer.words = f"The robot was not handed in: {error}"
+        else:
+            self.runs.drawer.words = f"Handed in as {display_path(path)}, in place of any earlier robot of yours."
+
+    def _run_selected(self) -> None:
+        self.population.selected = -1
+        self.runs.generation.selected = LATEST
+        self._generation_selected()
+
+    def _generation_selected(self, _change: object = None) -> None:
+        self._drawing.request("population", self._show_population, is_urgent=True)
+
+    def _robot_selected(self, _change: object) -> None:
+        self._drawing.request("robot", self._show_robot, is_urgent=True)
+
+    def _show_population(self) -> None:
+        """Show the selected generation, or the robots that have walked if generation 0 is not complete."""
+        run = self.runs.visible
+        table = run.records if run else concatenate_tables([])
+        generation = self.runs.generation.generation
+        if generation is not None:
+            table = table.loc[table.generation == generation]
+        self.population.show(table, run.settings if run else None)
+        self._show_robot()
+        self._drawing.request("walker", self._show_walker)
+
+    def _show_robot(self) -> None:
+        """Show the selected robot, or the champion so far."""
+        if (run := self.runs.visible) and run.n_generations:
+            self.robot.show(run, self.population.selected)
+
+    def _show_walker(self) -> None:
+        """Show the walk of the best robot so far, or of the best robot of the selected generation."""
+        self.walker.show(best_walker(self.runs.selected_entry, self.runs.generation.generation))
+
+
+def arrange_areas(*columns: list[Any]) -> ipywidgets.Box:
+    """Return the layout of the panel.
+
+    Args:
+        columns: Components at the top, on the left, on the right and at the bottom.
+    """
+    names = ("wide", "left", "right", "wide")
+    areas = [
+        ipywidgets.Box(parts).add_class("wl-area").add_class(f"wl-{name}")
+        for name, parts in zip(names, columns, strict=True)
+    ]
+    return ipywidgets.Box(areas).add_class("wl-areas")
