@@ -101,7 +101,7 @@ def _draw_sum(
 
 
 def _body_lengths(robot: Robot, n_segments: NDArray[np.intp]) -> tuple[Floats, Floats]:
-    """Return the lowest and highest length [m] of bodies with these numbers of segments, shape (n, 1) each."""
+    """Return the minimum and maximum length [m] of bodies with these numbers of segments, shape (n, 1) each."""
     ranges = np.array([robot.length_for_weight(n) for n in range(1, robot.segments[1] + 1)])
     low, high = ranges[n_segments - 1, :, np.newaxis].swapaxes(0, 1)
     return low, high

@@ -31,7 +31,7 @@ def check(number: str, answer: Any) -> Feedback:
     """
     exercise = find_exercise(number)
     if is_empty(answer):
-        return Feedback(EMPTY, "Replace ... by your answer and run the cell again.")
+        return Feedback(EMPTY, "Replace ... with your answer and run the cell again.")
     note = ""
     given: Any = cast(tuple[Any, ...], answer)[-1] if isinstance(answer, tuple) else answer
     try:

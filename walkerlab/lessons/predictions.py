@@ -10,7 +10,7 @@ from walkerlab.settings.values import short_repr
 from walkerlab.view.plots.tables import format_value
 from walkerlab.widgets.questions import Item, Questions, Reply
 
-NOTHING_PREDICTED = "No prediction yet: replace ... by your prediction and run the cell again."
+NOTHING_PREDICTED = "No prediction yet: replace ... with your prediction and run the cell again."
 
 
 @dataclass(frozen=True)

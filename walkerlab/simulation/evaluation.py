@@ -29,7 +29,7 @@ from walkerlab.world.scene import reusable_scene_of
 
 MAX_TASK_SIZE = 16  # maximum number of robots; about half a second of walks, so that a run can be paused quickly
 MAX_TASK_STEPS = MAX_TASK_SIZE * 1600  # maximum physics steps of a task with several robots, for the same reason
-MIN_TASKS_LEFT = 3  # minimum tasks per worker that the remaining robots can fill; balances the load at the end
+MIN_TASKS_LEFT = 3  # minimum number of tasks per worker that the remaining robots can fill, to balance the load
 
 START_TIME_LIMIT = 60.0  # s within which workers must start
 MAX_SECONDS_PER_STEP = 0.002  # ten times the duration of a physics step of the slowest world on a slow laptop
@@ -96,7 +96,8 @@ def evaluate(
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         on_done: Function called with the number of newly finished robots after each task, in the order of the tasks.
         starts: Numbers of the starts from which each robot walks: 0 is the exact start, and each other number is a
-            slightly different start. By default, 0 up to the number in ``settings.simulation.n_starts``.
+            slightly different start. By default, as many starts as ``settings.simulation.n_starts`` says, numbered
+            from 0.
         on_rated: Function called with the index of each genome and its evaluation, before ``on_done``.
         descriptors: Names of built-in behaviour descriptors, or a dict from names to functions of a ``Rollout``; each
             evaluation has their values for its walk.
@@ -107,8 +108,8 @@ def evaluate(
     Raises:
         GenomeError: If a string is not a valid genome.
         ValueError: If ``genomes`` is a single genome or an array of another shape, if ``starts`` are not whole numbers
-            of 0 or more, if there is no descriptor of a name, or if the fitness function returns anything but a finite
-            number, -inf or None.
+            of 0 or more, if there is no built-in descriptor with a given name, or if the fitness function returns
+            anything but a finite number, -inf or None.
         TypeError: If ``executor`` is not an executor, ``settings`` is not a ``Settings``, or a descriptor is not a
             function.
         RuntimeError: If the executor is closed.
@@ -201,7 +202,7 @@ def _simulate_task(
         settings: Settings of the world.
         starts: Numbers of the starts.
         call_id: Unique string of one call of ``evaluate``. Dask computes equal calls only once and cancels them
-            together; this makes the same tasks of two runs different.
+            together; this makes equal tasks of two runs distinguishable.
     """
     return [
         walk_from_every_start(*reusable_scene_of(genome, settings), poses=False, starts=starts) for genome in genomes

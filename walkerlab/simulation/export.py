@@ -38,7 +38,7 @@ model = mujoco.MjModel.from_xml_path(str(here / "NAME.xml"))
 data = mujoco.MjData(model)
 steps, targets = np.split(np.loadtxt(here / "NAME_controls.csv", delimiter=",", skiprows=1), [1], axis=1)
 mujoco.mj_resetDataKeyframe(model, data, model.key("start").id)
-mujoco.mj_step(model, data, int(model.numeric("settle_steps").data[0]))  # the robot settles at rest
+mujoco.mj_step(model, data, int(model.numeric("settle_steps").data[0]))  # the robot comes to rest
 forward = []  # m, position of the centre of mass before each step
 for step in range(int(steps[-1, 0]) + 1):
     data.ctrl[:] = targets[np.searchsorted(steps[:, 0], step, side="right") - 1]
@@ -198,7 +198,8 @@ def _exact_xml(spec: mujoco.MjSpec) -> str:
         if element.tag == "geom" and "mesh" in element.attrib:  # MuJoCo converts these to the inertial frame and back
             geom = spec.geom(element.attrib["name"])
             element.attrib |= {"pos": _join_numbers(geom.pos), "quat": _join_numbers(geom.quat)}
-        if element.tag == "geom" and "name" in element.attrib:  # MuJoCo omits a mass close to that from the density
+        # MuJoCo omits a mass that is close to the one given by the density.
+        if element.tag == "geom" and "name" in element.attrib:
             mass = spec.geom(element.attrib["name"]).mass
             element.attrib |= {"mass": repr(float(mass))} if math.isfinite(mass) else {}
         for key, value in element.items():

@@ -170,7 +170,7 @@ def _measure_level_speed(scene: Scene, nudge: Floats | None) -> float:
 def walk_from_every_start(
     scene: Scene, data: mujoco.MjData | None = None, *, poses: bool, starts: Sequence[int] | None = None
 ) -> list[Rollout]:
-    """Simulate a walk from each start, as evolution does; their lowest fitness counts.
+    """Simulate a walk from each start, as evolution does; the lowest fitness counts.
 
     Starts after the first walk that does not count are not simulated, because no fitness can be lower.
 

@@ -28,7 +28,7 @@ MAX_SINK = 0.05  # m; maximum depth of a segment in the ground; a landing foot o
 MAX_SLEDGE_SINK = 0.1  # m; maximum depth of the sledge's middle; a crest between its runners may reach up to 0.06
 MAX_ROPE_STRETCH = 1.1  # maximum length of the rope, as a share of its length at rest
 MAX_OVERTURNED_TIME = 0.5  # s; maximum total time with the back below the horizon; champions tilt by at most 50°
-MIN_LEVEL_SHARE = 1 / 3  # minimum share of the speed that remains without push; walkers keep 0.5 or more, except on ice
+MIN_LEVEL_SHARE = 1 / 3  # minimum share of the speed that remains without a push; walkers keep half, except on ice
 MAX_LOAD_LEAD = 0.0  # m; maximum distance of the sledge ahead of the robot
 
 UNSTABLE = "unstable"

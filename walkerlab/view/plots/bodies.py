@@ -26,7 +26,7 @@ from walkerlab.world.geometry import ROPE_POINTS, convex_outline, surface_points
 from walkerlab.world.heights import ground_height
 from walkerlab.world.scene import Scene, compile_scene, scene_of
 
-GROUND_MARGIN = 0.2  # m of ground drawn before and behind the bodies
+GROUND_MARGIN = 0.2  # m of ground drawn in front of and behind the bodies
 GROUND_DEPTH = 0.08  # m of ground drawn below its lowest point
 MAX_BODIES = 5  # maximum number of times that a robot is drawn along its walk
 MIN_SPACING = 1.3  # body lengths between two drawings
