@@ -17,7 +17,6 @@ DOCUMENTS = sorted(
 )
 LINK = re.compile(r"""\]\(<?([^)\s>]+)>?[^)]*\)|\b(?:href|src)="([^"]+)\"""")
 CODE = re.compile(r"^```.*?^```|`[^`\n]*`", re.MULTILINE | re.DOTALL)
-UNWRITTEN = "11_class_tournament"  # lesson that the index links to before it is written
 EXTERNAL = re.compile(r"[a-z]+:")
 
 
@@ -33,7 +32,7 @@ def markdown(path):
 def links(path):
     """Return the relative links of a document."""
     found = [unquote(one or other) for one, other in LINK.findall(markdown(path))]
-    return [link for link in found if not EXTERNAL.match(link) and Path(link).stem != UNWRITTEN]
+    return [link for link in found if not EXTERNAL.match(link)]
 
 
 def anchors(path):
@@ -48,8 +47,6 @@ def broken_links(path):
     for link in links(path):
         name, _, anchor = link.partition("#")
         target = path.parent / name if name else path
-        if not target.exists() and path.parent == NOTEBOOKS / "teacher":
-            target = NOTEBOOKS / name
         if not target.exists() or (anchor and anchor not in anchors(target)):
             broken.append(link)
     return broken
@@ -68,10 +65,6 @@ def test_broken_links_are_found(tmp_path):
         "`[6](e.md)` [7](https://f/g.md)\n```\n[8](h.md)\n```\n"
     )
     assert broken_links(document) == ["b.md#three", "c.png", "d.png"]
-
-
-def test_only_the_unwritten_lesson_is_excepted():
-    assert not (NOTEBOOKS / f"{UNWRITTEN}.ipynb").exists(), "remove UNWRITTEN"
 
 
 def test_links_are_found_in_the_lessons():

@@ -94,7 +94,7 @@ def read_conditions(given: object, population: object = None) -> list[Condition]
     """Check the conditions that a user gives, before anything runs.
 
     Args:
-        given: Dict from names to ``Settings``, optimisers, or pairs of both.
+        given: Dict from names to ``Settings``, optimisers, or pairs of an optimiser and ``Settings``.
         population: Genomes for generation 0 of all conditions, or a dict from names of conditions to genomes.
 
     Raises:
@@ -127,8 +127,8 @@ def read_conditions(given: object, population: object = None) -> list[Condition]
         if (other := condition.settings.algorithm.fitness) != first:
             raise SettingsError(
                 f"the conditions {conditions[0].name!r} and {condition.name!r} have different fitness "
-                f"({_value_name(first)} and {_value_name(other)}), whose numbers cannot be compared. Give all "
-                "conditions the same fitness."
+                f"functions ({_value_name(first)} and {_value_name(other)}), whose values cannot be compared. Give all "
+                "conditions the same fitness function."
             )
     return conditions
 
@@ -148,8 +148,8 @@ def _read_condition(name: str, entry: Any, settings: list[Settings]) -> Conditio
             if any(task_of(one) != task_of(settings[0]) for one in settings):
                 raise SettingsError(
                     f"condition {name!r} is the optimiser {function_name(entry)}, and the other conditions differ in "
-                    "the ground, the robots, the walk, the fitness or the number of evaluations: it is unclear which "
-                    f"it should have. Give its settings with it: {{{name!r}: ({function_name(entry)}, settings)}}"
+                    "the ground, the robots, the walk, the fitness or the number of evaluations, so it is unclear "
+                    f"which of their settings it should use. Give it settings of its own: {{{name!r}: ({function_name(entry)}, settings)}}"
                 )
             return Condition(name, settings[0], function_name(entry), entry)
         case _:

@@ -160,8 +160,8 @@ class Experiment:
         """Compare the conditions by the best fitness of each run; only seeds whose runs have all ended count.
 
         Args:
-            threshold: Fitness to reach, for the number of robots until then; if None, the lowest median of the
-                conditions that are compared with each other.
+            threshold: Fitness for which the summary gives the number of robots simulated until it was reached; if None,
+                the lowest median of the conditions that are compared with each other.
             against: Name of the condition that all others are compared with; if None, all pairs are compared. With
                 fewer comparisons, smaller differences can be found.
 

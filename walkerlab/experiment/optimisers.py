@@ -3,7 +3,7 @@
 An optimiser is a function ``optimise(evaluate, settings, n_evaluations, *, rng)``. It calls ``evaluate`` with genomes,
 as often and with as many genomes as it requires, and receives their fitness. Its return value is ignored. If it has a
 parameter ``population``, it receives the genomes given for generation 0, shape (n, n_genes). ``evaluate`` ends the run
-when ``n_evaluations`` genomes are evaluated, so that an endless loop is allowed:
+when ``n_evaluations`` genomes have been evaluated, so that an endless loop is allowed:
 
     def hill_climber(evaluate, settings, n_evaluations, *, rng):
         genes = wl.gene_table(settings.robot)
@@ -90,8 +90,8 @@ def run_optimiser(
         settings: Settings of the run.
         walk: Function that returns the evaluations of (n, n_genes) genomes.
         recall: Function that returns the known evaluations of genomes.
-        on_generation: Function that is called with the table of as many robots as a generation of the genetic algorithm
-            evaluates, and of those that remain at the end.
+        on_generation: Function that is called with a table each time as many robots have been evaluated as in a
+            generation of the genetic algorithm, and at the end with the table of the rest.
         founders: Genomes given for generation 0; the first contains the values of frozen genes.
     """
     rng = random_stream(settings.algorithm.seed, "search")
@@ -130,7 +130,7 @@ class _Evaluator:
         """Return the fitness of genomes, shape (n,); ``-inf`` where a walk does not count.
 
         Raises:
-            EvaluationsUsedError: If fewer evaluations are left.
+            EvaluationsUsedError: If fewer evaluations than genomes are left.
         """
         robots = [genome.within(self._settings.robot) for genome in read_genomes(genomes)]
         if self._founders and robots:

@@ -76,7 +76,7 @@ def top_half(fitness: Floats, n_parents: int, *, rng: Generator) -> Indices:
     Args:
         fitness: Fitness of each individual, shape (n,); higher is better. Among equals, the first counts as better.
         n_parents: Number of parents to select; if it is not a multiple of the size of that half, the best are selected
-            once more.
+            one more time than the rest.
         rng: Random number generator; shuffles the parents.
 
     Returns:

@@ -20,10 +20,10 @@ GRID_TOLERANCE = 1e-6  # steps of the grid
 def repair(genomes: ArrayLike, robot: Robot) -> Floats:
     """Return a nearby genome within all limits for each genome; a genome already within them is unchanged.
 
-    Genes are brought into their ranges, including the number of segments, and rounded to a grid. Lengths and masses of
+    Genes, including the number of segments, are brought into their ranges and rounded to a grid. Lengths and masses of
     the expressed segments are moved towards an end of their range until their sum is within the limits. Pairs of legs
     are added from the front, or removed from the rear, until their number is within the limits. The range of a mass is
-    what a trunk and legs of this length can weigh at a plausible density. Limits have priority over the grid: if no
+    what a trunk and legs of these lengths can weigh at a plausible density. Limits have priority over the grid: if no
     value on the grid is within them, a gene is not rounded.
 
     Args:

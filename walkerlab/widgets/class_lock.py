@@ -1,6 +1,6 @@
 """Limits of a panel: the settings that it shows, those that are fixed, and the number of walks of a run.
 
-They come from the file of a class, see ``settings/classroom.py``, and from the arguments of ``wl.Lab``, which can only
+They come from the file of a class (see ``settings/classroom.py``) and from the arguments of ``wl.Lab``, which can only
 add limits to those of the class.
 """
 
@@ -111,7 +111,7 @@ class ClassLock:
         folder = self.classroom.shared_folder
         if folder is None:
             raise ValueError(
-                'this class has no shared folder; the teacher names one in the class file: "shared_folder"'
+                'this class has no shared folder; the teacher can name one in the class file: "shared_folder"'
             )
         if not self.student:
             raise ValueError('your name is unknown; create the panel with it: wl.Lab(student="Ada")')
@@ -138,7 +138,7 @@ def make_lock(
     Args:
         settings: Initial settings, before any value is fixed; the defaults if None.
         only: Names of the domains and settings to show; all if empty.
-        budget: Maximum number of walks of a run; None for any.
+        budget: Maximum number of walks of a run; None for no limit.
         locked: Fixed settings with their values.
         student: Name of the student; the name of the user on a JupyterHub if empty.
 
@@ -152,7 +152,7 @@ def make_lock(
     names = Settings.field_locations()
     shown = tuple(name for name in names if shared.shows(name) and asked.shows(name))
     if not shown:
-        raise SettingsError("the settings in only are not among those that the class shows; name some of those.")
+        raise SettingsError("the class shows none of the settings given as only=; choose from those that it shows.")
     values = {**asked.locked, **shared.locked}
     reasons = dict.fromkeys(values, FIXED_REASON)
     student = student.strip() or os.environ.get(STUDENT_VARIABLE, "")

@@ -193,7 +193,7 @@ def compile_scene(genome: Genome | str | Floats, settings: Settings, *, scenery:
     Raises:
         GenomeError: If the text is not a valid genome.
         ValueError: If the values are not a valid genome.
-        TypeError: If ``settings`` are not a ``Settings``.
+        TypeError: If ``settings`` is not a ``Settings`` object.
     """
     if scenery:
         return describe_scene(genome, settings, scenery=True)[1]
