@@ -16,7 +16,7 @@ from walkerlab.system.package_files import find_package_file
 
 NOTEBOOKS_FOLDER = "walkerlab-notebooks"
 SOURCE_FOLDER = "notebooks"
-STUDENT_FILES = ("*.ipynb", "*.md", "pictures/*.png")
+STUDENT_FILES = ("*.ipynb", "*.md", "pictures/*.png", "beyond/*")
 TEACHER_FILES = ("teacher/*.ipynb", "teacher/*/*.md")
 INDEX = "index.ipynb"
 

@@ -149,7 +149,8 @@ def _read_condition(name: str, entry: Any, settings: list[Settings]) -> Conditio
                 raise SettingsError(
                     f"condition {name!r} is the optimiser {function_name(entry)}, and the other conditions differ in "
                     "the ground, the robots, the walk, the fitness or the number of evaluations, so it is unclear "
-                    f"which of their settings it should use. Give it settings of its own: {{{name!r}: ({function_name(entry)}, settings)}}"
+                    "which of their settings it should use. Give it settings of its own: "
+                    f"{{{name!r}: ({function_name(entry)}, settings)}}"
                 )
             return Condition(name, settings[0], function_name(entry), entry)
         case _:

@@ -90,6 +90,9 @@ def evaluate(
     Any other return value must be one finite number; Python and numpy numbers, booleans, fractions and arrays of one
     element are converted to a float.
 
+    A walk that does not count has the fitness ``-inf``, with which optimisers such as CMA-ES cannot compute;
+    ``wl.Problem(settings, uncounted=-10)`` gives a finite number instead.
+
     Args:
         genomes: Genomes, their texts, or an array of shape (n, n_genes); repaired to be within the robot limits.
         settings: Complete settings of the run.
