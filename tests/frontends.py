@@ -31,7 +31,7 @@ PLACES = {
 
 # Console messages of the front ends, also for an empty notebook; Voila requests icons and formulas from the internet.
 KNOWN_MESSAGES = {
-    PLACES["JupyterLab"]: r"^Plugin .* took [\d.]+ms to activate",  # on a busy computer
+    PLACES["JupyterLab"]: r"^Plugin .* (took [\d.]+ms|is taking too long) to activate",  # on a busy computer
     PLACES[
         "Notebook 7"
     ]: r"^Menu entry for command|^\[yjs#509\]|reading 'schema'|'filebrowser:open-path' not registered",
