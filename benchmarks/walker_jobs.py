@@ -31,7 +31,7 @@ GROUNDS: dict[str, dict[str, Any]] = {
 """Settings of each ground that differ from the defaults."""
 
 DECISIVE_SOURCES = (
-    *("breeding.py", "randomness.py", "evolution/fragility.py", "evolution/rating.py"),
+    *("system/randomness.py", "evolution/fragility.py", "evolution/rating.py"),
     *("ga/*.py", "genome/*.py", "simulation/*.py", "world/**/*.py"),
 )
 """Modules of walkerlab that determine how a search proceeds and how a robot walks."""

@@ -17,11 +17,10 @@ import walkerlab
 PACKAGE = Path(walkerlab.__file__).parent
 
 LAYERS = (
-    ("errors",),
-    ("text", "system", "randomness"),
+    ("text", "system"),
     ("ga", "settings"),
     ("genome",),
-    ("breeding", "world"),
+    ("world",),
     ("simulation",),
     ("runfile",),
     ("analysis",),
@@ -38,7 +37,7 @@ LAYERS = (
 LAYER = {name: number for number, names in enumerate(LAYERS) for name in names}
 
 ONLY_FROM = {
-    "ga": {"errors", "randomness", "system"},
+    "ga": {"system"},
     "world.entities": {"settings", "ga", "world"},
     "commands": {*LAYER} - {"widgets", "lessons"},
 }
@@ -87,7 +86,7 @@ LIGHT = {
 }
 LIGHT |= {
     f"walkerlab.{name}": {"pandas", "mujoco", "dm_control", "matplotlib", "ipywidgets", "jinja2"}
-    for name in ("settings.model", "settings.settings", "settings", "randomness", "ga.genes", "ga")
+    for name in ("settings.model", "settings.settings", "settings", "system.randomness", "ga.genes", "ga")
 }
 LIGHT |= {
     f"walkerlab.{name}": {"mujoco", "dm_control", "matplotlib", "ipywidgets", "jinja2"}
@@ -99,7 +98,7 @@ LIGHT |= {
             "world.placement",
             "world.materials",
             "genome.genome",
-            "breeding",
+            "genome.breeding",
         ),
         "simulation.validity",
     )
@@ -108,7 +107,7 @@ LIGHT |= {
 
 MAX_LINES = 300
 MAX_MEDIAN_LINES = 130
-MAX_TOP_LEVEL_ENTRIES = 23
+MAX_TOP_LEVEL_ENTRIES = 20
 
 
 def modules():

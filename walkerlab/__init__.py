@@ -11,7 +11,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 _PUBLIC_NAMES = {
-    "breeding": (
+    "genome.breeding": (
         "crossover_population",
         "generate_robot_gene",
         "generate_robot_population",
@@ -75,7 +75,7 @@ _PUBLIC_NAMES = {
     "widgets.lab": ("Lab",),
     "widgets.playground": ("Playground", "playground"),
 }
-"""Public names, by the module that defines them."""
+"""Public names, keyed by the module that defines them."""
 
 _PUBLIC_MODULES = {
     "analysis": "analysis",
@@ -95,11 +95,6 @@ if TYPE_CHECKING:
     from walkerlab import ga as ga
     from walkerlab import lessons as lessons
     from walkerlab import widgets as widgets
-    from walkerlab.breeding import crossover_population as crossover_population
-    from walkerlab.breeding import generate_robot_gene as generate_robot_gene
-    from walkerlab.breeding import generate_robot_population as generate_robot_population
-    from walkerlab.breeding import mutate_population as mutate_population
-    from walkerlab.breeding import select_from_population as select_from_population
     from walkerlab.evolution.births import explain_birth as explain_birth
     from walkerlab.evolution.evolution import Evolution as Evolution
     from walkerlab.evolution.generation import Generation as Generation
@@ -118,6 +113,11 @@ if TYPE_CHECKING:
     from walkerlab.experiment.optimisers import random_search as random_search
     from walkerlab.ga.crossover import Children as Children
     from walkerlab.ga.user_functions import OperatorError as OperatorError
+    from walkerlab.genome.breeding import crossover_population as crossover_population
+    from walkerlab.genome.breeding import generate_robot_gene as generate_robot_gene
+    from walkerlab.genome.breeding import generate_robot_population as generate_robot_population
+    from walkerlab.genome.breeding import mutate_population as mutate_population
+    from walkerlab.genome.breeding import select_from_population as select_from_population
     from walkerlab.genome.features import gene_table as gene_table
     from walkerlab.genome.genome import Genome as Genome
     from walkerlab.genome.phenotype import Phenotype as Phenotype

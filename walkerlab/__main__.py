@@ -1,4 +1,4 @@
-"""Entry point of the command line: ``walkerlab evolve``, ``resume``, ``compare``, ``show`` and further commands."""
+"""Entry point of the command line: ``walkerlab evolve``, ``resume``, ``compare``, ``show`` and other commands."""
 
 from __future__ import annotations  # the doctor must run on old versions of Python
 
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from io import TextIOWrapper
 
 from walkerlab.commands.terminal import EXIT_INTERRUPTED, INVALID_REQUEST, print_error, print_safely
-from walkerlab.errors import WalkerlabError
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.interrupts import interrupts_held
 
 
@@ -92,7 +92,7 @@ def _run_command(words: Sequence[str]) -> int:
         try:
             return arguments.run(arguments)
         except KeyboardInterrupt:
-            signal.signal(signal.SIGINT, signal.SIG_IGN)  # a further Ctrl-C is ignored
+            signal.signal(signal.SIGINT, signal.SIG_IGN)  # another Ctrl-C is ignored
             return print_error(f"\n{runs.describe_stop(arguments)}", EXIT_INTERRUPTED)
         except WalkerlabError as error:
             if not hasattr(error, "saved_path"):

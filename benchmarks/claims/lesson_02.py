@@ -31,6 +31,10 @@ def _headwind(seed: int) -> float:
     return _loss(seed, 1, wind=(-10, 0, 0))
 
 
+def _uphill(seed: int) -> float:
+    return _loss(seed, 1, structure="incline", incline=10)
+
+
 def _steps(seed: int) -> float:
     return _loss(seed, 0.5, structure="stairs", step_height=0.08)
 
@@ -54,4 +58,5 @@ CLAIMS: tuple[Claim, ...] = (
     Claim("02.c", "A headwind of 10 m/s costs distance.", _headwind, "m"),
     Claim("02.d", "A sledge of 3 kg is harder than a pack of 3 kg.", _sledge, "m"),
     Claim("02.e", "It walks further on the earth than on the moon or on Jupiter.", _other_planets, "m"),
+    Claim("02.f", "Uphill, it comes less far.", _uphill, "m"),
 )

@@ -1,37 +1,57 @@
 """Statements of lesson 04, crossover."""
 
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 
 import numpy as np
 
 import walkerlab as wl
 from benchmarks.claims.claim import Claim, evolve_here
+from walkerlab.lessons.saved_runs import RUN_CHANGES
 
 SETTINGS = wl.Settings().with_(population_size=24, duration=4, generations=12)
 CHILDREN = 20
+RATE = 0.04
+LAST = SETTINGS.algorithm.generations - 1
 
 
 def _settings(seed: int, crossover: str, rate: float) -> wl.Settings:
     return SETTINGS.with_(seed=seed, crossover=crossover, mutation_rate=rate)
 
 
-def median_of_children(parents: list[str]) -> float:
-    """Return the median distance of children by uniform crossover, as a share of that of the better parent."""
-    settings = SETTINGS.with_(crossover="uniform", duration=5)
+@cache
+def walk_with_children(parents: tuple[str, str], settings: wl.Settings) -> tuple[list[float], list[float]]:
+    """Return the distances of two parents and of their children by uniform crossover; 0 if a walk does not count."""
+    settings = settings.with_(crossover="uniform", duration=5)
     children, _ = wl.crossover_population(parents, [0, 0], CHILDREN, settings.robot, settings.algorithm, generation=1)
     with ThreadPoolExecutor(1) as executor:
-        best = max(walk.distance for walk in wl.evaluate(parents, settings, executor))
-        walks = wl.evaluate(children, settings, executor)
-    return float(np.median([walk.distance / best * (walk.verdict == "ok") for walk in walks]))
+        pairs = [wl.evaluate(robots, settings, executor) for robots in (parents, children)]
+    of_parents, of_children = [[walk.distance if walk.verdict == "ok" else 0.0 for walk in walks] for walks in pairs]
+    return of_parents, of_children
+
+
+def _strangers(seed: int) -> tuple[str, str]:
+    """Return the champions of two runs with different seeds."""
+    champions = wl.lessons.saved_results().query("condition == 'evolution'").genome.to_list()
+    return champions[seed % len(champions)], champions[(seed + 1) % len(champions)]
 
 
 def relatives_lead(seed: int) -> float:
-    """Return the median of the children of relatives minus that of the children of strangers."""
-    champions = wl.lessons.saved_results().query("condition == 'evolution'").genome.to_list()
-    strangers = [champions[seed % len(champions)], champions[(seed + 1) % len(champions)]]
-    last = evolve_here(_settings(seed, "uniform", 0.04)).records.query("generation == generation.max()")
-    relatives = last.sort_values("fitness").genome.drop_duplicates().to_list()[-2:]
-    return median_of_children(relatives) - median_of_children(strangers)
+    """Return the median of the children of relatives minus that of strangers, each as a share of the better parent."""
+    run = wl.lessons.saved_run(list(RUN_CHANGES)[seed % len(RUN_CHANGES)])
+    last = run.records.query("generation == generation.max()")
+    ranked = last.sort_values("fitness", ascending=False).genome.drop_duplicates().to_list()
+    shares: list[float] = []
+    for parents, settings in (((ranked[0], ranked[9]), run.settings), (_strangers(seed), SETTINGS)):
+        of_parents, of_children = walk_with_children(parents, settings)
+        shares.append(float(np.median(of_children)) / max(of_parents))
+    return shares[0] - shares[1]
+
+
+def strangers_worse(seed: int) -> float:
+    """Return the share of the children of strangers that walk less far than both parents, minus one half."""
+    of_parents, of_children = walk_with_children(_strangers(seed), SETTINGS)
+    return float((np.array(of_children) < min(of_parents)).mean() - 0.5)
 
 
 def gain(seed: int, crossover: str) -> float:
@@ -40,10 +60,22 @@ def gain(seed: int, crossover: str) -> float:
     return float(records.fitness.max() - records.fitness[records.generation == 0].max())
 
 
-def diversity_lost(seed: int) -> float:
-    """Return how much lower the final diversity is without mutation than with it."""
-    final = [wl.stats.curves(evolve_here(_settings(seed, "uniform", rate))).diversity.iloc[-1] for rate in (0.04, 0.0)]
-    return float(final[0] - final[1])
+def _count_values(seed: int, rate: float, generation: int) -> int:
+    """Return the number of different values in a generation of a run with uniform crossover, over all genes."""
+    records = evolve_here(_settings(seed, "uniform", rate)).records
+    texts: list[str] = records.genome[records.generation == generation].to_list()
+    values = np.array([wl.Genome.parse(text).values for text in texts])
+    return sum(len(np.unique(of_gene)) for of_gene in values.T)
+
+
+def values_lost(seed: int) -> float:
+    """Return by how much more than four fifths of the gene values a run without mutation loses."""
+    return 0.2 - _count_values(seed, 0.0, LAST) / _count_values(seed, 0.0, 0)
+
+
+def values_added(seed: int) -> float:
+    """Return how many more gene values a run with mutation has at the end, as a share of one without mutation."""
+    return _count_values(seed, RATE, LAST) / _count_values(seed, 0.0, LAST) - 1
 
 
 def new_values(seed: int) -> float:
@@ -66,6 +98,7 @@ CLAIMS: tuple[Claim, ...] = (
         relatives_lead,
         "of the better parent's distance",
     ),
+    Claim("04.f", "Most children of strangers are worse than both parents.", strangers_worse, "above one half"),
     Claim(
         "04.b",
         "Without crossover and mutation, the best robot never improves.",
@@ -78,6 +111,12 @@ CLAIMS: tuple[Claim, ...] = (
         lambda seed: gain(seed, "uniform"),
         "m",
     ),
-    Claim("04.d", "Diversity ends lower without mutation than with it.", diversity_lost),
+    Claim(
+        "04.d",
+        "Without mutation, fewer than one in five of the gene values of generation 0 are left at the end.",
+        values_lost,
+        "of the values, below one fifth",
+    ),
+    Claim("04.g", "With mutation, there are more different gene values at the end.", values_added, "of those without"),
     Claim("04.e", "Of all crossover operators, only weighted creates new gene values.", new_values, "values", needed=5),
 )

@@ -8,7 +8,7 @@ import numpy as np
 import walkerlab as wl
 from benchmarks.claims.claim import Claim, evolve_here
 
-SETTINGS = wl.Settings().with_(population_size=24, duration=5, generations=14)
+SETTINGS = wl.Settings().with_(population_size=24, duration=5, generations=10)
 MUTANTS = 40
 RATE = 0.2
 

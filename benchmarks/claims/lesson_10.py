@@ -11,7 +11,8 @@ GUARDS = [guard.name for guard in wl.Guard if guard]
 WINDY: dict[str, Any] = {"texture": "ice", "wind": (15, 0, 0)}
 USUAL_DISTANCE = (1.5, 6.5)  # m, of the best robot of a short run on flat ground
 MIN_CHEATED_DISTANCE = 12.0  # m
-MAX_DISTANCE_LYING = 0.2  # m
+MIN_DRIFT = 1.0  # m, before the walk
+MAX_DISTANCE_STILL = 0.2  # m
 MAX_DISTANCE_TALL = 1.0  # m
 
 
@@ -40,6 +41,10 @@ def _cheated_distance(seed: int) -> float:
     return _judge_champion(seed, **WINDY).distance - MIN_CHEATED_DISTANCE
 
 
+def _drift_before_the_walk(seed: int) -> float:
+    return float(_judge_champion(seed, **WINDY).com[0, 0]) - MIN_DRIFT
+
+
 def _is_voided(seed: int) -> float:
     return 1.0 if _judge_champion(seed, **WINDY).verdict == "restless" else -1.0
 
@@ -54,8 +59,8 @@ def _margin(seed: int, fitness: Any, limit: float) -> float:
     return limit - abs(wl.simulate(run.champion.genome, SETTINGS, poses=False).distance)
 
 
-def _margin_lying(seed: int) -> float:
-    return _margin(seed, save_energy, MAX_DISTANCE_LYING)
+def _margin_still(seed: int) -> float:
+    return _margin(seed, save_energy, MAX_DISTANCE_STILL)
 
 
 def _margin_tall(seed: int) -> float:
@@ -66,7 +71,8 @@ CLAIMS: tuple[Claim, ...] = (
     Claim("10.a", "On flat ground with all guards, the best robot comes about 2 to 6 m far.", _usual_distance, "m"),
     Claim("10.b", "On windy ice without guards, the champion comes more than 12 m far.", _cheated_distance, "m"),
     Claim("10.c", "With the guards on, the verdict on this champion is restless.", _is_voided),
+    Claim("10.g", "The wind moves this champion more than 1 m before its walk begins.", _drift_before_the_walk, "m"),
     Claim("10.d", "On flat ground without guards, the champion's walk counts with the guards on.", _still_counts),
-    Claim("10.e", "The champion that saves energy lies still: it moves by less than 0.2 m.", _margin_lying, "m"),
+    Claim("10.e", "The champion that saves energy stays still: it moves by less than 0.2 m.", _margin_still, "m"),
     Claim("10.f", "The champion that is tall comes less than 1 m far.", _margin_tall, "m"),
 )

@@ -26,9 +26,9 @@ def test_it_is_a_distance_between_0_and_1(genomes):
 def test_genes_without_effect_do_not_count(genomes):
     genes = build_genes(wl.Robot())
     for genome in genomes[:8]:
-        n_grown = round(genome.values[genes.count])
+        n_expressed = round(genome.values[genes.count])
         hidden = genome.values.copy()
-        hidden[genes.n_whole + n_grown * 13 :] = genes.low[genes.n_whole + n_grown * 13 :]
+        hidden[genes.n_whole + n_expressed * 13 :] = genes.low[genes.n_whole + n_expressed * 13 :]
         assert wl.analysis.aligned_distances([genome, wl.Genome(hidden)])[0, 1] == 0
 
 

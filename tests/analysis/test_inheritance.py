@@ -10,13 +10,13 @@ from walkerlab.analysis.comparison import compare_with_parents
 from walkerlab.analysis.inheritance import ROUNDING_TOLERANCE, gene_widths, shortest_change
 from walkerlab.analysis.mating import mate, mutate, trace_birth
 from walkerlab.analysis.tracing import NO_SOURCE
-from walkerlab.breeding import crossover_population, mutate_population, resolve_operators
 from walkerlab.ga.operators import cross_in_turn
 from walkerlab.ga.slots import run_cross
+from walkerlab.genome.breeding import crossover_population, mutate_population, resolve_operators
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.repair import repair
-from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Crossover, Mutation
+from walkerlab.system.randomness import random_stream
 
 SETTINGS = wl.Settings()
 GENES = build_genes(SETTINGS.robot)

@@ -20,6 +20,7 @@ import walkerlab as wl
 from walkerlab.__main__ import main
 from walkerlab.commands import flags, lab
 from walkerlab.evolution import outputs
+from walkerlab.system.package_files import find_package_file
 from walkerlab.text.numbers import with_unit
 
 TINY = ["--population-size", "6", "--generations", "2", "--duration", "1", "--quiet"]
@@ -363,8 +364,8 @@ def test_show_prints_settings_versions_generations_verdicts_champion_and_descent
     ):
         assert word in output
     assert "step_height" not in output  # has its default value
-    n_grown, n_carried = len(wl.express(champion.genome).segments), champion.genome.n_parts
-    assert (f"beyond the first {n_grown} are not grown" in output) == (n_grown < n_carried)
+    n_expressed, n_carried = len(wl.express(champion.genome).segments), champion.genome.n_parts
+    assert (f"beyond the first {n_expressed} are not expressed" in output) == (n_expressed < n_carried)
 
 
 def test_rescue_saves_the_intact_generations_and_the_run_can_be_resumed(
@@ -441,21 +442,27 @@ def test_lab_never_overwrites_a_changed_notebook(here, monkeypatch, capsys):
         "jupyterlab.labapp.LabApp.initialize_server", lambda options: (calls.append(options), server)[1]
     )
     assert main(["lab", "--no-browser", "--port", "8899"]) == 0
-    n = len(lab.find_notebooks())
-    assert f"New in {lab.NOTEBOOKS_FOLDER}: {n} notebook{'' if n == 1 else 's'}. " in capsys.readouterr().out
-    first = here / lab.NOTEBOOKS_FOLDER / lab.FIRST_NOTEBOOK
-    original = next(path for path in lab.find_notebooks() if path.name == lab.FIRST_NOTEBOOK)
-    assert first.read_bytes() == original.read_bytes()
+    folder = here / lab.NOTEBOOKS_FOLDER
+    originals = contents(find_package_file(lab.SOURCE_FOLDER))
+    copied = contents(folder)
+    assert f"New in {lab.NOTEBOOKS_FOLDER}: {len(copied)} files. " in capsys.readouterr().out
+    assert copied == {name: originals[name] for name in copied}
+    assert {lab.INDEX, "glossary.md", "pictures/03_selection.png"} <= copied.keys()
+    assert not any(name.startswith("teacher") for name in copied)
+    first = folder / lab.INDEX
     first.write_text("mine")
     assert main(["lab"]) == 0
     assert f"All notebooks are in {lab.NOTEBOOKS_FOLDER} already. " in capsys.readouterr().out
+    assert first.read_text() == "mine"
+    assert main(["lab", "--teacher"]) == 0
+    assert {"teacher/03_selection.ipynb", "teacher/sheets/03_selection.md"} <= contents(folder).keys()
     assert first.read_text() == "mine"
     assert all("--ServerApp.ip=127.0.0.1" in call for call in calls)
     assert calls[0][-2:] == ["--no-browser", "--port=8899"]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no signal that lets a server end in good order")
-def test_lab_prints_the_address_of_the_first_notebook(here):
+def test_lab_prints_the_address_of_the_index(here):
     command = [sys.executable, "-m", "walkerlab", "lab", "--no-browser", "--allow-root"]
     own = {name: str(here) for name in ("HOME", "JUPYTER_CONFIG_DIR", "JUPYTER_DATA_DIR", "JUPYTER_RUNTIME_DIR")}
     with subprocess.Popen(command, env={**os.environ, **own}, stderr=subprocess.PIPE, text=True) as server:
@@ -463,7 +470,7 @@ def test_lab_prints_the_address_of_the_first_notebook(here):
         address = next(line for line in server.stderr if "http://127.0.0.1" in line)
         server.terminate()
         server.stderr.read()
-    assert f"/lab/tree/{lab.FIRST_NOTEBOOK}?token=" in address
+    assert f"/lab/tree/{lab.INDEX}?token=" in address
 
 
 # ---------------------------------------------------------------------------------------------------- parser

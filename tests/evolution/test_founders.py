@@ -85,7 +85,7 @@ def test_a_resumed_run_has_the_same_table_even_before_generation_0(tmp_path):
 
 @pytest.mark.parametrize(("given", "error", "message"), [
     ([], ValueError, "population is empty"), (GENOMES * 3, ValueError, "population has 9 genomes; Algorithm.popul"),
-    (["wl2"], wl.GenomeError, None), ([[1, 2]], ValueError, "a genome has"),
+    (["wl2"], wl.GenomeError, None), ([[1, 2]], ValueError, "a genome is a row of"),
     (GENOMES[0], ValueError, "put it in a list"), (7, TypeError, "several genomes are expected"),
     (pd.DataFrame({"a": [1]}), ValueError, "without the column fitness"),
 ])  # fmt: skip

@@ -178,7 +178,7 @@ def test_settings_that_cannot_change_are_named_and_the_file_is_unchanged(changes
 
 
 def test_a_stage_needs_a_generation_that_is_not_done(path):
-    with pytest.raises(wl.SettingsError, match="none would have the new settings; give a larger total: generations=4"):
+    with pytest.raises(wl.SettingsError, match="none would have the new settings; pass a larger total: generations=4"):
         resume(path, structure="stairs")
 
 

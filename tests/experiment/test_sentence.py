@@ -50,8 +50,8 @@ def test_the_sentence_of_two_conditions_agrees_with_the_test(difference, monkeyp
 def test_with_five_seeds_the_sentence_says_that_nothing_could_have_been_found():
     _, text = describe(np.arange(5) + 100.0, np.arange(5) + 0.0)
     assert text == (
-        "The medians are 102 m (left) and 2.00 m (right), but this can be chance: with 5 seeds, no difference of any "
-        "size could have been found; at least 6 seeds are required."
+        "The medians are 102 m (left) and 2.00 m (right), but this may be due to chance: with 5 seeds, no difference "
+        "of any size could have been found; at least 6 seeds are required."
     )
     assert "With 6 seeds and 3 comparisons, no difference" in describe(*np.random.default_rng(1).normal(size=(3, 6)))[1]
 
@@ -63,7 +63,7 @@ def test_the_sentence_of_several_conditions_lists_the_clear_differences():
     assert "2 of 3 differences are clear with 10 seeds" in text
     assert "left is better than right" in text
     assert "left is better than third" in text
-    assert "The other one can be chance" in text
+    assert "The other one may be due to chance" in text
     _, text = describe(base + 5, base, base - 5 + rng.normal(0, 0.1, 10))
     assert text.startswith("All 3 differences are clear")
 

@@ -246,7 +246,7 @@ def test_of_a_list_no_more_is_read_than_there_can_be():
 
     with pytest.raises(SettingsError, match="must be 3 numbers"):
         Settings(terrain={"gravity": endless()})
-    with pytest.raises(SettingsError, match="a list of 101; it must have at most 100 items"):
+    with pytest.raises(SettingsError, match="a list of 101 items; it must have at most 100"):
         Settings(algorithm={"mutation": ["macro"] * 101})
     assert len(Settings(algorithm={"mutation": ["macro"] * 100}).algorithm.mutation) == 100
 

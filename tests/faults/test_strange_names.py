@@ -125,7 +125,7 @@ def test_errors_contain_no_control_characters(tmp_path, capsys):
 @pytest.mark.parametrize("name", ["", ".", "..", "../x", "a/b", "a\\b", "a\x00b", "a\nb", "\x1b[2J", "c:x", "\ud800"])
 def test_an_invalid_file_name_is_rejected(tmp_path, name):
     robot = wl.generate_robot_population(SMALL.robot, 1, seed=0)[0]
-    with pytest.raises(ValueError, match="must be a file name without folder"):
+    with pytest.raises(ValueError, match="must be a file name without a folder"):
         wl.export_mjcf(wl.Genome(robot), SMALL, tmp_path / "new", name=name)
     assert not list(tmp_path.iterdir())
 

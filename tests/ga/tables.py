@@ -6,7 +6,7 @@ import numpy as np
 
 from walkerlab.ga import crossover, mutation, selection
 from walkerlab.ga.genes import Genes
-from walkerlab.randomness import random_stream
+from walkerlab.system.randomness import random_stream
 
 
 def rng(*address):

@@ -35,12 +35,12 @@ def test_paired_passes_every_part_of_both_parents_to_exactly_one_child(a, b):
     couple = couple_of(a, b)
     children, _ = paired(couple, np.zeros(2), 2, rng=rng(), genes=BODY)
     assert sorted(blocks(children)) == sorted(blocks(couple))
-    assert BODY.n_grown(children).sum() == a + b
+    assert BODY.n_expressed(children).sum() == a + b
 
     def grown(genomes):
         return sorted(
             tuple(part)
-            for genome, n in zip(BODY.parts(genomes), BODY.n_grown(genomes), strict=True)
+            for genome, n in zip(BODY.parts(genomes), BODY.n_expressed(genomes), strict=True)
             for part in genome[:n]
         )
 
@@ -56,7 +56,7 @@ def test_paired_joins_front_to_rear(a, b):
     mother_parts, father_parts, one_parts, two_parts = (BODY.parts(g[None])[0] for g in (mother, father, one, two))
     half_a = (a + 1) // 2
     half_b = (b + 1) // 2
-    n_one, n_two = BODY.n_grown(np.stack([one, two]))
+    n_one, n_two = BODY.n_expressed(np.stack([one, two]))
     assert np.array_equal(one_parts[:n_one], [*mother_parts[:half_a], *father_parts[half_b:b]])
     assert np.array_equal(two_parts[:n_two], [*father_parts[:half_b], *mother_parts[half_a:a]])
     assert np.array_equal(one[1:3], mother[1:3]), "whole-body genes come with the front"

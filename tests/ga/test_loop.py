@@ -18,7 +18,7 @@ from walkerlab.ga import (
     selection,
 )
 from walkerlab.ga.operators import cross_in_turn, mutate_in_turn, select_in_turn
-from walkerlab.randomness import random_stream
+from walkerlab.system.randomness import random_stream
 
 from .tables import bits, random_genomes, reals, rng
 

@@ -107,7 +107,7 @@ def test_the_favored_feature_changes_more_often():
 
 def test_an_unknown_favored_gene_is_rejected_with_the_allowed_names():
     table = body()
-    with pytest.raises(ValueError, match="there is no gene 'wings'; allowed are parts, frequency, phase, length"):
+    with pytest.raises(ValueError, match="there is no gene 'wings'; the genes are parts, frequency, phase, length"):
         favored(random_genomes(table, 2), table, favored="wings", rng=rng())
 
 
@@ -134,21 +134,23 @@ def macro_of_parts_only(genomes, table, *address):
         return macro(genomes, table, rate=1e-12, rng=rng(*address))
 
 
-@given(n_grown=st.integers(1, 5), seed=st.integers(0, 300))
+@given(n_expressed=st.integers(1, 5), seed=st.integers(0, 300))
 @settings(max_examples=150)
-def test_macro_duplicates_a_grown_part_next_to_itself_or_drops_one(n_grown, seed):
+def test_macro_duplicates_a_grown_part_next_to_itself_or_drops_one(n_expressed, seed):
     table = body(5)
     genome = random_genomes(table, 1, seed)
-    genome[0, 0] = n_grown
+    genome[0, 0] = n_expressed
     changed = macro_of_parts_only(genome, table, seed)
     before, after = (table.parts(g)[0].tolist() for g in (genome, changed))
     n_after = int(changed[0, 0])
     assert np.array_equal(changed[0, 1:3], genome[0, 1:3])
-    if n_after == n_grown + 1:
-        assert after in [[*before[:k], before[k], *before[k:-1]] for k in range(n_grown)]
+    if n_after == n_expressed + 1:
+        assert after in [[*before[:k], before[k], *before[k:-1]] for k in range(n_expressed)]
     else:
-        assert n_after == n_grown - 1
-        assert after in [before[:k] + before[k + 1 : n_grown] + [before[k]] + before[n_grown:] for k in range(n_grown)]
+        assert n_after == n_expressed - 1
+        head = before[:n_expressed]
+        tail = before[n_expressed:]
+        assert after in [head[:k] + head[k + 1 :] + [head[k]] + tail for k in range(n_expressed)]
     assert 1 <= n_after <= 5
 
 

@@ -13,8 +13,8 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from tests.strategies import count_genes, finite, genomes, robots, tables
-from walkerlab.breeding import crossover_population, generate_robot_population, mutate_population
 from walkerlab.evolution.run import Run
+from walkerlab.genome.breeding import crossover_population, generate_robot_population, mutate_population
 from walkerlab.genome.features import build_genes, gene_table
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.phenotype import express
@@ -160,7 +160,7 @@ def test_zero_and_minus_zero_are_the_same_gene():
 def test_values_that_are_not_a_genome_are_rejected():
     good = Genome.random(Robot(), rng=rng(0)).values
     for bad in (good[:-1], good[:2], [], good[np.newaxis], np.zeros(count_genes(9)), 3.0):
-        with pytest.raises(ValueError, match="a genome has 4 genes and 13 more for each of 1 to 8 segments"):
+        with pytest.raises(ValueError, match="a genome is a row of 4 genes plus 13 for each of its 1 to 8 segments"):
             Genome(bad)
     for bad in (np.nan, np.inf, -np.inf):
         with pytest.raises(ValueError, match=r"gene 3 .* not a finite number"):
@@ -179,7 +179,7 @@ def test_a_genome_is_the_same_as_its_text_and_its_values(genome):
 
 def test_objects_that_are_not_numbers_are_rejected_with_an_explanation():
     for bad in ({}, object(), b"wl2", [None], "wl2".split, [[1], [2, 3]], [10**400] * 17):
-        with pytest.raises(ValueError, match=r"must be a row of numbers|a genome has 4 genes|finite number"):
+        with pytest.raises(ValueError, match=r"must be a row of numbers|a genome is a row of 4 genes|finite number"):
             Genome.of(bad)
     for bad in (None, 3, b"wl2", Genome.random(Robot(), rng=rng(0))):
         with pytest.raises(GenomeError, match="a genome's text must be a str; got "):
@@ -203,15 +203,15 @@ def test_a_common_mistake_in_place_of_a_genome_is_explained(read):
     run = run_of_one(Genome.random(Robot(), rng=rng(0)))
     one = read == Genome.of
     for wrong, message in (
-        (run, r"^this is a run, .*; give run\.champion$" if one else r"several genomes.* run\.records\.genome$"),
+        (run, r"^this is a run, .*; pass run\.champion$" if one else r"several genomes.* run\.records\.genome$"),
         (
             run.records,
-            r"^this is a table, .*; give a cell of its column genome: table\.genome\[0\]$"
+            r"^this is a table, .*; pass a cell of its column genome: table\.genome\[0\]$"
             if one
             else r"several genomes.* table\.genome$",
         ),
         (run.records[["fitness"]], "^this is a table" if one else "several genomes"),
-        (Settings(), "^these are settings, .*give the genome first"),
+        (Settings(), "^these are settings, .*pass the genome first"),
     ):
         with pytest.raises(TypeError, match=message):
             read(wrong)
@@ -522,7 +522,7 @@ def test_repair_changes_only_lengths_masses_and_legs_of_grown_segments(seed):
     repaired = repair(values, robot)
     free = [i for i, name in enumerate(genes.names) if name.rpartition(".")[2] not in ("length", "mass", "legs")]
     assert np.array_equal(repaired[:, free], values[:, free])
-    unexpressed = np.arange(genes.n_parts) >= genes.n_grown(values)[:, np.newaxis]
+    unexpressed = np.arange(genes.n_parts) >= genes.n_expressed(values)[:, np.newaxis]
     assert np.array_equal(genes.parts(repaired)[unexpressed], genes.parts(values)[unexpressed])
 
 
@@ -583,10 +583,10 @@ def test_a_genome_within_wider_limits_keeps_its_robot(narrow, wide, seed):
 @given(robots(), st.lists(finite, min_size=1))
 def test_only_grown_segments_are_expressed(robot, noise):
     values = generate_robot_population(robot, 1, seed=len(noise))[0]
-    n_grown = int(values[0])
-    other = np.where(np.arange(len(values)) < count_genes(n_grown), values, np.resize(noise, len(values)))
+    n_expressed = int(values[0])
+    other = np.where(np.arange(len(values)) < count_genes(n_expressed), values, np.resize(noise, len(values)))
     assert express(Genome(values)) == express(Genome(other))
-    assert len(express(Genome(values)).segments) == n_grown
+    assert len(express(Genome(values)).segments) == n_expressed
 
 
 @pytest.mark.parametrize("mutation", Mutation)

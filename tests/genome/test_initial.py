@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 
 import walkerlab as wl
-from walkerlab.breeding import generate_robot_population
+from walkerlab.genome.breeding import generate_robot_population
 from walkerlab.genome.genome import Genome
 from walkerlab.simulation.starts import settle
 from walkerlab.simulation.stepping import STATE_PARTS

@@ -52,8 +52,8 @@ def test_the_texts_are_of_several_sizes():
 def test_a_robot_of_version_1_has_its_own_legs_and_no_lag_and_a_duty_of_half(text):
     head, segments, gait, steps = split_parts(text)
     body = express(text)
-    n_grown = int(head.removeprefix("wl1 segments="))
-    assert body.segments == tuple(map(expected_segment, segments[:n_grown], steps))
+    n_expressed = int(head.removeprefix("wl1 segments="))
+    assert body.segments == tuple(map(expected_segment, segments[:n_expressed], steps))
     assert [body.frequency] == numbers(gait)
     assert body.duty == 0.5
 
@@ -73,13 +73,13 @@ def test_a_genome_of_version_1_survives_the_text_form_of_version_2(text):
 @pytest.mark.parametrize("text", TEXTS[::3])
 def test_joints_of_a_robot_of_version_1_move_in_a_sine(text):
     head, segments, gait, steps = split_parts(text)
-    n_grown = int(head.removeprefix("wl1 segments="))
+    n_expressed = int(head.removeprefix("wl1 segments="))
     (frequency,) = numbers(gait)
     n_steps = 300
     time = np.floor(np.arange(n_steps) * SETTINGS.simulation.timestep * CONTROL_RATE + 1e-9) / CONTROL_RATE
     ramp = np.minimum(time / RAMP_TIME, 1.0)
     expected = []
-    for segment, step in zip(segments[:n_grown], steps, strict=False):
+    for segment, step in zip(segments[:n_expressed], steps, strict=False):
         if " legs " in segment:
             hip_amplitude, hip_phase, hip_offset, knee_amplitude, knee_phase, knee_offset, stride = numbers(step)
             for behind in (0.0, stride):

@@ -9,8 +9,8 @@ import pytest
 from dm_env import test_utils
 
 import walkerlab as wl
-from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Structure
+from walkerlab.system.randomness import random_stream
 
 WALKER = wl.Genome.random(wl.Robot(), rng=random_stream(4, "check"))
 WORLDS = [

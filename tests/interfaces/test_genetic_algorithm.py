@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.randomness import random_stream
+from walkerlab.system.randomness import random_stream
 
 QUICK = wl.Settings().with_(duration=1.0, population_size=6, generations=3, n_elites=2)
 EXECUTOR = ThreadPoolExecutor(1)

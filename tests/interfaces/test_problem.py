@@ -9,8 +9,8 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 import walkerlab as wl
-from walkerlab.randomness import random_stream
 from walkerlab.simulation.descriptors import DESCRIPTORS
+from walkerlab.system.randomness import random_stream
 
 QUICK = wl.Settings().with_(duration=1.0, population_size=4, generations=2)
 EXECUTOR = ThreadPoolExecutor(1)

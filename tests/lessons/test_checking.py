@@ -29,8 +29,11 @@ def test_each_wrong_answer_shows_the_next_hint_and_the_last_one_again():
     assert texts == ["It is a number.", "It is odd.", "It is odd."]
 
 
-def test_a_hint_that_fits_the_answer_replaces_the_general_one():
-    assert wl.lessons.check("99.1", 10).text == "Too large."
+def test_a_hint_that_fits_the_answer_is_shown_above_the_next_general_one():
+    feedbacks = [wl.lessons.check("99.1", 10) for _ in range(3)]
+    assert [feedback.text for feedback in feedbacks] == ["Too large."] * 3
+    notes = ["", "Hint 1 of 2: It is a number.", "Hint 2 of 2: It is odd."]
+    assert [feedback.note for feedback in feedbacks] == notes
 
 
 def test_a_right_answer_is_right_after_wrong_ones():
@@ -50,6 +53,26 @@ def test_an_answer_of_another_type_gets_a_hint_that_names_its_type(answer):
     assert feedback.state == "not yet"
     assert type(answer).__name__ in feedback.note
     assert "It is a number." in feedback._repr_html_()
+
+
+def test_a_text_that_is_no_genome_gets_a_hint_and_the_place_of_the_error():
+    feedback = wl.lessons.check("01.4", "wl2 segments=3 | seg length=0.35 mass=3 lags own")
+    assert "got 'lags'" in feedback.note
+    assert "mass=3 lags" in feedback.note
+    assert "type" not in feedback.note
+
+
+@pytest.mark.parametrize("answer", ["3", " 3.0 ", "-1e3", ("run", "3")])
+def test_a_number_in_quotes_gets_a_hint_about_the_quotes(answer):
+    feedback = wl.lessons.check("99.1", answer)
+    assert feedback.state == "not yet"
+    assert "without quotes" in feedback.text
+    assert "Hint 1 of 2" in wl.lessons.check("99.1", 4).note, "the quotes are not counted as a wrong answer"
+
+
+def test_the_hint_about_the_type_is_about_the_last_item_of_a_tuple():
+    assert "of the type object." in wl.lessons.check("99.1", ("run", object())).note
+    assert "a text, in quotes." in wl.lessons.check("99.1", "three").note
 
 
 def test_an_unknown_number_is_reported_with_the_known_ones():

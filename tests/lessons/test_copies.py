@@ -7,6 +7,7 @@ import pytest
 from walkerlab.lessons.copies import (
     REMOVED_TAGS,
     TEACHER_FOLDER,
+    main,
     notebook_text,
     read_notebook,
     split_solutions,
@@ -50,6 +51,31 @@ def test_copies_lack_tagged_cells_and_outputs_and_sources_are_unchanged(tmp_path
     [path] = write_copies(tmp_path)
     assert read_notebook(path)["cells"] == [{**cell, "outputs": [], "execution_count": None}]
     assert source.read_text() == text
+
+
+def test_links_lead_to_the_same_file_from_the_copy():
+    links = '[a](../glossary.md#a) [b](glossary.md) [c](https://c/../d) <img src="../e.png">'
+    cells = [
+        {"cell_type": "markdown", "metadata": {}, "source": [links]},
+        {"cell_type": "code", "metadata": {}, "source": ["wl.load('../walk')"], "outputs": [], "execution_count": None},
+    ]
+    text, code = student_copy({"cells": cells})["cells"]
+    assert text["source"] == ['[a](glossary.md#a) [b](glossary.md) [c](https://c/../d) <img src="e.png">']
+    assert code == cells[1]
+
+
+def test_the_script_writes_copies_or_reports_an_error(tmp_path, monkeypatch, capsys):
+    (tmp_path / TEACHER_FOLDER).mkdir()
+    monkeypatch.setattr("sys.argv", ["copies", str(tmp_path)])
+    with pytest.raises(SystemExit, match="there is no notebook in"):
+        main()
+    (tmp_path / TEACHER_FOLDER / "00_a.ipynb").write_text(notebook_text({"cells": []}))
+    main()
+    assert capsys.readouterr().out.strip() == str(tmp_path / "00_a.ipynb")
+    monkeypatch.setattr("sys.argv", ["copies", "--help"])
+    with pytest.raises(SystemExit):
+        main()
+    assert "folder of the copies" in capsys.readouterr().out
 
 
 @each_source

@@ -124,7 +124,7 @@ def test_a_run_stopped_before_generation_0_resumes_to_the_same_table(path, monke
         whole = wl.evolve(settings, executor=pool, progress=False).records
         wl.Evolution(settings, path)  # as if its process were killed
         run = wl.load(path)
-        assert repr(run) == f"Run(no generation is done yet, in {path})"
+        assert repr(run) == f"Run(no generation is complete yet, in {path})"
         assert "no" in run._repr_html_().lower()
         assert run.settings == settings
         assert run.n_generations == len(run.records) == 0
@@ -146,7 +146,7 @@ def test_the_file_is_created_before_any_walk_and_a_second_run_is_rejected(path, 
         wl.evolve(SETTINGS, path, progress=False)
     assert len(n_walks) == 1
     assert caught.value.saved_path == path
-    assert f"No generation was done; the settings are saved in {path}." in caught.value.__notes__[0]
+    assert f"No generation was completed; the settings are saved in {path}." in caught.value.__notes__[0]
     assert f"wl.resume({str(path)!r})" in caught.value.__notes__[0]
 
 

@@ -16,7 +16,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from walkerlab.breeding import generate_robot_population
+from walkerlab.genome.breeding import generate_robot_population
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile import opening, paths, provenance, schema, store
 from walkerlab.runfile.opening import RunFileError

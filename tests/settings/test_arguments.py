@@ -81,8 +81,8 @@ SETTINGS_WANTED = "settings must be a Settings"
         ("wl.select_from_population([1.0, 2.0], 4, S, generation=1)", ["such as settings.algorithm"]),
         ("wl.mutate_population([G], S.robot, S, generation=1)", ["such as settings.algorithm"]),
         # genomes
-        ("wl.simulate(S, G)", ["a genome is expected; give the genome first"]),
-        ("wl.confirm(S, G)", ["a genome is expected; give the genome first"]),
+        ("wl.simulate(S, G)", ["a genome is expected; pass the genome first"]),
+        ("wl.confirm(S, G)", ["a genome is expected; pass the genome first"]),
         ("wl.simulate(None, S)", ["a genome is expected", "got None"]),
         ("wl.simulate([G], S)", ["one genome is expected", "genomes[0]"]),
         ("wl.simulate(W, S)", ["this is a walk", "a genome is expected"]),

@@ -117,7 +117,7 @@ def test_a_pair_or_vector_requires_the_right_count_of_numbers_in_order(domain, n
     unordered = set(good), frozenset(good), dict.fromkeys(good), dict.fromkeys(good).keys()
     letters = [kind(b"123"[: len(components)]) for kind in (bytes, bytearray)]
     for bad in (good[:-1], (*good, good[-1]), (), good[0], "123"[: len(components)], None, *unordered, *letters):
-        assert f"it must be {len(components)} numbers: {', '.join(components)}." in error_message(domain, **{name: bad})
+        assert f"it must be {len(components)} numbers: {', '.join(components)}" in error_message(domain, **{name: bad})
 
 
 @pytest.mark.parametrize("name", [name for name in Robot.declared() if Robot.declared()[name].components == MIN_MAX])

@@ -16,7 +16,7 @@ def test_gravity_can_be_given_by_the_name_of_a_planet():
     assert Settings().with_(gravity="jupiter").terrain.gravity == (0, 0, -24.79)
     message = error_message(Terrain, gravity="mooon")
     assert (
-        "it must be 3 numbers: x, y, z. Or the name of a preset: earth, moon, mars, jupiter. Did you mean 'moon'?"
+        "it must be 3 numbers: x, y, z, or the name of a preset: earth, moon, mars, jupiter. Did you mean 'moon'?"
         in message
     )
 

@@ -14,9 +14,9 @@ import pytest
 
 import walkerlab as wl
 from tests.conftest import skip_without
-from walkerlab.breeding import generate_robot_population
 from walkerlab.evolution.forecast import n_walks
 from walkerlab.evolution.live import LiveRun, State
+from walkerlab.genome.breeding import generate_robot_population
 from walkerlab.simulation.workers import n_cores, n_workers
 from walkerlab.system.interrupts import interrupts_held
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.breeding import generate_robot_population
+from walkerlab.genome.breeding import generate_robot_population
 from walkerlab.genome.phenotype import express
 from walkerlab.simulation import evaluation
 from walkerlab.simulation.rollout import simulate_walk, walk_from_every_start

@@ -17,10 +17,10 @@ from hypothesis import strategies as st
 import walkerlab as wl
 from benchmarks import plain_walk
 from walkerlab.genome.features import BODY_FEATURES, DUTY_RANGE
-from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Feature, Obstacle, Structure
 from walkerlab.simulation.export import _exact_xml
 from walkerlab.simulation.rollout import simulate_walk
+from walkerlab.system.randomness import random_stream
 from walkerlab.world.scene import describe_scene
 
 GENOME = wl.Genome.random(wl.Robot(), rng=random_stream(4, "check"))

@@ -15,11 +15,11 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.ga import OperatorError
-from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Fitness
 from walkerlab.simulation import fitness
 from walkerlab.simulation.rollout import walk_from_every_start
 from walkerlab.simulation.validity import REJECTED
+from walkerlab.system.randomness import random_stream
 from walkerlab.world.scene import compile_scene
 
 ROLLOUT_GENOME = wl.Genome.random(wl.Robot(), rng=random_stream(0, "check"))

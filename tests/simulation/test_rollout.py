@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.randomness import random_stream
 from walkerlab.simulation import rollout as rollout_module
 from walkerlab.simulation.rollout import simulate_walk, walk_from_every_start
 from walkerlab.simulation.stepping import disable_step_timers
+from walkerlab.system.randomness import random_stream
 
 SETTINGS = wl.Settings().with_(duration=2.0)
 GENOMES = [wl.Genome.random(wl.Robot(), rng=random_stream(2, "check", i)) for i in range(8)]

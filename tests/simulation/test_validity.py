@@ -10,12 +10,12 @@ import pytest
 import walkerlab as wl
 from walkerlab.genome.features import FREQUENCY_RANGE
 from walkerlab.genome.phenotype import Legs, Phenotype, Segment, Swing
-from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Guard, Obstacle, Structure, Texture
 from walkerlab.simulation import validity
 from walkerlab.simulation.fitness import distance, score
 from walkerlab.simulation.rollout import simulate_walk
 from walkerlab.simulation.validity import GUARD_FUNCTIONS, REJECTED, VERDICTS, Trace, judge
+from walkerlab.system.randomness import random_stream
 from walkerlab.world.compilation import assemble_model
 from walkerlab.world.geometry import surface_points
 from walkerlab.world.scene import ORIENTATION, POSITION, Scene, compile_scene

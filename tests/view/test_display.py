@@ -105,10 +105,10 @@ def test_a_genome_is_shown_with_all_genes_and_its_text(genome):
 
 def test_genes_that_are_not_grown_are_faint_and_labelled():
     parsed = render_html(GENOME)
-    n_grown = len(wl.express(GENOME).segments)
-    assert n_grown < GENOME.n_parts, "precondition of this test"
-    assert parsed.text.count("(not grown)") == 2 * (GENOME.n_parts - n_grown)
-    assert [row.get("class") for row in parsed.all("tr")].count("faint") == 2 * (GENOME.n_parts - n_grown)
+    n_expressed = len(wl.express(GENOME).segments)
+    assert n_expressed < GENOME.n_parts, "precondition of this test"
+    assert parsed.text.count("(not expressed)") == 2 * (GENOME.n_parts - n_expressed)
+    assert [row.get("class") for row in parsed.all("tr")].count("faint") == 2 * (GENOME.n_parts - n_expressed)
 
 
 def test_genes_of_legs_that_repeat_others_are_faint_and_explained():
@@ -169,7 +169,7 @@ def test_a_run_is_shown_with_result_plots_and_next_steps(run):
 
 def test_a_run_without_generations_is_shown_as_a_sentence():
     parsed = render_html(wl.Run(wl.Settings(), concatenate_tables([])))
-    assert "No generation is done yet" in parsed.text
+    assert "No generation is complete yet" in parsed.text
     assert not parsed.all("svg")
 
 

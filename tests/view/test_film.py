@@ -517,7 +517,7 @@ def test_an_individual_is_accepted_in_place_of_its_genome(jobs):
     film(run.champion, SHORT, "walk.mp4")
     film(GENOME, SHORT, "walk.mp4")
     assert jobs[0].clips == jobs[1].clips
-    with pytest.raises(TypeError, match=r"give run\.champion"):
+    with pytest.raises(TypeError, match=r"pass run\.champion"):
         film(run, SHORT, "walk.mp4")
     with pytest.raises(TypeError, match="its column genome"):
         film(run.records, SHORT, "walk.mp4")

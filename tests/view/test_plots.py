@@ -19,8 +19,8 @@ from matplotlib.figure import Figure
 from matplotlib.patches import StepPatch
 
 import walkerlab as wl
-from walkerlab.breeding import generate_robot_population, resolve_operators
 from walkerlab.ga.loop import first_population, next_population
+from walkerlab.genome.breeding import generate_robot_population, resolve_operators
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.repair import repair
 from walkerlab.runfile.records import (

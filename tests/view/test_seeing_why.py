@@ -1,5 +1,6 @@
 """Plots of selection, convergence and improvement show and describe the numbers of wl.analysis."""
 
+import re
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 
@@ -11,8 +12,11 @@ from matplotlib.figure import Figure
 import walkerlab as wl
 from walkerlab.analysis.price import TERMS
 from walkerlab.ga.selection import tournament
-from walkerlab.settings.choices import Crossover, Mutation, Selection
+from walkerlab.settings.choices import Crossover, Feature, Mutation, Selection
+from walkerlab.view.plots.gene_notes import GENE_NOTES, explain_genes
 from walkerlab.view.plots.operator_words import explain_operator, explain_operators
+
+MAX_SENTENCES = 3  # of a caption
 
 FITNESS = np.array([3.0, 1.0, -np.inf, 2.0, 5.0])
 
@@ -33,6 +37,10 @@ def caption(axes):
     return max((text.get_text() for text in axes.texts), key=len).replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
 
 
+def n_sentences(axes):
+    return len(re.findall(r"\.(?= [A-Z]|$)", caption(axes)))
+
+
 @pytest.mark.parametrize("select", ["gradient", partial(tournament, size=2), softmax])
 def test_slices_and_bars_are_the_probabilities(select):
     table = wl.analysis.selection_probabilities(FITNESS, select)
@@ -46,6 +54,7 @@ def test_slices_and_bars_are_the_probabilities(select):
         assert f"{100 * expected.iloc[0]:.1f} %" in caption(axes)
         assert ("estimated" in caption(axes)) == (select is softmax)
         assert "1 robot cannot be selected" in wl.plots.alt_text(axes)
+        assert n_sentences(axes) == MAX_SENTENCES
 
 
 def test_measured_and_theoretical_pressure_are_drawn():
@@ -56,6 +65,12 @@ def test_measured_and_theoretical_pressure_are_drawn():
         theory, measured = axes.lines[:2]
         assert np.array_equal(np.float64(theory.get_xdata()), rows.theory, equal_nan=True)
         assert np.array_equal(np.float64(measured.get_xdata()), rows.measured, equal_nan=True)
+        has_theory = rows.theory.notna().any()
+        assert ("theory" in axes.get_legend_handles_labels()[1]) == has_theory
+        assert ("diamond" in caption(axes)) == has_theory
+        assert n_sentences(axes) == MAX_SENTENCES
+        names = [label.get_text().replace("\n", " ") for label in axes.get_yticklabels()]
+        assert names == [f"{name} {Selection[name].about}" for name in rows.selection]
     with pytest.raises(ValueError, match="intensity, loss_of_diversity"):
         wl.plots.selection_pressure(table, "strength")
 
@@ -65,8 +80,13 @@ def test_measured_and_theoretical_pressure_are_drawn():
 )
 def test_a_caption_says_in_one_clause_what_each_operator_does(name, clause):
     assert clause in explain_operator(name, Selection)
-    assert explain_operators(["mine", name], Selection) == f" {name.capitalize()}: {explain_operator(name, Selection)}."
-    assert explain_operators(["mine"], Selection) == ""
+    assert explain_operators(["mine", name], Selection) == [f"{name}: {explain_operator(name, Selection)}"]
+
+
+def test_every_gene_has_a_note():
+    assert GENE_NOTES.keys() == set(Feature)
+    assert explain_genes([Feature.lag]) == f"Genes: lag = {GENE_NOTES[Feature.lag]}."
+    assert explain_genes([]) == ""
 
 
 def texts_of(axes):
@@ -109,6 +129,7 @@ def test_robots_are_drawn_under_both_fitness_functions(run):
 def test_takeover_and_onemax_are_drawn_beside_theory():
     takeover = wl.plots.takeover(wl.analysis.follow_takeover(["top_half", "rank"], population_size=8, n_trials=3))
     assert "slowest trial: top_half 3" in caption(takeover)
+    assert n_sentences(takeover) == MAX_SENTENCES
     assert takeover.lines[0].get_ydata().tolist() == pytest.approx([12.5, 25, 50, 100])
     table = wl.analysis.evolve_onemax("top_half", n_bits=9, population_size=20, n_matings=1, seeds=[0])
     onemax = wl.plots.onemax(table)
@@ -135,6 +156,7 @@ def test_bars_of_the_improvement_add_up_to_its_line(run):
     shown = [term for term in TERMS if split[term].abs().sum() > 0.005 * split[[*TERMS]].abs().sum().sum()]
     assert total == pytest.approx(split[shown].sum().sum())
     assert "selection +" in caption(axes)
+    assert n_sentences(axes) == MAX_SENTENCES
     with pytest.raises(ValueError, match="cannot also show"):
         wl.plots.improvement(run, axes, trait="body_length")
     assert "no two successive" in wl.plots.alt_text(wl.plots.improvement(run.records.head(0)))
@@ -157,6 +179,7 @@ def test_credit_is_drawn_for_each_pair_of_operators(run):
     assert [label.get_text() for label in axes.get_yticklabels()] == [
         "crossover {}\nmutation {}".format(*credit.loc[0, ["crossover", "mutation"]])
     ]
+    assert n_sentences(axes) == MAX_SENTENCES
     assert "no robot has parents yet" in wl.plots.alt_text(wl.plots.operator_credit(run.records.head(0))).lower()
 
 

@@ -90,7 +90,7 @@ def test_the_card_of_a_child_shows_what_its_parents_gave(done):
     child = int(done.records[done.records.parents != ""].individual.iloc[-1])
     card = str(robot_card(done.records, child))
     parents = birth_rows(done.records).parents[child].split()
-    assert "Who gave what" in card
+    assert "Origin of its genes" in card
     assert all(f": robot {number}" in card for number in dict.fromkeys(parents))
     assert len(re.findall(r'class="gene', card)) > 10
-    assert "Who gave what" not in robot_card(done.records, 0)
+    assert "Origin of its genes" not in robot_card(done.records, 0)

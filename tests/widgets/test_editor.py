@@ -71,17 +71,17 @@ def test_every_changed_genome_has_a_description(robot, genome):
 
 
 BEYOND = {
-    "Segment 2: leg length 0.9 m is over the limit 0.6 m: 0.6 m is used.": ("own length=0.42", "own length=0.9", 2),
-    "Segment 1: leg force 0.5 N·m is under the limit 2 N·m: 2 N·m is used.": ("force=14", "force=0.5", 1),
-    "segments 9 is over the limit 4: 4 is used.": ("segments=3", "segments=9", 1),
+    "Segment 2: leg length 0.9 m is above the limit of 0.6 m; 0.6 m is used.": ("own length=0.42", "own length=0.9", 2),
+    "Segment 1: leg force 0.5 N·m is below the limit of 2 N·m; 2 N·m is used.": ("force=14", "force=0.5", 1),
+    "segments 9 is above the limit of 4; 4 is used.": ("segments=3", "segments=9", 1),
     "The robot has 4 segments, and the genome describes 3: the last one is repeated.": ("segments=3", "segments=9", 1),
-    "segments 2.4 is not a whole number: 2 is used.": ("segments=3", "segments=2.4", 1),
-    "frequency 9 Hz is over the limit 3 Hz: 3 Hz is used.": ("frequency=1.2", "frequency=9", 1),
-    "duty 0.1 is under the limit 0.3: 0.3 is used.": ("duty=0.5", "duty=0.1", 1),
-    "lag 7 rad is not within one turn: 0.717 rad is used.": ("lag=0", "lag=7", 1),
-    "Segment 2: repeat 0.7 is not a whole number: 1 is used.": ("own", "repeat=0.7", 2),
-    "Segment 1: hip phase 7 rad is not within one turn: 0.717 rad is used.": ("phase=0", "phase=7", 1),
-    "Segment 3: legs 7 is over the limit 1: 1 is used.": ("legs", "legs=7", 3),
+    "segments 2.4 is not a whole number; 2 is used.": ("segments=3", "segments=2.4", 1),
+    "frequency 9 Hz is above the limit of 3 Hz; 3 Hz is used.": ("frequency=1.2", "frequency=9", 1),
+    "duty 0.1 is below the limit of 0.3; 0.3 is used.": ("duty=0.5", "duty=0.1", 1),
+    "lag 7 rad is not within one turn; 0.717 rad is used.": ("lag=0", "lag=7", 1),
+    "Segment 2: repeat 0.7 is not a whole number; 1 is used.": ("own", "repeat=0.7", 2),
+    "Segment 1: hip phase 7 rad is not within one turn; 0.717 rad is used.": ("phase=0", "phase=7", 1),
+    "Segment 3: legs 7 is above the limit of 1; 1 is used.": ("legs", "legs=7", 3),
 }
 
 
@@ -100,7 +100,7 @@ def test_a_value_beyond_a_limit_says_why_another_than_the_limit_is_used():
     used = wl.Genome.parse(long).within(limits).values[4]
     assert used < 0.5, "precondition of this test"
     assert sentence == (
-        "Segment 1: length 1.386 m is over the limit 0.5 m, and the body must be between 0.6 and 0.9 m long: "
+        "Segment 1: length 1.386 m is above the limit of 0.5 m, and the body must be between 0.6 and 0.9 m long; "
         f"{used:.4g} m is used."
     )
 
@@ -117,21 +117,21 @@ def test_legs_that_repeat_others_have_no_repairs():
     first, *others = wrong.split("own")
     repeating = "own".join([first, "repeat".join(others)])
     assert describe_repairs(wl.Genome.parse(repeating), wl.Robot()) == [
-        "Segment 1: leg length 0.9 m is over the limit 0.6 m: 0.6 m is used."
+        "Segment 1: leg length 0.9 m is above the limit of 0.6 m; 0.6 m is used."
     ]
 
 
 def test_a_gene_that_does_not_fit_with_the_others_is_reported_with_the_reason():
     heavy = describe_repairs(wl.Genome.parse(GENOME.replace("mass=2", "mass=9")), wl.Robot())
     assert (
-        heavy[0] == "Segment 1: mass 9 kg does not fit, because the robot must weigh between 3 and 12 kg: 4 kg is used."
+        heavy[0] == "Segment 1: mass 9 kg does not fit, because the robot must weigh between 3 and 12 kg; 4 kg is used."
     )
     limits = wl.Robot(weight=(3, 40), legs=(2, 2), body_length=(0.4, 0.6))
     dense = describe_repairs(wl.Genome.parse(GENOME.replace("mass=2", "mass=9")), limits)
-    reason = "because the density of a segment of this size must be between 400 and 2500 kg/m³: 7.372 kg is used."
+    reason = "because the density of a segment of this size must be between 400 and 2500 kg/m³; 7.372 kg is used."
     assert f"Segment 2: mass 9 kg does not fit, {reason}" in dense
     bare = describe_repairs(G, wl.Robot(legs=(2, 4)))
-    assert bare == ["Segment 3: legs 1 does not fit, because the robot must have between 2 and 4 legs: 0 is used."]
+    assert bare == ["Segment 3: legs 1 does not fit, because the robot must have between 2 and 4 legs; 0 is used."]
     long = describe_repairs(G, wl.Robot(body_length=(0.4, 0.6)))
     assert all("because the body must be between 0.4 and 0.6 m long" in one for one in long[-2:])
 

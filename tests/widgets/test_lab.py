@@ -467,7 +467,7 @@ def test_a_loaded_run_without_generations_can_be_continued(lab, tmp_path):
     wl.Evolution(SMALL.with_(seed=9), path)
     load(lab, path)
     wait_for_drawings(lab)
-    assert lab.runs.drawer.words.startswith(f"Loaded {path}. No generation is done yet")
+    assert lab.runs.drawer.words.startswith(f"Loaded {path}. No generation is complete yet")
     assert lab.runs.drawer.n_further == SMALL.algorithm.generations
     assert lab.run.settings == SMALL.with_(seed=9)
     [entry] = lab.runs.run_list.runs

@@ -5,8 +5,8 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.analysis.mating import mate
-from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Crossover, Mutation
+from walkerlab.system.randomness import random_stream
 from walkerlab.widgets.genome_words import genome_lines
 from walkerlab.widgets.microscope import Microscope
 
@@ -84,5 +84,5 @@ def test_a_run_offers_the_robots_of_a_generation_and_explains_births(done):
 
 
 def test_one_genome_is_too_few():
-    with pytest.raises(ValueError, match="source must have two genomes or more"):
+    with pytest.raises(ValueError, match="source must contain at least two genomes"):
         Microscope(GENOMES[:1])

@@ -24,6 +24,7 @@ from walkerlab.widgets.drawing_thread import DrawingThread
 from walkerlab.widgets.generation_slider import GenerationSlider
 from walkerlab.widgets.landscape import LandscapePicture
 from walkerlab.widgets.playground import Playground
+from walkerlab.widgets.questions import Item, Questions, Reply
 from walkerlab.widgets.robot import RobotArea
 from walkerlab.widgets.run_folders import ListedRun
 from walkerlab.widgets.run_list import RunList
@@ -107,10 +108,21 @@ def landscape(run):
     return widgets.Landscape(table, run.settings)
 
 
+def questions(_run):
+    made = Questions([Item(EVIL, (EVIL, "no"))], lambda _, choice: Reply("right", choice), title="quiz")
+    made.answers = [EVIL]
+    return made
+
+
+def print_height(step_height):
+    print(EVIL, step_height)
+
+
 MAKE = {
     widgets.Curve: lambda run: widgets.Curve({EVIL: run.records, "other": run.records}),
     widgets.Editor: lambda run: widgets.Editor(EVIL, run.settings),
     widgets.Form: lambda run: widgets.Form(run.settings),
+    widgets.Interactive: lambda run: widgets.Interactive(print_height, ["step_height"]),
     widgets.Lab: panel,
     widgets.Landscape: landscape,
     LandscapePicture: lambda run: landscape(run).plot,
@@ -121,6 +133,7 @@ MAKE = {
     widgets.World: lambda run: widgets.World(run.settings.with_(structure="rough")),
     Drawer: drawer,
     GenerationSlider: generation_slider,
+    Questions: questions,
     WalkerCaption: walker_caption,
     WalkerView: walker_view,
     Frame: lambda run: wl.replay({EVIL: run.champion}, run.settings).widget,
@@ -206,9 +219,12 @@ def test_a_snapshot_is_sent_again_only_when_it_has_changed(monkeypatch):
     monkeypatch.setattr("IPython.display.display", lambda bundle, **options: sent.append((bundle, options)))
     monkeypatch.setattr(snapshots, "QUIET_TIME", 60)
     world = widgets.World()
+    view, _ = world._repr_mimebundle_()
+    monkeypatch.setattr(world, "_repr_mimebundle_", lambda: (view, {"for": "Colab"}))
     world._ipython_display_()
-    (view, _), (picture, options) = sent
+    (view, view_options), (picture, options) = sent
     assert "application/vnd.jupyter.widget-view+json" in view
+    assert view_options["metadata"] == {"for": "Colab"}
     assert view["text/html"] == ""
     assert options["display_id"]
     [on_cell_end] = shell.callbacks
@@ -244,24 +260,46 @@ class Shell:
 
 
 SHOW = """
+from threading import Thread
+from IPython.display import clear_output
 import walkerlab as wl
-from walkerlab.widgets import Form, World
+from walkerlab.widgets import Form, Interactive, World
 form = Form(only=["terrain"])
-display(form, World())
+quiz = wl.lessons.quiz("03")
+def show(step_height):
+    other = Thread(target=display, args=["of another thread"])
+    other.start()
+    other.join()
+    print("old")
+    clear_output()
+    print("step", step_height)
+    display("shown")
+interactive = Interactive(show, ["step_height"])
+display(form, World(), quiz, interactive)
 wl.Lab(form.settings)
+"""
+CHANGE = """
+form.settings = form.settings.with_(step_height=0.123, structure='stairs')
+interactive.controls["step_height"].value = 0.2
+quiz.answers = [next(iter(item["choices"])) for item in quiz.items]
 """
 
 
 def test_an_executed_notebook_contains_the_last_state_of_the_widgets(tmp_path):
     """Nbclient and nbconvert run no JavaScript; their pages show the snapshots."""
-    notebook = book(SHOW, "form.settings = form.settings.with_(step_height=0.123, structure='stairs')")
+    notebook = book(SHOW, CHANGE)
     nbclient.NotebookClient(notebook, timeout=60, resources={"metadata": {"path": str(tmp_path)}}).execute()
     nbformat.validate(notebook)
-    outputs = [output.data for output in notebook.cells[0].outputs]
-    assert [sorted(output) for output in outputs[::2]] == [sorted(VIEW)] * 3
-    form, world, lab = (output["text/html"] for output in outputs[1::2])
+    other, *outputs = [output.data for output in notebook.cells[0].outputs]
+    assert "of another thread" in other["text/plain"]
+    assert [sorted(output) for output in outputs[::2]] == [sorted(VIEW)] * 5
+    form, world, quiz, interactive, lab = (output["text/html"] for output in outputs[1::2])
     assert "0.123 m" in form
     assert Seen(world).all("img")
+    assert "<pre>step 0.2" in interactive
+    assert "shown" in interactive
+    assert "of another thread" not in interactive
+    assert quiz.count("●") == quiz.count("?</b>") > 0
     assert len(Seen(lab).all("img")) >= 2
 
 

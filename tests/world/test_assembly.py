@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.randomness import random_stream
+from walkerlab.system.randomness import random_stream
 from walkerlab.world.scene import describe_scene, scene_of
 
 ROUNDED = {"body_subtreemass", "body_invweight0", "dof_invweight0", "tendon_invweight0", "actuator_acc0"}

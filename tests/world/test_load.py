@@ -6,10 +6,10 @@ import pytest
 
 import walkerlab as wl
 from tests.simulation.test_validity import WALKER
-from walkerlab.randomness import random_stream
 from walkerlab.simulation.fitness import distance, velocity
 from walkerlab.simulation.rollout import simulate_walk
 from walkerlab.simulation.starts import draw_nudge
+from walkerlab.system.randomness import random_stream
 from walkerlab.world.entities.walker import LEG_COLOURS, TRUNK_COLOUR
 from walkerlab.world.scene import compile_scene
 

@@ -10,12 +10,12 @@ from hypothesis import strategies as st
 
 import walkerlab as wl
 from tests.strategies import domains, robots
-from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.settings.model import SettingsError
 from walkerlab.settings.terrain import MAX_PIECES, PLACEMENT_AREA, PLANET_GRAVITY
 from walkerlab.simulation.starts import start_overlap
 from walkerlab.simulation.validity import MAX_START_OVERLAP
+from walkerlab.system.randomness import random_stream
 from walkerlab.world import heights, placement
 from walkerlab.world.assembly import _add_pieces
 from walkerlab.world.entities import generate_terrain

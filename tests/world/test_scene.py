@@ -9,8 +9,8 @@ import pytest
 
 import walkerlab as wl
 from walkerlab.genome.phenotype import express
-from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Obstacle, Structure
+from walkerlab.system.randomness import random_stream
 from walkerlab.world import assembly
 from walkerlab.world import scene as scenes
 

@@ -20,7 +20,7 @@ def operator_credit(records: Any) -> pd.DataFrame:
     are left out, too.
 
     Args:
-        records: Run, experiment, or the table of either. To combine several runs, give an experiment.
+        records: Run, experiment, or the table of either. To combine several runs, pass an experiment.
 
     Returns:
         Table with a row for each pair of operators, most children first: ``crossover``, ``mutation``, ``children``,
@@ -79,7 +79,7 @@ def _summarise_parents(parents: tuple[int, ...], fitness: dict[int, float]) -> t
     """
     if missing := [number for number in parents if number not in fitness]:
         raise ValueError(
-            f"robot {missing[0]} is a parent, but it is not in the generation before its child. Give the complete "
+            f"robot {missing[0]} is a parent, but it is not in the generation before its child. Pass the complete "
             "table of the run, run.records."
         )
     values = [fitness[number] for number in parents]

@@ -21,13 +21,13 @@ def aligned_distances(genomes: Iterable[Genome | str | ArrayLike]) -> Floats:
     on either robot are left out. The distance is the root mean square of the contributions, from 0 to 1.
 
     Args:
-        genomes: Genomes or their texts; their numbers of segments, grown or not, may differ.
+        genomes: Genomes or their texts; their numbers of segments, expressed or not, may differ.
 
     Returns:
         Distances, shape (n, n); symmetric, with zeros on the diagonal.
 
     Raises:
-        GenomeError: If a text is not a valid genome.
+        GenomeError: If a string is not a valid genome.
     """
     values, genes = _align(read_genomes(genomes))
     return np.sqrt(_mean_squares(values, genes))

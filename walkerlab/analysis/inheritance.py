@@ -116,7 +116,7 @@ class Birth(ReadOnlyArrays):
 
     @property
     def table(self) -> pd.DataFrame:
-        """Table with a row for each gene: its origin, its values, and its changes.
+        """Table with a row for each gene: origin, values and changes.
 
         ``change`` is the change by all steps as a share of the gene's range. ``source`` is the parent's gene from
         which the value comes, and ``share A`` is the share of parent A in the inherited value.

@@ -10,15 +10,15 @@ from numpy.random import Generator
 
 from walkerlab.analysis.inheritance import Birth
 from walkerlab.analysis.tracing import NO_SOURCE, Sources, trace_sources
-from walkerlab.breeding import describe_operators, resolve_operators
 from walkerlab.ga.genes import Floats, Indices
 from walkerlab.ga.operators import cross_in_turn, mutate_in_turn
+from walkerlab.genome.breeding import describe_operators, resolve_operators
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome, HasGenome
 from walkerlab.genome.repair import repair
-from walkerlab.randomness import random_stream
 from walkerlab.settings.arguments import require_generator, require_settings
 from walkerlab.settings.settings import Settings
+from walkerlab.system.randomness import random_stream
 
 AnyGenome: TypeAlias = Genome | str | Floats | HasGenome
 
@@ -36,7 +36,7 @@ def mate(
         second: Second parent.
         settings: Settings with the operators and the limits of the robots; the defaults if None.
         rng: Random generator.
-        others: Further selected parents, for operators that use them, such as ``randomized``.
+        others: Additional selected parents, for operators that use them, such as ``randomized``.
         fitness: Fitness of all parents, in the order of the arguments; if None, each individual has its own fitness,
             and each genome has 0.
         mutates: Whether to mutate the child, too, with the mutation operators of the settings.
@@ -46,7 +46,7 @@ def mate(
         Birth with both parents of the child; if the operators use more than two, with those that contributed genes.
 
     Raises:
-        OperatorError: If an operator does not work.
+        OperatorError: If an operator fails.
         ValueError: If the number of fitness values differs from the number of parents, or there is no such child.
     """
     settings = Settings() if settings is None else require_settings(settings)
@@ -79,7 +79,7 @@ def mutate(genome: AnyGenome, settings: Settings | None = None, *, rng: Generato
         Birth with the genome as the only parent.
 
     Raises:
-        OperatorError: If an operator does not work.
+        OperatorError: If an operator fails.
     """
     settings = Settings() if settings is None else require_settings(settings)
     parent = Genome.of(genome).within(settings.robot).values[np.newaxis]
@@ -104,7 +104,7 @@ def trace_birth(
         settings: Settings with the operators and the limits of the robots.
         names: Name of each parent.
         seed: Seed of the operators' random generators.
-        generation: Number of the generation that is created.
+        generation: Number of the generation being created.
         n_children: Number of children to breed.
         child: Index of the child to trace.
         name: Name of the child.
@@ -113,7 +113,7 @@ def trace_birth(
             the settings.
 
     Raises:
-        OperatorError: If an operator does not work.
+        OperatorError: If an operator fails.
     """
     genes = build_genes(settings.robot)
     operators = resolve_operators(settings.algorithm)
@@ -155,7 +155,7 @@ def _complete_birth(
         row: Index of the child.
         settings: Settings with the operators and the limits of the robots.
         seed: Seed of the operators' random generators.
-        generation: Number of the generation that is created.
+        generation: Number of the generation being created.
         repair_rows: Function that repairs genomes, shape (n, n_genes); by default, it brings them within the limits of
             the settings.
     """

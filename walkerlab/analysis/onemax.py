@@ -21,8 +21,8 @@ from walkerlab.ga.crossover import Children
 from walkerlab.ga.genes import Floats, Genes
 from walkerlab.ga.loop import first_population, next_population
 from walkerlab.ga.operators import Operators
-from walkerlab.randomness import random_stream
 from walkerlab.settings.arguments import require_count
+from walkerlab.system.randomness import random_stream
 
 MAX_GENERATIONS = 1000  # generations after which a run ends even if the population has not converged
 
@@ -60,7 +60,7 @@ def evolve_onemax(
         and ``theory_linked`` (for the given number of matings).
 
     Raises:
-        OperatorError: If a user function does not work.
+        OperatorError: If a user function fails.
         ValueError: If a number is too small.
     """
     n_bits = require_count(n_bits, "n_bits", "the number of bits")
@@ -120,7 +120,7 @@ def onemax_times(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def read_times(table: pd.DataFrame) -> dict[str, Floats]:
-    """Return the last generation of each run of ``evolve_onemax``, by operator."""
+    """Return the last generation of each run of ``evolve_onemax``, keyed by operator."""
     last: Any = table.groupby(["selection", "seed"], sort=False).generation.max()
     return {str(name): times.to_numpy(dtype=np.float64) for name, times in last.groupby("selection", sort=False)}
 

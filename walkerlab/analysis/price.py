@@ -44,8 +44,8 @@ def price_equation(records: Any, trait: str = "fitness") -> pd.DataFrame:
 
     Returns:
         Table with a row for each generation but the first: ``generation``, ``mean_before`` (of the previous
-        generation), ``mean`` (of this one), ``change``, and the terms. All are NaN if no walk of one of the two
-        generations counts. ``.attrs`` has the trait and its unit.
+        generation), ``mean`` (of this one), ``change``, and the terms. All are NaN if either of the two generations has
+        no walk that counts. ``.attrs`` has the trait and its unit.
 
     Raises:
         ValueError: If the table has no such column, or a parent of a robot is not in the previous generation.
@@ -84,7 +84,7 @@ def mean_of_parents(rows: pd.DataFrame, values: Mapping[int, float]) -> Floats:
 
     Args:
         rows: Rows of one generation.
-        values: Value of each robot of the previous generation, by its number.
+        values: Value of each robot of the previous generation, keyed by its number.
 
     Raises:
         ValueError: If a parent is not in the previous generation.
@@ -96,7 +96,7 @@ def mean_of_parents(rows: pd.DataFrame, values: Mapping[int, float]) -> Floats:
     except KeyError as error:
         raise ValueError(
             f"robot {error.args[0]} is a parent of a robot of generation {rows.generation.iloc[0]}, but it is not in "
-            "the generation before. Give the complete table of the run, run.records."
+            "the previous generation. Pass the complete table of the run, run.records."
         ) from error
 
 

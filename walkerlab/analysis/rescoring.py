@@ -1,4 +1,4 @@
-"""Rate the robots of a finished run by another fitness function, and compare the ranks."""
+"""Rate the robots of a finished run with another fitness function, and compare the ranks."""
 
 from collections.abc import Callable
 from concurrent.futures import Executor
@@ -41,7 +41,7 @@ def rescore(
     *,
     on_done: Callable[[int], None] = lambda _: None,
 ) -> pd.DataFrame:
-    """Rate all robots of a run by another fitness function, and compare their ranks before and after.
+    """Rate all robots of a run with another fitness function, and compare their ranks before and after.
 
     Distance and velocity are recorded for every walk, so they require no new walks. For any other fitness function,
     each robot walks again with the settings of the run. The same holds for all fitness functions if the run has several
@@ -62,7 +62,7 @@ def rescore(
         the ``summary``, a sentence about the two champions.
 
     Raises:
-        OperatorError: If the fitness function does not work.
+        OperatorError: If the fitness function fails.
         SettingsError: If there is no fitness of this name.
         ValueError: If the run has no robots.
     """

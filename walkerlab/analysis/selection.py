@@ -1,4 +1,4 @@
-"""Measure selection: the probability of each individual to become a parent, and the pressure of an operator."""
+"""Measure selection: each individual's probability of becoming a parent, and the pressure of an operator."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -15,18 +15,18 @@ from walkerlab.analysis.selection_theory import (
     selection_theory,
     takeover_theory,
 )
-from walkerlab.breeding import check_user_operators, resolve_operators, slot_entries
 from walkerlab.ga.genes import Floats, Indices
 from walkerlab.ga.operators import select_in_turn
 from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
 from walkerlab.ga.slots import Select, unbound_keywords
+from walkerlab.genome.breeding import check_user_operators, resolve_operators, slot_entries
 from walkerlab.genome.features import build_genes
-from walkerlab.randomness import random_stream
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.arguments import require_count
 from walkerlab.settings.choices import Choice
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.values import function_name
+from walkerlab.system.randomness import random_stream
 
 N_DRAWS = 20_000  # number of parents drawn to estimate the probabilities of an operator without a formula
 MIN_CALLS = 30  # minimum number of calls for an estimate; their variation gives the standard error
@@ -48,7 +48,7 @@ Operators = tuple[Select, ...]
 def selection_probabilities(
     fitness: ArrayLike, select: Any = "gradient", *, n_parents: int | None = None, seed: int = 0
 ) -> pd.DataFrame:
-    """Return the probability of each individual to be selected as the next parent.
+    """Return each individual's probability of being selected as the next parent.
 
     The probability is exact for the operators of walkerlab, with any parameters. For other functions, and for several
     operators applied in turn, it is estimated from 30 to 300 calls. They select at least 20,000 parents in total if
@@ -68,7 +68,7 @@ def selection_probabilities(
 
     Raises:
         ValueError: If ``fitness`` is empty, is not one-dimensional, or contains NaN or +inf.
-        OperatorError: If a user function does not work.
+        OperatorError: If a user function fails.
     """
     values = _as_fitness(fitness)
     name, operators = next(iter(read_selections(select if not isinstance(select, list) else [select]).items()))
@@ -113,7 +113,7 @@ def measure_selection(
         ended), ``standard_error``, ``theory`` (for a large population; NaN if unknown) and ``meaning``.
 
     Raises:
-        OperatorError: If a user function does not work.
+        OperatorError: If a user function fails.
         ValueError: If a number is too small.
     """
     n = require_count(population_size, "population_size", "the number of individuals", low=2)
@@ -154,7 +154,7 @@ def follow_takeover(selections: Any, *, population_size: int = 100, n_trials: in
         ``theory`` (NaN if unknown).
 
     Raises:
-        OperatorError: If a user function does not work.
+        OperatorError: If a user function fails.
         ValueError: If a number is too small.
     """
     n = require_count(population_size, "population_size", "the number of individuals", low=2)
@@ -178,10 +178,10 @@ def follow_takeover(selections: Any, *, population_size: int = 100, n_trials: in
 
 
 def read_selections(selections: Any) -> dict[str, Operators]:
-    """Return the functions of one or several selection operators, by name; user functions are checked.
+    """Return the functions of one or several selection operators, keyed by name; user functions are checked.
 
     Raises:
-        OperatorError: If a user function does not work.
+        OperatorError: If a user function fails.
         ValueError: If there is no operator, or a name is unknown.
     """
     if isinstance(selections, Mapping):
@@ -190,7 +190,7 @@ def read_selections(selections: Any) -> dict[str, Operators]:
         entries = cast(Sequence[Any], selections) if isinstance(selections, list) else [selections]
         named = {_selection_name(entry): entry for entry in entries}
     if not named:
-        raise ValueError('there is no selection operator; give at least one, such as "top_half"')
+        raise ValueError('there is no selection operator; pass at least one, such as "top_half"')
     operators: dict[str, Operators] = {}
     for name, entry in named.items():
         algorithm = Algorithm(selection=entry)
@@ -220,7 +220,7 @@ def _as_fitness(given: ArrayLike) -> Floats:
 def _select_repeatedly(
     operators: Operators, fitness: Floats, n_parents: int, n_calls: int, seed: int, genomes: Floats | None = None
 ) -> list[Indices]:
-    """Select parents several times, each time with other random numbers."""
+    """Select parents several times, each time with different random numbers."""
     rng = random_stream(seed, "analysis", 0)
     if genomes is None:
         genomes = _random_genomes(operators, len(fitness), rng)

@@ -1,4 +1,4 @@
-"""Theory of selection: what an operator does to a large population, and how probably each individual becomes a parent.
+"""Theory of selection: its effect on a large population, and how likely each individual is to become a parent.
 
 All values for a large population follow from one curve: the share of the parents that come from the poorest fraction u
 of the population. It is u if selection has no effect, and u² for tournaments of two.
@@ -54,7 +54,7 @@ _CURVES: Mapping[Any, Callable[..., Curve]] = {
     selection.top_half: _top_half_curve,
     selection.uniform: _uniform_curve,
 }
-"""Curve by operator. ``gradient`` has none, because its curve depends on the distribution of the fitness."""
+"""Curves, keyed by operator. ``gradient`` has none, because its curve depends on the distribution of the fitness."""
 
 
 def selection_curve(select: Select) -> Curve | None:
@@ -128,7 +128,7 @@ def takeover_theory(curve: Curve, population_size: int, max_generations: int) ->
 
 
 def exact_probabilities(select: Select, fitness: Floats, n_parents: int) -> Floats | None:
-    """Return the probability of each individual to become a parent; None if there is no formula for the operator.
+    """Return each individual's probability of becoming a parent; None if there is no formula for the operator.
 
     Args:
         select: Operator, with its parameters bound by ``functools.partial``.
@@ -159,7 +159,7 @@ def _top_half_probabilities(fitness: Floats, n_parents: int) -> Floats:
 
 
 def _tournament_probabilities(fitness: Floats, _n_parents: int, *, size: int = 3) -> Floats:
-    """Return the probability of each individual to win a tournament; equally fit individuals are equally probable."""
+    """Return each individual's probability of winning a tournament; equally fit individuals are equally probable."""
     _, level, n_equal = np.unique(fitness, return_inverse=True, return_counts=True)
     below = np.concatenate([[0.0], np.cumsum(n_equal) / len(fitness)])
     return (np.diff(below**size) / n_equal)[level]

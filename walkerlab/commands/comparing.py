@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from walkerlab.commands.terminal import EXIT_INTERRUPTED, print_safely
-from walkerlab.errors import WalkerlabError
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.files import display_path, folder_path, quote_path
 from walkerlab.system.interrupts import interrupts_held
 
@@ -84,12 +84,12 @@ def build_conditions(words: list[str], base: Settings, *, random_search: bool) -
     """Return conditions in the form that ``wl.compare`` requires.
 
     Args:
-        words: Texts of the conditions; ``evolution:`` if there are none.
+        words: Conditions as text; ``evolution:`` if there are none.
         base: Settings that all conditions share.
         random_search: Whether to add random search, once for all conditions that differ only in their operators.
 
     Raises:
-        SettingsError: If a text or a setting is not valid, or a name occurs twice.
+        SettingsError: If a condition or a setting is not valid, or a name occurs twice.
     """
     from walkerlab.commands.setting_texts import parse_condition
     from walkerlab.experiment.conditions import task_of
@@ -137,7 +137,7 @@ def _restore_conditions(stored: Experiment) -> tuple[dict[str, Any], dict[str, A
     """Return conditions and first populations of a stored experiment, in the form that ``wl.compare`` requires.
 
     Raises:
-        ComparisonError: If the experiment has functions of the user, which are not stored in the file.
+        ComparisonError: If the experiment has user functions, which are not stored in the file.
     """
     from walkerlab.experiment.optimisers import random_search
 

@@ -66,7 +66,7 @@ def add_flags(parser: argparse.ArgumentParser) -> None:
 
 
 STOP_FLAGS = {
-    "--stop-after": ("after", "TIME", "begin no further generation after this time, such as 90s, 10min or 1h"),
+    "--stop-after": ("after", "TIME", "begin no new generation after this time, such as 90s, 10min or 1h"),
     "--target": ("target", "X", "stop when the best fitness is this high"),
     "--patience": ("patience", "N", "stop after this number of generations without a fitter robot"),
 }
@@ -89,7 +89,7 @@ def build_settings(values: Mapping[str, Any], unknown_words: Sequence[str] = ())
     """Create settings from parsed flags.
 
     Args:
-        values: Value of each given setting, by ``domain.field``; other keys are ignored.
+        values: Value of each given setting, keyed by ``domain.field``; other keys are ignored.
         unknown_words: Arguments that the parser did not recognise.
 
     Raises:
@@ -105,10 +105,10 @@ def build_settings(values: Mapping[str, Any], unknown_words: Sequence[str] = ())
 
 
 def given_settings(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the settings that have a flag, by the name that ``Settings.with_`` takes.
+    """Return the settings that have a flag, keyed by the name that ``Settings.with_`` takes.
 
     Args:
-        values: Value of each given setting, by ``domain.field``; other keys are ignored.
+        values: Value of each given setting, keyed by ``domain.field``; other keys are ignored.
     """
     places = {f"{domain}.{field}": name for name, (domain, field) in Settings.field_locations().items()}
     return {places[place]: _unpack_preset(value) for place, value in values.items() if place in places}
@@ -127,7 +127,7 @@ def _describe_unknown(words: Sequence[str]) -> list[str]:
 
 
 def parse_value(text: str) -> int | float | str:
-    """Convert a text to a number if possible; the settings check the value."""
+    """Convert a string to a number if possible; the settings check the value."""
     for number in (int, float):
         with suppress(ValueError):
             return number(text)

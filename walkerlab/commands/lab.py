@@ -1,4 +1,4 @@
-"""Command ``lab``: opens JupyterLab on copies of the notebooks."""
+"""Command ``lab``: open JupyterLab on copies of the notebooks."""
 
 import argparse
 import os
@@ -12,9 +12,13 @@ from walkerlab.commands.terminal import INVALID_REQUEST, print_error
 from walkerlab.settings.classroom import CLASS_VARIABLE, Classroom, read_class
 from walkerlab.settings.values import pluralize
 from walkerlab.system.files import absolute_path, display_path, replace_atomically
+from walkerlab.system.package_files import find_package_file
 
 NOTEBOOKS_FOLDER = "walkerlab-notebooks"
-FIRST_NOTEBOOK = "00_meet_a_walker.ipynb"
+SOURCE_FOLDER = "notebooks"
+STUDENT_FILES = ("*.ipynb", "*.md", "pictures/*.png")
+TEACHER_FILES = ("teacher/*.ipynb", "teacher/*/*.md")
+INDEX = "index.ipynb"
 
 LOCAL_ONLY_OPTIONS = [
     "--ServerApp.ip=127.0.0.1",
@@ -25,34 +29,37 @@ LOCAL_ONLY_OPTIONS = [
 """Options that limit access to the server and its kernels to this computer; they override the user's configuration."""
 
 
-def find_notebooks() -> list[Path]:
-    """Return the notebooks of walkerlab: inside an installed package, or next to the package in a checkout."""
-    package = Path(__file__).parents[1]
-    installed, checkout = (
-        sorted(folder.glob("*.ipynb")) for folder in (package / "notebooks", package.parent / "notebooks")
-    )
-    return installed or checkout
+def copy_files(folder: Path, *, teacher: bool = False) -> list[Path]:
+    """Copy notebooks, pictures and glossary into a folder, apart from files that it contains already.
 
-
-def copy_notebooks(folder: Path) -> list[Path]:
-    """Copy into a folder those notebooks that it does not yet contain; existing files are not overwritten.
+    Args:
+        folder: Folder of the copies; created if it is missing.
+        teacher: Whether to copy the notebooks with answers, the guides and the sheets, too.
 
     Returns:
         The new copies.
     """
-    folder.mkdir(parents=True, exist_ok=True)
-    copies = [(original, folder / original.name) for original in find_notebooks()]
+    source = find_package_file(SOURCE_FOLDER)
+    patterns = STUDENT_FILES + (TEACHER_FILES if teacher else ())
+    originals = sorted(path for pattern in patterns for path in source.glob(pattern))
+    copies = [(original, folder / original.relative_to(source)) for original in originals]
     new = [(original, copy) for original, copy in copies if not copy.exists()]
     for original, copy in new:
+        copy.parent.mkdir(parents=True, exist_ok=True)
         with replace_atomically(copy) as temporary:
             shutil.copyfile(original, temporary)
     return [copy for _, copy in new]
 
 
-def open_lab(folder: Path, options: Sequence[str] = ()) -> None:
-    """Run JupyterLab on a folder, with the first notebook open, until it is stopped.
+def open_lab(folder: Path, page: str, options: Sequence[str] = ()) -> None:
+    """Run JupyterLab on a folder, with a notebook open, until it is stopped.
 
     It is reachable from this computer only, with its token or with the password that the user has configured.
+
+    Args:
+        folder: Folder that JupyterLab shows.
+        page: Path of the notebook in the folder.
+        options: Further options of JupyterLab.
 
     Raises:
         ImportError: If JupyterLab is not installed.
@@ -61,8 +68,8 @@ def open_lab(folder: Path, options: Sequence[str] = ()) -> None:
 
     root = f"--ServerApp.root_dir={folder.resolve()}"
     # A file name as an argument would make the server print the address of the Launcher instead.
-    page = f"--LabApp.default_url=/lab/tree/{FIRST_NOTEBOOK}"
-    server = LabApp.initialize_server([root, *LOCAL_ONLY_OPTIONS, page, *options])
+    address = f"--LabApp.default_url=/lab/tree/{page}"
+    server = LabApp.initialize_server([root, *LOCAL_ONLY_OPTIONS, address, *options])
     if not getattr(server.identity_provider, "hashed_password", "") and not server.identity_provider.token:
         server.identity_provider.token = secrets.token_hex(24)
         server.identity_provider.token_generated = True  # so that the printed address contains it
@@ -78,7 +85,7 @@ def describe_class(classroom: Classroom) -> str:
 
 
 def run_lab(arguments: argparse.Namespace) -> int:
-    """Copy the notebooks and open JupyterLab on them; return the exit code.
+    """Copy the notebooks and open JupyterLab on their index; return the exit code.
 
     Raises:
         SettingsError: If the file of the class is wrong.
@@ -89,20 +96,20 @@ def run_lab(arguments: argparse.Namespace) -> int:
         print(describe_class(classroom), flush=True)
     folder = Path(NOTEBOOKS_FOLDER)
     try:
-        copied = copy_notebooks(folder)
+        copied = copy_files(folder, teacher=arguments.teacher)
     except OSError as error:
         return print_error(
             f"The notebooks cannot be copied into {NOTEBOOKS_FOLDER}: {error.strerror or error}. Change to a folder "
             "that you can write to.",
             INVALID_REQUEST,
         )
-    notebooks = f"{len(copied)} notebook{'' if len(copied) == 1 else 's'}"
-    new = f"New in {NOTEBOOKS_FOLDER}: {notebooks}." if copied else f"All notebooks are in {NOTEBOOKS_FOLDER} already."
+    files = f"{len(copied)} file{'' if len(copied) == 1 else 's'}"
+    new = f"New in {NOTEBOOKS_FOLDER}: {files}." if copied else f"All notebooks are in {NOTEBOOKS_FOLDER} already."
     print(f"{new} Existing files were not changed.", flush=True)
     options = [f"--{name.replace('_', '-')}" for name in ("no_browser", "allow_root") if getattr(arguments, name)]
     options += [f"--port={arguments.port}"] if arguments.port else []
     try:
-        open_lab(folder, options)
+        open_lab(folder, f"teacher/{INDEX}" if arguments.teacher else INDEX, options)
     except ImportError:
         return print_error(
             f'JupyterLab is not installed. To fix it: "{sys.executable}" -m pip install jupyterlab', INVALID_REQUEST

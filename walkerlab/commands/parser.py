@@ -8,7 +8,7 @@ from walkerlab.commands import comparing, doctor, flags, lab, ranking, runs
 
 
 def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.ArgumentParser]]:
-    """Create the parser of the command line; return it and the parser of each command by name."""
+    """Create the parser of the command line; return it and the parser of each command, keyed by name."""
     parser = argparse.ArgumentParser(
         prog="walkerlab",
         description="Evolve walking robots with a genetic algorithm.",
@@ -103,10 +103,13 @@ def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.Argu
         "lab",
         lab.run_lab,
         "open JupyterLab on copies of the notebooks",
-        "[--class FILE] [--no-browser] [--port N] [--allow-root]",
+        "[--class FILE] [--teacher] [--no-browser] [--port N] [--allow-root]",
     )
     lab_command.add_argument(
         "--class", dest="class_file", metavar="FILE", help="settings of a class: fixed settings, budget, shared folder"
+    )
+    lab_command.add_argument(
+        "--teacher", action="store_true", help="also copy the notebooks with answers, the guides and the sheets"
     )
     lab_command.add_argument("--no-browser", action="store_true", help="print the address without opening a browser")
     lab_command.add_argument("--port", type=int, metavar="N", help="port of the server on this computer")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from walkerlab.commands import flags
 from walkerlab.commands.terminal import print_safely
-from walkerlab.errors import WalkerlabError
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.files import display_path, quote_path
 from walkerlab.system.interrupts import interrupts_held
 

@@ -4,8 +4,8 @@ import re
 from functools import partial
 from typing import Any
 
-from walkerlab.breeding import OPERATOR_MODULES
 from walkerlab.commands.flags import parse_value
+from walkerlab.genome.breeding import OPERATOR_MODULES
 from walkerlab.settings.choices import Choice
 from walkerlab.settings.model import SettingsError
 from walkerlab.settings.values import did_you_mean
@@ -69,8 +69,8 @@ def _parse_part(name: str, text: str) -> Any:
     kind = OPERATOR_TYPES[name]
     if call[1] not in kind.__members__:
         raise SettingsError(
-            f"{name}={text}: there is no operator {call[1]!r} for {name}; there are {', '.join(kind.__members__)}."
-            f"{did_you_mean(call[1], kind.__members__)}"
+            f"{name}={text}: there is no operator {call[1]!r} for {name}; the operators are "
+            f"{', '.join(kind.__members__)}.{did_you_mean(call[1], kind.__members__)}"
         )
     pairs = (pair.partition("=") for pair in call[2].split(",") if pair.strip())
     keywords = {keyword.strip(): parse_value(value.strip()) for keyword, _, value in pairs}

@@ -2,7 +2,7 @@
 
     python -m walkerlab.commands.walker data/walker.json
 
-It evolves with the default settings for about 5,000 trials, which takes a few minutes. It writes the champion, its
+It evolves with the default settings for about 5,000 evaluations, which takes a few minutes. It writes the champion, its
 settings, and the shares of its fitness that remain at a quarter of the timestep and from other starts.
 """
 
@@ -16,7 +16,7 @@ from walkerlab.runfile.records import birth_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.system.files import file_path, write_text
 
-N_GENERATIONS = 86  # with 60 robots and 2 elites, 4,990 trials
+N_GENERATIONS = 86  # with 60 robots and 2 elites, 4,990 evaluations
 
 
 def write_walker(run: Run, path: Path) -> None:

@@ -65,7 +65,7 @@ WORLDS: dict[str, dict[str, Any]] = {
         "obstacle": "ball", "obstacle_size": 0.25, "obstacle_density": 0.5, "terrain_seed": 4,
     },
 }  # fmt: skip
-"""Settings of each world that differ from the defaults, by caption."""
+"""Settings of each world that differ from the defaults, keyed by caption."""
 
 
 def simulate_in_world(scene: Scene) -> mujoco.MjData:

@@ -11,7 +11,7 @@ def reject_unknown_arguments(function: str, unknown: dict[str, Any]) -> None:
 
     Args:
         function: Name of the function that was called, ``evolve`` or ``Evolution``.
-        unknown: Arguments that it does not have, by name.
+        unknown: Arguments that it does not have, keyed by name.
     """
     for name, value in unknown.items():
         if name in Settings.field_locations():

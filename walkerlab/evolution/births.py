@@ -8,13 +8,13 @@ import pandas as pd
 from walkerlab.analysis.comparison import compare_with_parents
 from walkerlab.analysis.inheritance import Birth
 from walkerlab.analysis.mating import trace_birth
-from walkerlab.breeding import resolve_operators
 from walkerlab.evolution.founders import fit_genomes
 from walkerlab.evolution.run import Run
 from walkerlab.ga.loop import find_elites
 from walkerlab.ga.operators import select_in_turn
 from walkerlab.ga.population import fitness_for_comparison
 from walkerlab.ga.user_functions import OperatorError
+from walkerlab.genome.breeding import resolve_operators
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.records import birth_rows, last_population, parent_numbers
@@ -33,7 +33,7 @@ def explain_birth(run: Run, individual: int | None = None) -> Birth:
         individual: Number of the robot; the champion if None.
 
     Raises:
-        ValueError: If the run has no such robot, or the robot has no parents in it.
+        ValueError: If the run has no such robot, or does not contain its parents.
     """
     records = run.records
     number = run.champion.individual if individual is None else individual
@@ -58,7 +58,7 @@ def explain_birth(run: Run, individual: int | None = None) -> Birth:
 
 
 def _repeat_birth(run: Run, records: pd.DataFrame, settings: Settings, number: int, born: int) -> Birth | None:
-    """Repeat a birth; return None if the table lacks the previous generation, or an operator does not work."""
+    """Repeat a birth; return None if the table lacks the previous generation, or an operator fails."""
     earlier = records.loc[records.generation < born, :]
     if earlier.empty or earlier.generation.max() != born - 1:
         return None

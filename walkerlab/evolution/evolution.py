@@ -11,12 +11,6 @@ from typing import Any, ClassVar, Self, TypeAlias
 import numpy as np
 import pandas as pd
 
-from walkerlab.breeding import (
-    check_user_operators,
-    describe_operators,
-    generate_robot_population,
-    resolve_operators,
-)
 from walkerlab.evolution.arguments import reject_unknown_arguments
 from walkerlab.evolution.founders import FirstPopulation, fit_genomes, place_founders, read_founders
 from walkerlab.evolution.generation import Generation
@@ -32,6 +26,12 @@ from walkerlab.evolution.stored_functions import check_storable
 from walkerlab.ga.genes import Floats
 from walkerlab.ga.loop import first_population, next_population
 from walkerlab.ga.population import Population
+from walkerlab.genome.breeding import (
+    check_user_operators,
+    describe_operators,
+    generate_robot_population,
+    resolve_operators,
+)
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile import paths, provenance, records
@@ -48,7 +48,7 @@ from walkerlab.system.interrupts import interrupts_held
 from walkerlab.system.time_limit import effective_limit
 
 Recall: TypeAlias = Callable[[list[str]], dict[str, EvaluationRow]]
-"""Function from texts of genomes to their known evaluations, by text."""
+"""Function that takes the texts of genomes and returns their known evaluations, keyed by text."""
 
 
 class Evolution(RunProperties):
@@ -90,7 +90,7 @@ class Evolution(RunProperties):
             on_rated: Function that is called with the index of each robot, among those that walk, and its evaluation.
             stop: Conditions under which the iteration stops before the last generation.
             population: First individuals of generation 0, as for ``evolve``.
-            recall: Function that returns known evaluations by genome text; its caller stores the generations.
+            recall: Function that returns known evaluations, keyed by genome text; its caller stores the generations.
             **unknown: Rejected; individual settings belong in ``settings``.
 
         Raises:
@@ -216,7 +216,7 @@ class Evolution(RunProperties):
         return self._inserted.add(Genome(fit_genomes(values[np.newaxis], self.settings, self._founders)[0]))
 
     def __iter__(self) -> Iterator[Generation]:
-        """Yield each further generation once it is evaluated and stored, up to the last or a condition of ``stop``."""
+        """Yield each new generation once it is stored, up to the last one or until a condition of ``stop`` is met."""
         algorithm = self.settings.algorithm
         began = time.monotonic()
         improvement = Improvement(self._best_before)

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from walkerlab.breeding import generate_robot_population
+from walkerlab.genome.breeding import generate_robot_population
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
@@ -24,7 +24,7 @@ def n_walks(settings: Settings, done: int = 0) -> int:
 
     Args:
         settings: Complete settings of the run.
-        done: Number of generations that are done.
+        done: Number of completed generations.
     """
     algorithm = settings.algorithm
     children = algorithm.population_size - algorithm.n_elites
@@ -33,13 +33,13 @@ def n_walks(settings: Settings, done: int = 0) -> int:
 
 
 def estimate_seconds(settings: Settings) -> float:
-    """Estimate how long a run takes, by timing short walks of a few random robots.
+    """Estimate how long a run will take, by timing short walks of a few random robots.
 
     Args:
         settings: Complete settings of the run.
 
     Returns:
-        Time in seconds, without the start of the workers.
+        Time in seconds, not including the start of the workers.
     """
     return n_walks(settings) * _seconds_per_walk(settings.terrain, settings.robot, settings.simulation) / n_cores()
 

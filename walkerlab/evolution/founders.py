@@ -1,4 +1,4 @@
-"""Genomes that users give for generation 0, with where they come from."""
+"""Genomes that users give for generation 0, and the origin of each."""
 
 from collections.abc import Iterable
 from typing import Any, TypeAlias, cast
@@ -21,7 +21,7 @@ from walkerlab.settings.values import code_text
 from walkerlab.text.escape import printable
 
 FirstPopulation: TypeAlias = Run | pd.DataFrame | Iterable[Genome | str | ArrayLike | HasGenome | Founder]
-"""Genomes, texts, arrays or individuals; or a run or its table, whose last generation is used, best first."""
+"""Genomes, strings, arrays or individuals; or a run or its table, whose last generation is used, best first."""
 
 
 def read_founders(
@@ -30,28 +30,29 @@ def read_founders(
     """Return the genomes given for generation 0, within the limits.
 
     Args:
-        given: Genomes, a run or a table; None for none.
+        given: Genomes, a run or a table; if None, no genomes are returned.
         settings: Settings of the new run.
         argument: How to give a genome, for the error message.
 
     Raises:
-        GenomeError: If a text is not a genome.
-        ValueError: If values are not a genome, there are none or too many, or features are frozen without any.
-        TypeError: If it is neither genomes nor a run nor a table.
+        GenomeError: If a string is not a valid genome.
+        ValueError: If a genome is not valid, there are no genomes or too many, or genes are frozen but no genome is
+            given.
+        TypeError: If ``given`` is something other than genomes, a run or a table.
     """
     size = settings.algorithm.population_size
     founders = [] if given is None else _read(given, size)
     if given is not None and not founders:
-        raise ValueError("population is empty; give at least one genome, or leave it out for a random first generation")
+        raise ValueError("population is empty; pass at least one genome, or leave it out for a random first generation")
     if len(founders) > size:
         raise ValueError(
-            f"population has {len(founders)} genomes; Algorithm.population_size is {size}. Give fewer, or raise it: "
+            f"population has {len(founders)} genomes; Algorithm.population_size is {size}. Pass fewer, or raise it: "
             f"settings.with_(population_size={len(founders)})"
         )
     if frozen_features(settings.algorithm.frozen) and not founders:
         raise SettingsError(
             f"Algorithm.frozen is {code_text(settings.algorithm.frozen)}, but there is no genome whose values the "
-            f"frozen genes keep. Give one: {argument}"
+            f"frozen genes keep. Pass one: {argument}"
         )
     return tuple(
         Founder(str(Genome.parse(founder.genome).within(settings.robot)), founder.origin) for founder in founders
@@ -100,14 +101,14 @@ def _read(given: Any, size: int) -> list[Founder]:
 
 
 def _read_table(table: pd.DataFrame, size: int, of_run: str) -> list[Founder]:
-    """Return the robots of the last generation of a table, best first, and no more than fit into a generation.
+    """Return the robots of the last generation of a table, best first, at most as many as a generation has.
 
     Raises:
-        ValueError: If the table is not that of a run.
+        ValueError: If the table is not the table of a run.
     """
     required = {"generation", "individual", "fitness", "genome"}
     if missing := sorted(required - set(table.columns)):
-        raise ValueError(f"population is a table without the column {missing[0]}; give the table of a run: run.records")
+        raise ValueError(f"population is a table without the column {missing[0]}; pass the table of a run: run.records")
     last = table.loc[table.generation == table.generation.max(), :]
     best: Any = last.sort_values("fitness", ascending=False, kind="stable").head(size)
     return [Founder(str(row.genome), f"{GIVEN}: robot {int(row.individual)}{of_run}") for row in best.itertuples()]

@@ -19,7 +19,7 @@ from walkerlab.text.numbers import with_unit
 
 N_TEST_STARTS = 4  # number of other starts from which a robot is tested
 MIN_KEPT_SHARE = 0.9  # minimum fitness from the poorest of these starts, as a share of the original fitness
-SUFFICIENT_QUANTILE = 0.9  # quantile of the fitness of the generation that is sufficient, too
+SUFFICIENT_QUANTILE = 0.9  # quantile of the fitness of the generation that is also sufficient
 FRAGILE = Guard.fragile.name
 
 
@@ -37,12 +37,12 @@ def exclude_fragile(
 ) -> dict[str, EvaluationRow]:
     """Test the best robots of a generation until all that would be elites have passed.
 
-    The result does not depend on the order of the tests: every robot is tested that is at least as good as the poorest
-    of the final elites. Robots that are no better than the median of their generation are not tested, so that at least
-    half of the generation remains.
+    The result does not depend on the order of the tests: every robot that is at least as good as the poorest of the
+    final elites is tested. Robots that are no better than the median of their generation are not tested, so that at
+    least half of the generation remains.
 
     Args:
-        rows: Evaluations of the generation, by the text of the genome.
+        rows: Evaluations of the generation, keyed by genome text.
         passed: Texts of genomes that need no test.
         settings: Settings of the run.
         walk_again: Function that simulates genomes, given as texts, from the test starts, and returns the evaluation of

@@ -28,13 +28,13 @@ class InsertedGenomes:
         """Add a genome, and return the number of the generation that will contain it.
 
         Raises:
-            ValueError: If there is no room for the genome, no generation is done yet, or the run is complete.
+            ValueError: If there is no room for the genome, no generation is complete yet, or the run is complete.
         """
         with self._lock:
             if self._next_bred is None:
                 raise ValueError(
                     "a genome cannot be inserted into the first generation, which is random; insert it when that "
-                    "generation is done"
+                    "generation is complete"
                 )
             if self._next_bred >= self._n_generations:
                 raise ValueError(

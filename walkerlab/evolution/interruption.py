@@ -26,7 +26,7 @@ def save_after(error: Exception, archive: Archive, settings: Settings, n_generat
         return
     saved = f"The run is saved in {display_path(path)}, with {pluralize(n_generations, 'generation')}."
     if not n_generations:
-        saved = f"No generation was done; the settings are saved in {display_path(path)}."
+        saved = f"No generation was completed; the settings are saved in {display_path(path)}."
     error.saved_path = path  # type: ignore[attr-defined]
     error.add_note(f"{saved} Fix the error, then resume with:\n    run = {_resume_call(path, settings)}")
 
@@ -39,8 +39,10 @@ def interrupted_message(path: Path | None, settings: Settings) -> str:
         settings: Settings of the run.
     """
     if not path:
-        return "before the first generation was done; the run has no file, so nothing was saved"
-    return f"before the first generation was done; the settings are saved, resume with: {_resume_call(path, settings)}"
+        return "before the first generation was complete; the run has no file, so nothing was saved"
+    return (
+        f"before the first generation was complete; the settings are saved, resume with: {_resume_call(path, settings)}"
+    )
 
 
 def _resume_call(path: Path, settings: Settings) -> str:

@@ -46,7 +46,8 @@ class LiveRun(ReadOnlyProperties):
         error: Error that made it fail, or None.
         n_done: Number of walks that are done.
         n_walks: Total number of walks.
-        first_robots: Evaluations of the robots of generation 0 that have walked, by number; empty when it is complete.
+        first_robots: Evaluations of the robots of generation 0 that have walked, keyed by number; empty when it is
+            complete.
     """
 
     INSTEAD = Evolution.INSTEAD

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from walkerlab.breeding import resolve_operators
 from walkerlab.ga import selection
 from walkerlab.ga.genes import Floats
 from walkerlab.ga.population import NOT_COUNTED, Population
+from walkerlab.genome.breeding import resolve_operators
 from walkerlab.runfile.records import EvaluationRow
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.simulation.validity import REJECTED

@@ -39,17 +39,17 @@ def _is_current(file: Path, run_file: Path) -> bool:
 
 
 def write_outputs(run: Run, folder: Path) -> None:
-    """Replace all output files of a run, without the run file.
+    """Replace all output files of a run, except the run file.
 
-    The old files stay until all new ones are written. If a part cannot be created, the others still are, and the error
-    names it. An old file of that part stays if it is up to date; if it is outdated, all old files stay.
+    The old files stay until all new ones are written. If a part cannot be created, the others are still written, and
+    the error names it. An old file of that part stays if it is up to date; if it is outdated, all old files stay.
 
     Args:
         run: Run with at least one generation.
         folder: Folder of the output files; created if it does not exist.
 
     Raises:
-        ValueError: If no generation is done yet.
+        ValueError: If no generation is complete yet.
         OutputError: If a file cannot be created or written.
     """
     folder = folder_path(folder)

@@ -29,13 +29,13 @@ def rate_children(
     Args:
         genomes: Genomes of the children, shape (n, n_genes).
         texts: Texts of these genomes.
-        known: Known evaluations, by text.
+        known: Known evaluations, keyed by text.
         previous: Previous generation, whose elites have passed the test; None for generation 0.
         settings: Settings of the run.
         evaluate: Function like ``evaluate``, with the settings and the executor bound.
 
     Returns:
-        The evaluation of each text.
+        Evaluations, keyed by genome text.
 
     Raises:
         OperatorError: If the fitness function fails.
@@ -67,7 +67,7 @@ def retest_best(
     """Test the best robots of a generation from other starts, and give those that fail the verdict ``fragile``.
 
     Args:
-        rows: Evaluations, by text of the genome.
+        rows: Evaluations, keyed by genome text.
         passed: Texts of the genomes that need no test.
         settings: Settings of the run.
         evaluate: Function like ``evaluate``, with the settings and the executor bound.

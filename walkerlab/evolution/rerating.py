@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from walkerlab.breeding import slot_entries
 from walkerlab.evolution.fragility import FRAGILE
 from walkerlab.evolution.rating import retest_best
 from walkerlab.evolution.stored_functions import user_functions
 from walkerlab.ga.population import Population
 from walkerlab.ga.user_functions import OperatorError
+from walkerlab.genome.breeding import slot_entries
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.provenance import UNKNOWN_SOURCE, source_digest
 from walkerlab.runfile.records import EvaluationRow
@@ -134,7 +134,7 @@ def _walk_again(
 def _keep_fragile(
     population: Population[EvaluationRow], walked: Population[EvaluationRow]
 ) -> Population[EvaluationRow]:
-    """Return the new ratings of a population, apart from robots that were excluded as fragile.
+    """Return a population with the new ratings, but keep the ratings of robots that were excluded as fragile.
 
     Whether a robot is fragile depends on the other robots of the generation in which it was born.
     """
@@ -154,7 +154,7 @@ def _test_again(
 def _difference_message(
     population: Population[EvaluationRow], rated: Population[EvaluationRow], settings: Settings, recorded: Recorded
 ) -> str:
-    """Describe how the ratings differ, by the fittest robot with different ones, and how to continue."""
+    """Describe how the ratings differ, for the fittest robot whose rating changed, and how to continue."""
     number = population.generation
     path = display_path(recorded.path)
     differing = np.flatnonzero(rated.fitness != population.fitness)

@@ -60,7 +60,7 @@ def prepare_resume(
     Args:
         path: Run file, or the folder that contains it.
         generations: Total number of generations; if None, the number in the settings.
-        changes: Changed settings by name, and user functions by slot.
+        changes: Changed settings, keyed by name, and user functions, keyed by slot.
         stacklevel: Stack level of warnings.
 
     Raises:
@@ -76,9 +76,9 @@ def prepare_resume(
     _, facts = store.read_facts(path)
     if changed := provenance.describe_differences(facts, provenance.current_facts()):
         warnings.warn(
-            f"{display_path(path)} was made with {changed}. The generations that are done stay the same. In "
-            "later generations, the last digits can differ from those that the same versions would give, and with them "
-            "all that follows. The file records the versions of each generation.",
+            f"{display_path(path)} was made with {changed}. The generations that are done stay the same. In later "
+            "generations, the last digits can differ from those that the same versions would give, and so can all "
+            "later results. The file records the versions of each generation.",
             stacklevel=stacklevel,
         )
     settings = run.settings.with_(**changes, **({} if generations is None else {"generations": generations}))
@@ -91,8 +91,8 @@ def prepare_resume(
     new = stages[-1].changes if stages[-1].first == done else {}
     if new and settings.algorithm.generations == done:
         raise SettingsError(
-            f"{display_path(path)} has all of its {done} generations, so that none would have the new settings; give a "
-            f"larger total: generations={2 * done}"
+            f"{display_path(path)} already has all of its {done} generations, so none would have the new settings; "
+            f"pass a larger total: generations={2 * done}"
         )
     same_slots = {slot: fact for slot, fact in facts.items() if slot.removesuffix(" function") not in new}
     if changed := changed_operators(same_slots, function_facts(settings)):

@@ -136,7 +136,7 @@ class Run(RunProperties):
         """Summarise the run in a line."""
         file = f", in {display_path(self.path)}" if self.path else ""
         if self._table.empty:
-            return f"Run(no generation is done yet{file})"
+            return f"Run(no generation is complete yet{file})"
         name, unit = fitness.name_and_unit(self.settings.algorithm.fitness)
         best = self.champion
         result = f"{name} {with_unit(best.fitness, unit)}" if best.verdict == "ok" else "its walk does not count"
@@ -156,13 +156,13 @@ class Run(RunProperties):
         """Show the champion walking, or race the champions of several generations.
 
         Args:
-            *generations: Generations whose champions race, counted from the end if negative; without any, the champion
-                of the run walks alone.
+            *generations: Generations whose champions race, counted from the end if negative; if none are given, the
+                champion of the run walks alone.
             camera: Side, front, top, chase or orbit; if None, the camera in the settings.
 
         Raises:
             TypeError: If a generation is not a whole number.
-            ValueError: If the run has no such generation, or no generation is done yet.
+            ValueError: If the run has no such generation, or no generation is complete yet.
         """
         from walkerlab.view.replay import replay
 
@@ -188,13 +188,13 @@ class Run(RunProperties):
 
         Args:
             folder: Folder for ``report.html``, ``replay.html``, ``records.csv``, ``pictures`` (each as SVG, PDF and
-                PNG) and ``tables``; created if it does not exist. An earlier report in it is replaced.
+                PNG) and ``tables``; created if it does not exist. An earlier report there is replaced.
 
         Returns:
             Path of ``report.html``.
 
         Raises:
-            ValueError: If no generation is done yet.
+            ValueError: If no generation is complete yet.
             OSError: If a file cannot be written.
         """
         from walkerlab.view import report

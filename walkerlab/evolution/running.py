@@ -43,7 +43,7 @@ def evolve(
         executor: Any ``concurrent.futures.Executor``; loky on all cores if None.
         progress: Whether to show a progress bar.
         population: First individuals of generation 0, brought within the limits; the others are random. Genomes, their
-            texts or individuals; or a run or its table, whose last generation is used, best first. The column
+            texts, or individuals; or a run or its table, whose last generation is used, best first. The column
             ``operators`` of the new table shows their origin.
         stop: Conditions under which the run stops before its last generation, such as ``wl.Stop(after="10min",
             target=8, patience=20)``; the run file records which of them stopped it.
@@ -87,7 +87,7 @@ def resume(
     on_generation: Callable[[Generation], object] | None = None,
     **changes: Any,
 ) -> Run:
-    """Continue a run; its table becomes the same as that of a run without an interruption.
+    """Continue a run; its table becomes the same as that of an uninterrupted run.
 
     Changed settings begin a new stage: ``wl.resume(path, 40, structure="stairs")``. Robots keep their numbers and
     parents. If the terrain, the loads, the simulation or the fitness changes, the last generation is simulated again,

@@ -20,7 +20,7 @@ class Stage:
 
     Attributes:
         first: Number of the first generation.
-        settings: Settings.
+        settings: Settings of these generations.
         changes: New value of each setting that differs from the previous stage; empty for the first stage.
     """
 
@@ -34,7 +34,7 @@ class Stage:
 
 
 def plan_stages(stages: Sequence[Stage], settings: Settings, n_done: int) -> tuple[Stage, ...]:
-    """Return the stages of a run whose further generations have some settings.
+    """Return the stages of a run whose further generations have the given settings.
 
     Args:
         stages: Stages so far.
@@ -42,7 +42,8 @@ def plan_stages(stages: Sequence[Stage], settings: Settings, n_done: int) -> tup
         n_done: Number of generations that are done; a stage without any is replaced.
 
     Returns:
-        Stages, the last with ``settings``; a new one only if more than the number of generations changes.
+        Stages, the last with ``settings``; a new one is added only if settings other than the number of generations
+        change.
     """
     earlier = [stage for stage in stages if stage.first < n_done]
     if not earlier:
@@ -76,7 +77,7 @@ def record_history(stages: Sequence[Stage], founders: tuple[Founder, ...]) -> Hi
 def find_changes(before: Settings, after: Settings) -> dict[str, Any]:
     """Return the new value of each setting that differs, except for the number of generations.
 
-    User functions are compared by name and arguments, because a run file contains no more of them.
+    User functions are compared by name and arguments, because a run file stores nothing else about them.
     """
     old, new = (settings.model_dump() for settings in (before, after))
     return {
@@ -119,8 +120,8 @@ def check_changes(before: Settings, after: Settings) -> None:
 
 _FIXED = {
     "population_size": "every generation of a run has the same size",
-    "seed": "the random numbers of all its generations follow from it",
-    "frozen": "the genes of the robots that exist already differ",
+    "seed": "the random numbers of all its generations depend on it",
+    "frozen": "the existing robots have different genes",
 }
 """Settings of the algorithm that cannot change within a run, and why."""
 

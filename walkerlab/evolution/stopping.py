@@ -7,8 +7,8 @@ from typing import Self
 
 import numpy as np
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.settings.values import number_text, pluralize, short_repr
+from walkerlab.system.errors import WalkerlabError
 
 SECONDS_PER_UNIT = {"s": 1.0, "min": 60.0, "h": 3600.0}
 _DURATION = re.compile(r"(?:\d+(?:\.\d*)?\s*(?:s|min|h)\s*)+")
@@ -27,7 +27,7 @@ class Stop:
     patience count from the call of ``evolve`` or ``resume``.
 
     Attributes:
-        after: Time after which no further generation begins, in seconds or as a text such as ``"10min"`` or
+        after: Time after which no further generation begins, in seconds or as a string such as ``"10min"`` or
             ``"1h 30min"``; None for no limit.
         target: Fitness at which the run stops; None for no target.
         patience: Number of generations without a fitter robot after which the run stops; None for no limit.
@@ -69,7 +69,7 @@ class Improvement:
     n_generations_since: int = 0
 
     def after(self, best_of_generation: float) -> Self:
-        """Return the course after a further generation."""
+        """Return the course after one more generation."""
         if best_of_generation > self.best:
             return replace(self, best=best_of_generation, n_generations_since=0)
         return replace(self, n_generations_since=self.n_generations_since + 1)

@@ -8,9 +8,9 @@ from dataclasses import replace
 from functools import partial
 from typing import Any
 
-from walkerlab.breeding import OPERATOR_MODULES, slot_entries
 from walkerlab.evolution.run import Run
 from walkerlab.ga.user_functions import name_of
+from walkerlab.genome.breeding import OPERATOR_MODULES, slot_entries
 from walkerlab.runfile.missing_functions import MissingFitness, MissingFunction, function_as_python
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings import binding, choices
@@ -75,10 +75,10 @@ def split_changes(settings: Settings, given: dict[str, Any]) -> tuple[dict[str, 
 
     Args:
         settings: Settings of the loaded run.
-        given: Settings given, by name.
+        given: Settings given, keyed by name.
 
     Returns:
-        User functions by slot, and changed settings by name.
+        User functions, keyed by slot, and changed settings, keyed by name.
 
     Raises:
         SettingsError: If a name is unknown or a value is not allowed.
@@ -102,7 +102,7 @@ def restore_user_functions(run: Run, functions: dict[str, Any], replaced: Collec
 
     Args:
         run: Loaded run.
-        functions: User functions, by slot.
+        functions: User functions, keyed by slot.
         replaced: Names of settings that change, whose functions are not required.
 
     Raises:
@@ -129,7 +129,7 @@ def restore_user_functions(run: Run, functions: dict[str, Any], replaced: Collec
 
 
 def user_functions(settings: Settings) -> dict[str, str]:
-    """Return the contents of each slot that holds a user function, by slot, as Python code."""
+    """Return the contents of each slot that holds a user function as Python code, keyed by slot."""
     filled = {slot: slot_entries(getattr(settings.algorithm, slot)) for slot in _BUILT_IN}
     return {
         slot: _operators_as_python(operators)
@@ -197,7 +197,7 @@ def _restore_operators(stored: Any, slot: str) -> Any:
 
 
 def _is_python_name(text: str) -> bool:
-    """Return whether a text is a Python name, and one that Python does not normalise to another."""
+    """Return whether a string is a Python name, and one that Python does not normalise to another."""
     return text.isidentifier() and unicodedata.normalize("NFKC", text) == text
 
 

@@ -46,7 +46,7 @@ def compare(
     is returned with the runs that have ended.
 
     The same call with the same ``path`` continues an interrupted experiment; its table becomes the same as that of an
-    experiment without an interruption. It can also add seeds.
+    uninterrupted experiment. It can also add seeds.
 
     Args:
         conditions: Settings, keyed by the name of the condition; they may differ in everything but the fitness. An
@@ -235,7 +235,7 @@ def _run(
 
 
 def _add_note(error: Exception, file: RunFile) -> None:
-    """Add to an error a note that says where the experiment is stored; a temporary file is saved first."""
+    """Add a note to an error that says where the experiment is stored; a temporary file is saved first."""
     try:
         path = file if isinstance(file, Path) else store.save_temporary(file)
     except RunFileError as problem:

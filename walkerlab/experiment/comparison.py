@@ -13,7 +13,7 @@ from walkerlab.ga.genes import Floats
 from walkerlab.ga.population import NOT_COUNTED
 
 NEVER = np.inf
-"""Evaluations to a threshold that a run did not reach."""
+"""Number of evaluations of a run that did not reach the threshold."""
 
 
 def best_fitness(table: pd.DataFrame) -> float:
@@ -23,7 +23,7 @@ def best_fitness(table: pd.DataFrame) -> float:
 
 
 def evaluations_to_reach(table: pd.DataFrame, threshold: float) -> float:
-    """Return the number of robots evaluated until one has at least a fitness; ``inf`` if none has.
+    """Return the number of robots evaluated until one reaches a fitness; ``inf`` if none does.
 
     Args:
         table: Tidy table of a run.
@@ -41,7 +41,7 @@ def compared_groups(conditions: Sequence[Condition]) -> list[list[int]]:
     are one group.
 
     Args:
-        conditions: Conditions.
+        conditions: Conditions of the experiment.
     """
     worlds = [condition.world for condition in conditions]
     if not all(worlds.count(world) > 1 for world in worlds):
@@ -51,11 +51,11 @@ def compared_groups(conditions: Sequence[Condition]) -> list[list[int]]:
 
 
 def pairs_to_compare(conditions: Sequence[Condition], against: str | None = None) -> list[tuple[int, int]]:
-    """Return the pairs of conditions that are compared, by their numbers.
+    """Return the pairs of conditions to compare, as pairs of their numbers.
 
     Args:
-        conditions: Conditions.
-        against: Name of the condition that all others are compared with; each with each if None.
+        conditions: Conditions of the experiment.
+        against: Name of the condition that all others are compared with; all pairs if None.
 
     Raises:
         ValueError: If there is no such condition.
@@ -82,7 +82,7 @@ def tabulate_conditions(
     """Return a row for each condition.
 
     Args:
-        conditions: Conditions.
+        conditions: Conditions of the experiment.
         tables: Tables of the runs of each condition, in the order of the seeds.
         thresholds: Fitness to reach, for each condition.
 
@@ -128,7 +128,7 @@ def tabulate_comparisons(
     """Return a row for each pair of conditions.
 
     Args:
-        conditions: Conditions.
+        conditions: Conditions of the experiment.
         finals: Best fitness of each run of each condition, in the order of the seeds.
         pairs: Numbers of the conditions of each pair.
 

@@ -72,7 +72,7 @@ class Condition:
         if not all(
             isinstance(text, str) and text.isprintable() and len(text) <= MAX_NAME for text in (name, optimiser)
         ):
-            raise ValueError("the name of a condition is not a text of one line")
+            raise ValueError("the name of a condition is not a single line of text")
         founders = tuple(map(read_founder, plain.get("population", [])))
         return cls(name, restore_settings(plain["settings"]), optimiser, founders=founders)
 
@@ -111,7 +111,7 @@ def read_conditions(given: object, population: object = None) -> list[Condition]
     for name in entries:
         if not isinstance(name, str) or not name.strip() or not name.isprintable() or len(name) > MAX_NAME:
             raise SettingsError(
-                f"a condition has the name {short_repr(name)}; it must be a line of text, of 1 to {MAX_NAME} characters"
+                f"a condition has the name {short_repr(name)}; it must be one line of 1 to {MAX_NAME} characters"
             )
     settings = [entry for entry in entries.values() if isinstance(entry, Settings)]
     conditions = [_read_condition(name, entry, settings) for name, entry in entries.items()]
@@ -205,11 +205,11 @@ def read_seeds(given: object) -> list[int]:
         raise TypeError(f"seeds must be whole numbers, as in seeds=range(10); got {short_repr(given)}")
     seeds = [Algorithm(seed=seed).seed for seed in cast(Iterable[Any], given)]
     if not seeds:
-        raise SettingsError("seeds is empty; give at least one, as in seeds=range(10)")
+        raise SettingsError("seeds is empty; pass at least one, as in seeds=range(10)")
     if len(set(seeds)) < len(seeds):
         repeated = next(seed for seed in seeds if seeds.count(seed) > 1)
         raise SettingsError(
-            f"seed {repeated} occurs twice in seeds; the same seed gives the same run, which is no further evidence"
+            f"seed {repeated} occurs twice in seeds; the same seed gives the same run, which adds no evidence"
         )
     return seeds
 

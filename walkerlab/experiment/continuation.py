@@ -48,8 +48,8 @@ def check_continuation(path: Path, stored: StoredExperiment, planned: list[Condi
     changed_versions = provenance.describe_differences(made_with, provenance.current_facts())
     if changed_versions and (added or not is_complete):
         warnings.warn(
-            f"{display_path(path)} was made with {changed_versions}. The runs that have ended stay the same. In "
-            "further runs, the last digits can differ from those that the same versions would give.",
+            f"{display_path(path)} was made with {changed_versions}. The runs that have ended stay the same. In later "
+            "runs, the last digits can differ from those that the same versions would give.",
             stacklevel=4,
         )
     if added and is_complete:

@@ -43,9 +43,9 @@ class Experiment:
         """Combine the plan and the runs.
 
         Args:
-            conditions: Conditions.
+            conditions: Conditions of the experiment.
             seeds: Seeds of the runs of each condition.
-            runs: Runs that have generations, by the number of the condition and the seed.
+            runs: Runs that have generations, keyed by the number of the condition and the seed.
             path: File of the experiment, or None.
         """
         self._conditions = list(conditions)
@@ -60,7 +60,7 @@ class Experiment:
 
     @property
     def conditions(self) -> dict[str, Settings]:
-        """Settings of each condition, by its name; each run has another seed."""
+        """Settings of each condition, keyed by name; each run has a different seed."""
         return {condition.name: condition.settings for condition in self._conditions}
 
     @property
@@ -117,7 +117,7 @@ class Experiment:
             seed: Its seed.
 
         Raises:
-            ValueError: If there is no such run, or none of its generations is done.
+            ValueError: If there is no such run, or none of its generations is complete.
         """
         names = list(self.conditions)
         if condition not in names or seed not in self._seeds:
@@ -127,7 +127,7 @@ class Experiment:
             )
         number = names.index(condition)
         if (number, seed) not in self._runs:
-            raise ValueError(f"no generation of condition {condition!r} with seed {seed} is done yet")
+            raise ValueError(f"no generation of condition {condition!r} with seed {seed} is complete yet")
         settings = self._conditions[number].for_seed(seed)
         table = self._runs[number, seed].table
         remember_walks(settings, table)
@@ -142,17 +142,17 @@ class Experiment:
             condition: Name of the condition; all if None.
 
         Raises:
-            ValueError: If no run has ended, or there is no such condition.
+            ValueError: If no run has finished, or there is no such condition.
         """
         places = [(number, seed) for number, seed in self._runs if self._is_finished(number, seed)]
         if condition is not None:
             if condition not in self.conditions:
                 raise ValueError(
-                    f"there is no condition {condition!r}; there are {', '.join(map(repr, self.conditions))}"
+                    f"there is no condition {condition!r}; the conditions are {', '.join(map(repr, self.conditions))}"
                 )
             places = [place for place in places if self._conditions[place[0]].name == condition]
         if not places:
-            raise ValueError("no run has ended yet, so there is no best one")
+            raise ValueError("no run has finished yet, so there is no best one")
         number, seed = max(places, key=lambda place: best_fitness(self._runs[place].table))
         return self.run(self._conditions[number].name, seed)
 
@@ -162,7 +162,7 @@ class Experiment:
         Args:
             threshold: Fitness to reach, for the number of robots until then; if None, the lowest median of the
                 conditions that are compared with each other.
-            against: Name of the condition that all others are compared with; if None, each is compared with each. With
+            against: Name of the condition that all others are compared with; if None, all pairs are compared. With
                 fewer comparisons, smaller differences can be found.
 
         Raises:
@@ -200,7 +200,7 @@ class Experiment:
 
         Args:
             folder: Folder for ``report.html``, ``records.csv``, ``pictures`` and ``tables``; created if it does not
-                exist. An earlier report in it is replaced.
+                exist. An earlier report there is replaced.
 
         Returns:
             Path of ``report.html``.

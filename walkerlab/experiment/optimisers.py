@@ -1,9 +1,9 @@
-"""Optimisers that can be compared with the genetic algorithm: random search, and functions of the user.
+"""Optimisers that can be compared with the genetic algorithm: random search, and user functions.
 
 An optimiser is a function ``optimise(evaluate, settings, n_evaluations, *, rng)``. It calls ``evaluate`` with genomes,
-as often and with as many as it requires, and receives their fitness. Its return value is ignored. If it has a parameter
-``population``, it receives the genomes given for generation 0, shape (n, n_genes). ``evaluate`` ends the run when
-``n_evaluations`` genomes are evaluated, so that an endless loop is allowed:
+as often and with as many genomes as it requires, and receives their fitness. Its return value is ignored. If it has a
+parameter ``population``, it receives the genomes given for generation 0, shape (n, n_genes). ``evaluate`` ends the run
+when ``n_evaluations`` genomes are evaluated, so that an endless loop is allowed:
 
     def hill_climber(evaluate, settings, n_evaluations, *, rng):
         genes = wl.gene_table(settings.robot)
@@ -25,19 +25,19 @@ import pandas as pd
 from numpy.random import Generator
 from numpy.typing import ArrayLike
 
-from walkerlab.breeding import generate_robot_population
 from walkerlab.evolution.evolution import Recall
 from walkerlab.evolution.forecast import n_walks
 from walkerlab.evolution.founders import fit_genomes
 from walkerlab.ga.genes import Floats
+from walkerlab.genome.breeding import generate_robot_population
 from walkerlab.genome.genome import Genome, read_genomes
-from walkerlab.randomness import random_stream
 from walkerlab.runfile.history import Founder
 from walkerlab.runfile.records import EvaluationRow, name_fitness, tidy_table
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name
 from walkerlab.simulation import fitness
 from walkerlab.simulation.evaluation import Evaluation
+from walkerlab.system.randomness import random_stream
 
 Evaluate: TypeAlias = Callable[[Sequence[Genome | str | ArrayLike] | Floats], Floats]
 """Function from genomes, texts of genomes or an array of shape (n, n_genes) to fitness, shape (n,)."""
@@ -47,7 +47,7 @@ Optimiser: TypeAlias = Callable[..., object]
 
 
 class EvaluationsUsedError(Exception):
-    """All evaluations of an optimiser are used; ends its run."""
+    """An optimiser has used all its evaluations; this ends its run."""
 
 
 def random_search(
@@ -66,7 +66,7 @@ def random_search(
         evaluate: Function from genomes to fitness.
         settings: Settings of the run.
         n_evaluations: Number of evaluations.
-        rng: Random generator, unused; the robots have the random numbers of generation 0.
+        rng: Random generator, unused; the robots use the random numbers of generation 0.
         population: Genomes that replace the first random ones, shape (n, n_genes).
     """
     genomes = generate_robot_population(settings.robot, n_evaluations, seed=settings.algorithm.seed)
@@ -104,7 +104,7 @@ def run_optimiser(
 
 
 class _Evaluator:
-    """Evaluates genomes for an optimiser, and passes complete generations on."""
+    """Function that evaluates genomes for an optimiser, and passes complete generations on."""
 
     def __init__(
         self,

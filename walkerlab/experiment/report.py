@@ -16,14 +16,14 @@ from walkerlab.view.plots.comparison import draw_experiment, figure_html
 
 TERMS = (
     ("median", "half of the runs are better, half are worse"),
-    ("95 % interval", "from draws of the seeds with replacement (bootstrap); with few seeds it is rather too narrow"),
-    ("threshold", "a fitness that is to be reached, by default the lowest median"),
+    ("95 % interval", "from draws of the seeds with replacement (bootstrap); with few seeds it tends to be too narrow"),
+    ("threshold", "the fitness to reach; by default, the lowest median"),
     (
         "robots until then",
         "median over the runs; > means that at least half of them did not reach it with all their robots",
     ),
     ("seeds won", "number of seeds in which the first or the second condition is better"),
-    ("A12", "probability that a run of the first condition is better than one of the second; 0.5 without a difference"),
+    ("A12", "probability that a run of the first condition is better than one of the second; 0.5 if they are equal"),
     ("p", "share of experiments with a result as clear as this, if there were no difference (signed-rank test)"),
     ("p, corrected", "the same, corrected for the number of comparisons (Holm); clear if it is below 0.05"),
     ("detectable", "true difference that would be found in four of five experiments with as many seeds"),

@@ -23,7 +23,7 @@ def describe(comparisons: pd.DataFrame, conditions: pd.DataFrame, n_seeds: int, 
         unit: Unit of the fitness.
     """
     if not n_seeds:
-        return "No seed has a complete set of runs yet, so that nothing can be compared."
+        return "No seed has a complete set of runs yet, so nothing can be compared."
     if comparisons.empty:
         (best,) = conditions["best"].iloc[:1]
         return f"One condition: the median best {name} of {pluralize(n_seeds, 'run')} is {_value(best, unit)}."
@@ -49,7 +49,7 @@ def _describe_too_few(rows: list[Any], medians: dict[str, float], n_seeds: int, 
         row = rows[0]
         seen = (
             f"The medians are {_value(medians[row.a], unit)} ({row.a}) and {_value(medians[row.b], unit)} ({row.b}), "
-            "but this can be chance: "
+            "but this may be due to chance: "
         )
     text = (
         f"{seen}with {pluralize(n_seeds, 'seed')}{many}, no difference of any size could have been found; at least "
@@ -74,8 +74,8 @@ def _describe_pair(row: Any, medians: dict[str, float], n_seeds: int, name: str,
     if not n_better and not n_worse:
         return f"{row.a} and {row.b} have the same result with each of {pluralize(n_seeds, 'seed')}."
     return (
-        f"No difference between {row.a} and {row.b} is shown: the medians are {_value(medians[row.a], unit)} and "
-        f"{_value(medians[row.b], unit)}, and without any difference, a result like this would occur in "
+        f"The runs show no difference between {row.a} and {row.b}: the medians are {_value(medians[row.a], unit)} and "
+        f"{_value(medians[row.b], unit)}, and if there were no difference, a result like this would occur in "
         f"{_share(row.p_corrected)} of such experiments. This does not mean that they are equal. "
         f"{_limit([row], n_seeds, unit)}"
     )
@@ -97,13 +97,13 @@ def _describe_pairs(rows: list[Any], medians: dict[str, float], n_seeds: int, un
         else:
             count = f"All {len(rows)} differences are"
         sentences.append(
-            f"{count} clear with {pluralize(n_seeds, 'seed')}, by their medians: {named}{more}. If there were no "
-            f"differences at all, even one clear difference would occur in at most {ALPHA:.0%} of such experiments."
+            f"{count} clear with {pluralize(n_seeds, 'seed')} (medians in parentheses): {named}{more}. If there were "
+            f"no differences at all, even one clear difference would occur in at most {ALPHA:.0%} of such experiments."
         )
     if unclear:
-        others = "The other one can" if len(unclear) == 1 else f"The other {len(unclear)} can"
-        which = others if clear else f"None of {len(rows)} differences is clear: all can"
-        sentences.append(f"{which} be chance, which does not mean that these conditions are equal.")
+        others = "The other one may" if len(unclear) == 1 else f"The other {len(unclear)} may"
+        which = others if clear else f"None of {len(rows)} differences is clear: all may"
+        sentences.append(f"{which} be due to chance, which does not mean that these conditions are equal.")
         sentences.append(_limit(unclear, n_seeds, unit))
     return " ".join(sentences)
 

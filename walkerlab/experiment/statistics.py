@@ -106,8 +106,8 @@ def effect_size_interval(a: ArrayLike, b: ArrayLike, confidence: float = CONFIDE
 def paired_test(a: ArrayLike, b: ArrayLike) -> float:
     """Return the two-sided p-value of Wilcoxon's signed-rank test for paired results.
 
-    The p-value is exact for any number of pairs, even with ties; ``scipy.stats.wilcoxon`` approximates it then.
-    Pairs without a difference are left out. A run without a counted walk is worse than its partner by
+    The p-value is exact for any number of pairs, even with ties, for which ``scipy.stats.wilcoxon`` uses an
+    approximation. Pairs without a difference are left out. A run without a counted walk is worse than its partner by
     more than any finite difference.
 
     Args:
@@ -210,7 +210,7 @@ def _bootstrap_options(confidence: float) -> dict[str, Any]:
 
 
 def _with_finite_floor(values: Floats) -> tuple[Floats, float]:
-    """Replace ``-inf`` by a number far below all others, because interpolation with it would give NaN."""
+    """Replace ``-inf`` with a number far below all others, because interpolation with it would give NaN."""
     finite = values[np.isfinite(values)]
     if not finite.size:
         return np.zeros_like(values), np.inf

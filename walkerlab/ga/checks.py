@@ -20,7 +20,7 @@ from walkerlab.ga.slots import (
     unbound_keywords,
 )
 from walkerlab.ga.user_functions import CHECK_TIME_LIMIT, OperatorError, Slot, name_of
-from walkerlab.randomness import random_stream
+from walkerlab.system.randomness import random_stream
 
 TRIAL_SIZE = 20
 """Number of individuals in the trial population."""
@@ -111,7 +111,7 @@ def _check_operator(
         operator: Operator to check.
         run: Function that calls the operator and checks its result.
         *arguments: Arguments of the operator.
-        offered: Further arguments, of which the operator gets those that it has as keywords.
+        offered: Further arguments; the operator receives those that it accepts as keywords.
 
     Raises:
         OperatorError: If the operator cannot be called, fails a check, or returns two different results.

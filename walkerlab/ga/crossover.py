@@ -54,7 +54,7 @@ def paired(
         n_genes = parents.shape[1]
         front = np.arange(n_genes, dtype=np.intp) < n_genes / 2
         return _children_of_couples(_exchange_genes(parents[couples], front), couples, n_children)
-    genomes = np.stack([_exchange_grown_halves(couple, genes) for couple in parents[couples]])
+    genomes = np.stack([_exchange_expressed_halves(couple, genes) for couple in parents[couples]])
     return _children_of_couples(genomes, couples, n_children)
 
 
@@ -135,7 +135,7 @@ def one_point(parents: Floats, fitness: Floats, n_children: int, *, rng: Generat
 
 
 def uniform(parents: Floats, fitness: Floats, n_children: int, *, rng: Generator) -> Children:
-    """Decide at random, for each gene, from which parent the first child inherits it (Syswerda 1989, ICGA 3).
+    """Choose at random, for each gene, which parent the first child inherits it from (Syswerda 1989, ICGA 3).
 
     The second child inherits the gene from the other parent.
 
@@ -192,10 +192,10 @@ def _exchange_genes(couples: Floats, from_mother: NDArray[np.bool_]) -> Floats:
     return np.stack([np.where(from_mother, mothers, fathers), np.where(from_mother, fathers, mothers)], axis=1)
 
 
-def _exchange_grown_halves(couple: Floats, genes: Genes) -> Floats:
+def _exchange_expressed_halves(couple: Floats, genes: Genes) -> Floats:
     """Return the (2, n_genes) children of a (2, n_genes) couple whose bodies have parts; see ``paired``."""
     mother, father = genes.parts(couple)
-    n_mother, n_father = genes.n_grown(couple)
+    n_mother, n_father = genes.n_expressed(couple)
     half_mother = -(-n_mother // 2)  # rounded up
     half_father = -(-n_father // 2)
     first = np.concatenate([mother[:half_mother], father[half_father:n_father]])

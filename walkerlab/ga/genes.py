@@ -19,7 +19,7 @@ class Genes(ReadOnlyArrays):
     """Gene table: the columns of a genome, first the genes of the whole body, then the same genes for each part.
 
     A genome contains every part that a body *may* have. The gene at ``count`` gives how many of them, from the front,
-    are expressed (grown). The others are unexpressed, but inherited and mutated too.
+    are expressed. The others are unexpressed, but are inherited and mutated too.
 
         whole body        part 1          part 2          part 3
         count frequency | length mass … | length mass … | length mass …
@@ -82,7 +82,7 @@ class Genes(ReadOnlyArrays):
             len(genomes), self.n_parts, (len(self) - self.n_whole) // self.n_parts
         )
 
-    def n_grown(self, genomes: Floats) -> Indices:
+    def n_expressed(self, genomes: Floats) -> Indices:
         """Return the number of expressed parts of each of (n, n_genes) genomes, shape (n,), from 0 to ``n_parts``."""
         if self.count is None:
             return np.full(len(genomes), self.n_parts)
@@ -100,5 +100,5 @@ class Genes(ReadOnlyArrays):
         found = [i for i, gene in enumerate(self.names) if name in (gene, gene.partition(".")[2])]
         if not found:
             features = list(dict.fromkeys(gene.rpartition(".")[2] for gene in self.names))
-            raise ValueError(f"there is no gene {name!r}; allowed are {', '.join(features)}")
+            raise ValueError(f"there is no gene {name!r}; the genes are {', '.join(features)}")
         return np.array(found, dtype=np.intp)

@@ -64,7 +64,7 @@ def next_population(
         Population of the elites, best first, then the children, then the inserted genomes, which have no parents.
 
     Raises:
-        OperatorError: If an operator does not work.
+        OperatorError: If an operator fails.
         ValueError: If ``n_elites`` does not leave room for a child, there are more inserted genomes than children, the
             number of results is wrong, or a fitness is NaN or +inf.
     """

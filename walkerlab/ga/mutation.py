@@ -109,8 +109,8 @@ def macro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0
     Args:
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
-        rate: Probability that a gene gets a new random value, 0 to 1; a count that gets its old value again changes by
-            one.
+        rate: Probability that a gene receives a new random value, 0 to 1; a count that draws its old value again
+            changes by one.
         scale: Unused, because the drawn value does not depend on the old one.
         rng: Random number generator.
 
@@ -181,22 +181,22 @@ def _duplicate_or_drop_part(genome: Floats, genes: Genes, rng: Generator) -> Flo
     """Duplicate one expressed part of a genome, shape (n_genes,), next to itself, or drop one; see ``macro``."""
     if genes.count is None:
         return genome
-    n_grown = int(genes.n_grown(genome[None])[0])
-    can_duplicate = 0 < n_grown < min(genes.n_parts, genes.high[genes.count])
-    can_drop = n_grown > max(0, genes.low[genes.count])
+    n_expressed = int(genes.n_expressed(genome[None])[0])
+    can_duplicate = 0 < n_expressed < min(genes.n_parts, genes.high[genes.count])
+    can_drop = n_expressed > max(0, genes.low[genes.count])
     if not (can_duplicate or can_drop):
         return genome
 
-    part = int(rng.integers(n_grown))
+    part = int(rng.integers(n_expressed))
     order = list(range(genes.n_parts))
     duplicates = can_duplicate and (not can_drop or rng.random() < 1 / 2)
     if duplicates:
         order.insert(part, part)
         order.pop()
     else:
-        order.insert(n_grown - 1, order.pop(part))
+        order.insert(n_expressed - 1, order.pop(part))
 
     changed = genome[None].copy()
     genes.parts(changed)[:] = genes.parts(genome[None])[:, order]
-    changed[0, genes.count] = n_grown + (1 if duplicates else -1)
+    changed[0, genes.count] = n_expressed + (1 if duplicates else -1)
     return changed[0]

@@ -12,7 +12,7 @@ from walkerlab.ga.population import NOT_COUNTED, fitness_for_comparison
 from walkerlab.ga.selection import require_finite
 from walkerlab.ga.slots import Cross, Mutate, Select, run_cross, run_mutate, run_select
 from walkerlab.ga.user_functions import OperatorError
-from walkerlab.randomness import random_stream
+from walkerlab.system.randomness import random_stream
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def select_in_turn(
         fitness: Fitness of each individual, shape (n,); values ``NOT_COUNTED`` are excluded, unless all are.
         n_parents: Number of parents that each operator returns.
         seed: Seed of the run.
-        generation: Number of the generation that is created.
+        generation: Number of the generation being created.
         generations: Number of generations of the run, for operators with this keyword.
         genomes: Genome of each individual, shape (n, n_genes), for operators with this keyword.
 
@@ -65,7 +65,7 @@ def select_in_turn(
         Indices into ``fitness``, shape (n_parents,).
 
     Raises:
-        OperatorError: If an operator does not work.
+        OperatorError: If an operator fails.
         ValueError: If a fitness is NaN or +inf.
     """
     comparable = fitness_for_comparison(fitness)
@@ -102,14 +102,14 @@ def cross_in_turn(
         n_children: Number of children that the last operator produces.
         genes: Gene table.
         seed: Seed of the run.
-        generation: Number of the generation that is created.
+        generation: Number of the generation being created.
         generations: Number of generations of the run, for operators with this keyword.
 
     Returns:
         Children, with indices into ``parents`` even after several crossovers.
 
     Raises:
-        OperatorError: If an operator does not work.
+        OperatorError: If an operator fails.
     """
     children = Children(parents, np.arange(len(parents))[:, None])
     offered = _known(genes=genes, generation=generation, generations=generations)
@@ -139,14 +139,14 @@ def mutate_in_turn(
         genomes: Genomes, shape (n, n_genes).
         genes: Gene table.
         seed: Seed of the run.
-        generation: Number of the generation that is created.
+        generation: Number of the generation being created.
         generations: Number of generations of the run, for operators with this keyword.
 
     Returns:
         Mutated genomes, shape (n, n_genes).
 
     Raises:
-        OperatorError: If an operator does not work.
+        OperatorError: If an operator fails.
     """
     offered = _known(generation=generation, generations=generations)
     for position, mutate in enumerate(operators):

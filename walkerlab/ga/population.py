@@ -27,7 +27,7 @@ EvaluationT = TypeVar("EvaluationT", bound=Evaluated)
 
 
 def fitness_for_comparison(fitness: Floats) -> Floats:
-    """Return fitness with 0 in place of ``NOT_COUNTED``, as operators get it."""
+    """Return fitness with 0 in place of ``NOT_COUNTED``, as operators receive it."""
     return np.where(fitness == NOT_COUNTED, 0.0, fitness)
 
 

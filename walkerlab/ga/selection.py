@@ -23,7 +23,7 @@ def gradient(fitness: Floats, n_parents: int, *, rng: Generator) -> Indices:
     One individual that is far worse than all others removes most of the selection pressure, because probabilities
     depend on the distance to the worst: among individuals with fitness 1, 2, 3 and -1e6, each of the first three is
     selected with probability 0.33. ``evolve`` warns when this happens. ``rank``, ``tournament`` and ``top_half`` depend
-    on the order only, and are not affected.
+    only on the order, and are not affected.
 
     Args:
         fitness: Fitness of each individual, shape (n,); higher is better, and may be negative.
@@ -76,7 +76,7 @@ def top_half(fitness: Floats, n_parents: int, *, rng: Generator) -> Indices:
     Args:
         fitness: Fitness of each individual, shape (n,); higher is better. Among equals, the first counts as better.
         n_parents: Number of parents to select; if it is not a multiple of the size of that half, the best are selected
-            one extra time.
+            once more.
         rng: Random number generator; shuffles the parents.
 
     Returns:

@@ -1,7 +1,7 @@
-"""The three operator slots: how each operator is called, and the checks of what it returns.
+"""The three operator slots: how each operator is called, and how its result is checked.
 
 An operator also receives each of the following that it accepts as a keyword, unless ``functools.partial`` has bound
-it: ``generation``, the number of the generation that is created; ``generations``, the number of generations of the run;
+it: ``generation``, the number of the generation being created; ``generations``, the number of generations of the run;
 ``genes``, the gene table (crossover operators); ``genomes``, the genomes of the individuals in ``fitness`` (selection
 operators).
 """
@@ -214,7 +214,7 @@ def _check_pair(result: Any, label: str) -> tuple[object, object]:
 
 
 def _check_indices(indices: NDArray[Any], label: str, n: int, meaning: str) -> Indices:
-    """Return indices as integers; whole floats are converted.
+    """Return indices as integers; floats with whole values are converted.
 
     Args:
         indices: Indices that an operator returned.

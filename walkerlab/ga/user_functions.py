@@ -10,7 +10,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from walkerlab.errors import WalkerlabError
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.time_limit import (
     LIMIT_VARIABLE,
     TimeLimitExceeded,

@@ -20,7 +20,7 @@ class Cell(NamedTuple):
     """Cell of a table.
 
     Attributes:
-        text: Text.
+        text: Text in the cell.
         is_expressed: Whether the gene is expressed; see ``is_expressed``.
     """
 
@@ -41,12 +41,12 @@ def genome_html(values: Floats) -> Markup:
     rows_of_values = values[len(BODY_FEATURES) :].reshape(n_segments, -1).tolist()
     segments: list[dict[Feature, float]] = [dict(zip(SEGMENT_FEATURES, row, strict=True)) for row in rows_of_values]
     expressed = is_expressed(values[np.newaxis])[0, len(BODY_FEATURES) :].reshape(n_segments, -1).tolist()
-    is_grown = [i < round(wanted) for i in range(n_segments)]
+    is_segment_expressed = [i < round(wanted) for i in range(n_segments)]
 
     def rows(features: tuple[Feature, ...]) -> list[list[Cell]]:
         return [
             [
-                Cell(f"{i + 1}{'' if is_grown[i] else ' (not grown)'}"),
+                Cell(f"{i + 1}{'' if is_segment_expressed[i] else ' (not expressed)'}"),
                 *(
                     Cell(_format_gene(feature, segment[feature]), expressed[i][SEGMENT_FEATURES.index(feature)])
                     for feature in features
@@ -59,7 +59,7 @@ def genome_html(values: Floats) -> Markup:
     repeat = SEGMENT_FEATURES.index(Feature.repeat)
     return render(
         "genome/genome.html",
-        body_size=size if all(is_grown) else f"{sum(is_grown)} of {size} grown",
+        body_size=size if all(is_segment_expressed) else f"{sum(is_segment_expressed)} of {size} expressed",
         body=rows(BODY_COLUMNS),
         summary=(
             f"Frequency {_format_number(frequency)} Hz, lag {_format_number(lag)} rad for each segment, "
@@ -67,7 +67,7 @@ def genome_html(values: Floats) -> Markup:
         ),
         motions=list(SWING_PARAMETERS),
         gait=rows(GAIT_COLUMNS),
-        row_classes=["" if grown else "faint" for grown in is_grown],
+        row_classes=["" if is_shown else "faint" for is_shown in is_segment_expressed],
         has_repeats=any(
             is_used[repeat] and segment[Feature.repeat] for is_used, segment in zip(expressed, segments, strict=True)
         ),

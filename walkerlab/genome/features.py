@@ -105,7 +105,7 @@ def build_genes(robot: Robot) -> Genes:
 
 
 def gene_words(gene: str) -> tuple[str, str]:
-    """Return in words the part of the robot that a gene describes, and the gene itself.
+    """Return the part of the robot that a gene describes, and the gene itself, in words.
 
     Args:
         gene: Name of the gene: ``seg2.hip_phase`` is the "hip phase" of "segment 2".
@@ -133,20 +133,20 @@ def find_leg_sources(segments: Floats) -> Indices:
 def is_expressed(genomes: Floats) -> NDArray[np.bool_]:
     """Return which genes have an effect on the robot, shape (n, n_genes), for (n, n_genes) genomes.
 
-    Genes of segments that are not grown have no effect, nor have the genes of legs that do not exist or repeat others.
+    Genes of unexpressed segments have no effect, and neither do the genes of legs that do not exist or repeat others.
     The lag has no effect if only the first segment has legs.
     """
     segments = genomes[:, len(BODY_FEATURES) :].reshape(len(genomes), -1, len(SEGMENT_FEATURES))
     numbers = np.arange(segments.shape[1])
-    is_grown = numbers < np.rint(genomes[:, BODY_FEATURES.index(Feature.segments), np.newaxis])
+    is_segment_expressed = numbers < np.rint(genomes[:, BODY_FEATURES.index(Feature.segments), np.newaxis])
     sources = find_leg_sources(segments)
     has_front_legs = np.cumsum(sources >= 0, axis=1) > 1  # legs on the segment itself and on one in front of it
-    can_repeat = is_grown & (sources >= 0) & has_front_legs
-    has_own_legs = is_grown & (sources == numbers)
+    can_repeat = is_segment_expressed & (sources >= 0) & has_front_legs
+    has_own_legs = is_segment_expressed & (sources == numbers)
     masks: dict[Feature, NDArray[np.bool_]] = {Feature.repeat: can_repeat, **dict.fromkeys(LEG_FEATURES, has_own_legs)}
-    of_segments = np.stack([masks.get(feature, is_grown) for feature in SEGMENT_FEATURES], axis=2)
+    of_segments = np.stack([masks.get(feature, is_segment_expressed) for feature in SEGMENT_FEATURES], axis=2)
     of_body = np.ones((len(genomes), len(BODY_FEATURES)), dtype=np.bool_)
-    of_body[:, BODY_FEATURES.index(Feature.lag)] = (is_grown & (sources >= 0))[:, 1:].any(axis=1)
+    of_body[:, BODY_FEATURES.index(Feature.lag)] = (is_segment_expressed & (sources >= 0))[:, 1:].any(axis=1)
     return np.concatenate([of_body, of_segments.reshape(len(genomes), -1)], axis=1)
 
 

@@ -44,8 +44,8 @@ def frozen_features(frozen: Frozen | Sequence[Frozen]) -> frozenset[Feature]:
 def repair_frozen(genomes: Floats, robot: Robot, features: frozenset[Feature], reference: Floats) -> Floats:
     """Return genomes within the limits, as ``repair`` does, whose frozen genes are those of a reference.
 
-    If the limits and the frozen genes exclude each other for a robot, such as a frozen length and a new number of
-    segments, the robot receives the whole body of the reference, and keeps its gait.
+    If the limits and the frozen genes of a robot conflict, such as a frozen length and a new number of segments, the
+    robot receives the whole body of the reference, and keeps its gait.
 
     Args:
         genomes: Genomes, shape (n, n_genes); not modified.

@@ -1,4 +1,4 @@
-"""Genomes: the gene values of one individual, and reading them from texts, arrays and individuals."""
+"""Genomes: the gene values of one individual, read from text, arrays or individuals."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ class Genome(ReadOnlyArrays):
 
     Attributes:
         values: Gene values in physical units, shape (n_genes,), read-only; columns as in ``gene_table``. The length
-            determines the number of segments, grown or not.
+            determines the number of segments, expressed or not.
 
     Raises:
         ValueError: If the values are not a row of finite numbers with the length of a genome.
@@ -55,9 +55,8 @@ class Genome(ReadOnlyArrays):
         if values.ndim != 1 or remainder or not 1 <= n_segments <= MAX_SEGMENTS:
             got = f"an array of shape {values.shape}" if values.ndim else short_repr(self.values)
             raise ValueError(
-                f"a genome has {len(BODY_FEATURES)} genes and {len(SEGMENT_FEATURES)} more for each of 1 to "
-                f"{MAX_SEGMENTS} segments, "
-                f"in one row; got {got}"
+                f"a genome is a row of {len(BODY_FEATURES)} genes plus {len(SEGMENT_FEATURES)} for each of its 1 to "
+                f"{MAX_SEGMENTS} segments; got {got}"
             )
         if not np.isfinite(values).all():
             raise ValueError(f"gene {int(np.argmin(np.isfinite(values)))} of the genome is not a finite number")
@@ -67,7 +66,7 @@ class Genome(ReadOnlyArrays):
 
     @classmethod
     def random(cls, robot: Robot, *, rng: Generator) -> Self:
-        """Return a random genome of the first generation, within the limits; most of these robots stand on their feet.
+        """Return a random genome within the limits, as in the first generation; most robots stand on their feet.
 
         Args:
             robot: Limits of the robot.
@@ -84,15 +83,15 @@ class Genome(ReadOnlyArrays):
 
     @classmethod
     def of(cls, given: "Genome | str | ArrayLike | HasGenome") -> "Genome":
-        """Return a genome, given as a genome, its text form, its values, or an object with a genome.
+        """Convert a genome, its text form, its values or an object with a genome to a ``Genome``.
 
         Args:
             given: Genome, text form, values of shape (n_genes,), or object with an attribute ``genome``.
 
         Raises:
-            GenomeError: If a text is not a genome.
-            ValueError: If values are not a genome.
-            TypeError: If the object does not have exactly one genome, such as a run, a table or settings.
+            GenomeError: If a string is not a valid genome.
+            ValueError: If the values are not a valid genome.
+            TypeError: If the object, such as a run, a table or settings, does not have exactly one genome.
         """
         if isinstance(given, Genome):
             return given
@@ -103,10 +102,10 @@ class Genome(ReadOnlyArrays):
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """Return the genome of a text form, which may have been edited.
+        """Parse the text form of a genome, which may have been edited.
 
         Raises:
-            GenomeError: If the text is not a genome; the message gives the position, and what was expected there.
+            GenomeError: If the text is not a valid genome; the message gives the position, and what was expected there.
         """
         return cls(np.array(parse_text(text)))
 
@@ -129,14 +128,14 @@ class Genome(ReadOnlyArrays):
 
     @property
     def n_parts(self) -> int:
-        """Number of segments that the genome describes, grown or not."""
+        """Number of segments that the genome describes, expressed or not."""
         return count_segments(self.values.size)
 
     def within(self, robot: Robot) -> Self:
         """Return the nearest genome that is within these limits.
 
-        Segments beyond those that the limits allow are dropped. If the genome describes fewer, it gets copies of its
-        last segment, and the copies are grown if its segment count includes them.
+        Segments beyond the number that the limits allow are dropped. If the genome has fewer, copies of its last
+        segment are appended; they are expressed if the segment count includes them.
 
         Args:
             robot: Limits of the robot.
@@ -152,17 +151,17 @@ class Genome(ReadOnlyArrays):
 
 
 def _check_has_one_genome(given: Any) -> None:
-    """Check that a value is not of a kind that is often given by mistake in place of a genome.
+    """Reject kinds of values that are often passed by mistake instead of a genome.
 
     Raises:
-        TypeError: If it is; the message explains what to give instead.
+        TypeError: If the value is of such a kind; the message explains what to pass instead.
     """
     if hasattr(given, "columns"):  # before the check for an attribute genome, which a table has as a column
-        raise TypeError("this is a table, but a genome is expected; give a cell of its column genome: table.genome[0]")
+        raise TypeError("this is a table, but a genome is expected; pass a cell of its column genome: table.genome[0]")
     if hasattr(given, "champion"):
-        raise TypeError("this is a run, but the genome of one robot is expected; give run.champion")
+        raise TypeError("this is a run, but the genome of one robot is expected; pass run.champion")
     if hasattr(given, "phenotype"):
-        raise TypeError("this is a walk or a scene, but a genome is expected; give the genome of the robot")
+        raise TypeError("this is a walk or a scene, but a genome is expected; pass the genome of the robot")
     if given is None:
         raise TypeError("a genome is expected: a Genome, its text, its values or an individual; got None")
     if (
@@ -170,25 +169,25 @@ def _check_has_one_genome(given: Any) -> None:
         and not hasattr(given, "genome")
         and any(isinstance(item, Genome | str) for item in cast(Iterable[Any], given))
     ):
-        raise TypeError("one genome is expected, but this is a list of several; give one of them: genomes[0]")
+        raise TypeError("one genome is expected, but this is a list of several; pass one of them: genomes[0]")
     if isinstance(given, Settings):
-        raise TypeError("these are settings, but a genome is expected; give the genome first, then the settings")
+        raise TypeError("these are settings, but a genome is expected; pass the genome first, then the settings")
 
 
 def read_genomes(given: Iterable[Genome | str | ArrayLike | HasGenome]) -> list[Genome]:
     """Return several genomes, each given as for ``Genome.of``.
 
     Raises:
-        GenomeError: If a text is not a genome.
-        ValueError: If values are not a genome, or a single genome is given.
-        TypeError: If it is not a list of genomes, such as a run, a table or settings.
+        GenomeError: If a string is not a valid genome.
+        ValueError: If the values are not a valid genome, or a single genome is given.
+        TypeError: If it is something other than a list of genomes, such as a run, a table or settings.
     """
     is_row = isinstance(given, np.ndarray) and given.ndim == 1 and given.dtype.kind in "fiu" and given.size
     if hasattr(given, "champion") or hasattr(given, "columns"):
         source = "run.records.genome" if hasattr(given, "champion") else "table.genome"
         raise TypeError(f"several genomes are expected, as a list; the genomes of a run or its table are {source}")
     if isinstance(given, Mapping):
-        raise TypeError("several genomes are expected, as a list; got a dict: give list(genomes.values())")
+        raise TypeError("several genomes are expected, as a list; got a dict; pass list(genomes.values())")
     if given is not None and not isinstance(given, list | tuple):  # pyright: ignore[reportUnnecessaryComparison]
         _check_has_one_genome(given)
     if not isinstance(given, Iterable | Genome) and not hasattr(given, "genome"):  # pyright: ignore[reportUnnecessaryIsInstance]

@@ -19,9 +19,9 @@ REPEAT_PROBABILITY = 0.9  # probability that a segment repeats the legs and the 
 LEG_LENGTH_SHARE = (0.2, 0.6)  # share of the range; long legs topple, and with short ones the belly touches the ground
 LAG_RANGE = (math.pi / 2, 3 * math.pi / 2)  # rad, around half a turn, where neighbours step in turn
 KNEE_BEND = (0.2, 0.9)  # rad, forward or backward
-THIGH_TILT = 0.15  # rad, standard deviation of the thigh's angle around the one with the foot below the hip
+THIGH_TILT = 0.15  # rad, standard deviation of the thigh's angle around the angle that puts the foot below the hip
 AMPLITUDE_RANGE = (0.2, 0.6)  # rad
-LIFT_SPREAD = 0.5  # rad, standard deviation of the knee's phase around the one that lifts the swinging foot
+LIFT_SPREAD = 0.5  # rad, standard deviation of the knee's phase around the phase that lifts the swinging foot
 STRIDE_SPREAD = 0.3  # rad, standard deviation of the phase between left and right from 0 (bound) or π (trot)
 
 

@@ -100,8 +100,8 @@ class Phenotype:
 def express(genome: Genome) -> Phenotype:
     """Return the robot that a genome expresses; unexpressed genes are ignored.
 
-    A segment whose ``repeat`` is 1 has the legs and the step of the nearest legs in front of it. Legs lag by a further
-    ``lag`` for each segment towards the rear, so that a wave of steps travels along the body.
+    A segment whose ``repeat`` is 1 has the legs and the step of the nearest legs in front of it. With each segment
+    towards the rear, the legs lag by another ``lag``, so that a wave of steps travels along the body.
     """
     genome = Genome.of(genome)
     body = dict(zip(BODY_FEATURES, genome.values[: len(BODY_FEATURES)].tolist(), strict=True))

@@ -18,13 +18,13 @@ GRID_TOLERANCE = 1e-6  # steps of the grid
 
 
 def repair(genomes: ArrayLike, robot: Robot) -> Floats:
-    """Return for each genome a nearby genome within all limits; a genome already within them is unchanged.
+    """Return a nearby genome within all limits for each genome; a genome already within them is unchanged.
 
     Genes are brought into their ranges, including the number of segments, and rounded to a grid. Lengths and masses of
-    the grown segments are moved towards an end of their range until their sum is within the limits. Pairs of legs are
-    added from the front, or removed from the rear, until their number is within the limits. The range of a mass is what
-    a trunk and legs of this length can weigh at a plausible density. Limits have priority over the grid: if no value on
-    the grid is within them, a gene is not rounded.
+    the expressed segments are moved towards an end of their range until their sum is within the limits. Pairs of legs
+    are added from the front, or removed from the rear, until their number is within the limits. The range of a mass is
+    what a trunk and legs of this length can weigh at a plausible density. Limits have priority over the grid: if no
+    value on the grid is within them, a gene is not rounded.
 
     Args:
         genomes: Genomes in physical units, shape (n, n_genes); not modified.
@@ -50,21 +50,21 @@ def repair(genomes: ArrayLike, robot: Robot) -> Floats:
     values = np.where(genes.is_count, np.rint(clipped), values)
 
     parts = genes.parts(values)
-    is_grown = np.arange(genes.n_parts) < genes.n_grown(values)[:, np.newaxis]
-    parts[:, :, LEGS] = _fit_leg_pairs(parts[:, :, LEGS], is_grown, *robot.leg_pairs)
+    is_expressed = np.arange(genes.n_parts) < genes.n_expressed(values)[:, np.newaxis]
+    parts[:, :, LEGS] = _fit_leg_pairs(parts[:, :, LEGS], is_expressed, *robot.leg_pairs)
     exact = genes.parts(clipped)
-    sums = _body_lengths(robot, genes.n_grown(values))
-    parts[:, :, LENGTH] = _fit_sum(exact[:, :, LENGTH], is_grown, *robot.segment_length, *sums)
-    fitted = _fit_sum(exact[:, :, MASS], is_grown, *_mass_limits(parts, robot), *robot.weight)
-    parts[:, :, MASS] = np.where(is_grown, fitted, parts[:, :, MASS])
+    sums = _body_lengths(robot, genes.n_expressed(values))
+    parts[:, :, LENGTH] = _fit_sum(exact[:, :, LENGTH], is_expressed, *robot.segment_length, *sums)
+    fitted = _fit_sum(exact[:, :, MASS], is_expressed, *_mass_limits(parts, robot), *robot.weight)
+    parts[:, :, MASS] = np.where(is_expressed, fitted, parts[:, :, MASS])
     return values
 
 
 def draw_sizes(genomes: Floats, robot: Robot, rng: Generator) -> Floats:
-    """Return repaired genomes with new sums of lengths and masses, drawn uniformly from what the limits allow.
+    """Return repaired genomes with new sums of lengths and masses, drawn uniformly within the limits.
 
-    Repair moves a sum that is outside its limits to the nearest limit, and sums of uniform genes often are. Each length
-    and mass is moved towards an end of its range until the sum has the drawn value.
+    Repair moves a sum that is outside its limits to the nearest limit, and the sums of uniformly drawn genes are often
+    outside. Each length and mass is moved towards an end of its range until the sum has the drawn value.
 
     Args:
         genomes: Repaired genomes, shape (n, n_genes); not modified.
@@ -74,18 +74,18 @@ def draw_sizes(genomes: Floats, robot: Robot, rng: Generator) -> Floats:
     genes = build_genes(robot)
     values = genomes.copy()
     parts = genes.parts(values)
-    is_grown = np.arange(genes.n_parts) < genes.n_grown(values)[:, np.newaxis]
-    shortest, longest = (np.full(is_grown.shape, end) for end in robot.segment_length)
-    sums = _body_lengths(robot, genes.n_grown(values))
-    parts[:, :, LENGTH] = _draw_sum(parts[:, :, LENGTH], is_grown, shortest, longest, *sums, rng=rng)
+    is_expressed = np.arange(genes.n_parts) < genes.n_expressed(values)[:, np.newaxis]
+    shortest, longest = (np.full(is_expressed.shape, end) for end in robot.segment_length)
+    sums = _body_lengths(robot, genes.n_expressed(values))
+    parts[:, :, LENGTH] = _draw_sum(parts[:, :, LENGTH], is_expressed, shortest, longest, *sums, rng=rng)
     lightest, heaviest = _mass_limits(parts, robot)
-    parts[:, :, MASS] = _draw_sum(parts[:, :, MASS], is_grown, lightest, heaviest, *robot.weight, rng=rng)
+    parts[:, :, MASS] = _draw_sum(parts[:, :, MASS], is_expressed, lightest, heaviest, *robot.weight, rng=rng)
     return repair(values, robot)
 
 
 def _draw_sum(
     x: Floats,
-    is_grown: NDArray[np.bool_],
+    is_expressed: NDArray[np.bool_],
     low: Floats,
     high: Floats,
     min_sum: float | Floats,
@@ -93,15 +93,15 @@ def _draw_sum(
     *,
     rng: Generator,
 ) -> Floats:
-    """Move the values of grown segments to a random sum within its limits; shapes as in ``_fit_sum``."""
-    min_sum = np.maximum(min_sum, np.where(is_grown, low, 0.0).sum(axis=1, keepdims=True))
-    max_sum = np.minimum(max_sum, np.where(is_grown, high, 0.0).sum(axis=1, keepdims=True))
+    """Move the values of expressed segments to a random sum within its limits; shapes as in ``_fit_sum``."""
+    min_sum = np.maximum(min_sum, np.where(is_expressed, low, 0.0).sum(axis=1, keepdims=True))
+    max_sum = np.minimum(max_sum, np.where(is_expressed, high, 0.0).sum(axis=1, keepdims=True))
     drawn = np.round(rng.uniform(min_sum, np.maximum(min_sum, max_sum)), GRID_DECIMALS).clip(min_sum, max_sum)
-    return np.where(is_grown, _fit_sum(x, is_grown, low, high, drawn, drawn), x)
+    return np.where(is_expressed, _fit_sum(x, is_expressed, low, high, drawn, drawn), x)
 
 
 def _body_lengths(robot: Robot, n_segments: NDArray[np.intp]) -> tuple[Floats, Floats]:
-    """Return the lowest and highest length [m] of bodies with (n,) numbers of segments, shape (n, 1) each."""
+    """Return the lowest and highest length [m] of bodies with these numbers of segments, shape (n, 1) each."""
     ranges = np.array([robot.length_for_weight(n) for n in range(1, robot.segments[1] + 1)])
     low, high = ranges[n_segments - 1, :, np.newaxis].swapaxes(0, 1)
     return low, high
@@ -127,24 +127,24 @@ def _on_grid(x: Floats, low: float | Floats, high: float | Floats) -> Floats:
 
 def _fit_sum(
     x: Floats,
-    is_grown: NDArray[np.bool_],
+    is_expressed: NDArray[np.bool_],
     low: float | Floats,
     high: float | Floats,
     min_sum: float | Floats,
     max_sum: float | Floats,
 ) -> Floats:
-    """Move values towards an end of their range until the sum of the grown segments is within its limits.
+    """Move values towards an end of their range until the sum of the expressed segments is within its limits.
 
-    The results are rounded to the grid: each value by itself or, if that violates the limits of the sum, the cumulative
-    sum; if that violates them too, they are not rounded.
+    The results are rounded to the grid: each value on its own; if the sum is then outside its limits, the cumulative
+    sums instead; if it is still outside, nothing is rounded.
 
     Args:
         x: Values of one feature, shape (n, n_parts).
-        is_grown: Whether each segment is grown, same shape.
+        is_expressed: Whether each segment is expressed, same shape.
         low: Minimum of each value; a number, or shape (n, n_parts).
         high: Maximum of each value, likewise.
-        min_sum: Minimum of the sum over the grown segments; a number, or shape (n, 1).
-        max_sum: Maximum of the sum over the grown segments, likewise.
+        min_sum: Minimum of the sum over the expressed segments; a number, or shape (n, 1).
+        max_sum: Maximum of the sum over the expressed segments, likewise.
 
     Returns:
         Values, shape (n, n_parts).
@@ -152,44 +152,44 @@ def _fit_sum(
     tolerance = SUM_TOLERANCE * max_sum
     x = np.clip(x, low, high)
 
-    def sum_grown(x: Floats) -> Floats:
-        return np.where(is_grown, x, 0.0).sum(axis=1, keepdims=True)
+    def sum_expressed(x: Floats) -> Floats:
+        return np.where(is_expressed, x, 0.0).sum(axis=1, keepdims=True)
 
     def is_within_limits(x: Floats) -> NDArray[np.bool_]:
-        return (min_sum - tolerance <= sum_grown(x)) & (sum_grown(x) <= max_sum + tolerance)
+        return (min_sum - tolerance <= sum_expressed(x)) & (sum_expressed(x) <= max_sum + tolerance)
 
-    lowest = sum_grown(np.full_like(x, low))
-    highest = sum_grown(np.full_like(x, high))
+    lowest = sum_expressed(np.full_like(x, low))
+    highest = sum_expressed(np.full_like(x, high))
     with np.errstate(divide="ignore", invalid="ignore"):
-        decreased = low + (x - low) * (max_sum - lowest) / (sum_grown(x) - lowest)
-        increased = high - (high - x) * (highest - min_sum) / (highest - sum_grown(x))
-    is_too_high = sum_grown(x) > max_sum + tolerance
-    is_too_low = sum_grown(x) < min_sum - tolerance
+        decreased = low + (x - low) * (max_sum - lowest) / (sum_expressed(x) - lowest)
+        increased = high - (high - x) * (highest - min_sum) / (highest - sum_expressed(x))
+    is_too_high = sum_expressed(x) > max_sum + tolerance
+    is_too_low = sum_expressed(x) < min_sum - tolerance
     exact = np.clip(np.where(is_too_high, decreased, np.where(is_too_low, increased, x)), low, high)
 
-    steps = np.cumsum(np.where(is_grown, exact, 0.0), axis=1) * 10**GRID_DECIMALS
-    is_in_upper_half = 2 * sum_grown(exact) > min_sum + max_sum
+    steps = np.cumsum(np.where(is_expressed, exact, 0.0), axis=1) * 10**GRID_DECIMALS
+    is_in_upper_half = 2 * sum_expressed(exact) > min_sum + max_sum
     steps = np.where(is_in_upper_half, np.floor(steps + GRID_TOLERANCE), np.ceil(steps - GRID_TOLERANCE))
     rounded_sums = np.clip(np.diff(steps, axis=1, prepend=0.0) / 10**GRID_DECIMALS, low, high)
     rounded = _on_grid(exact, low, high)
     fitted = np.where(is_within_limits(rounded), rounded, np.where(is_within_limits(rounded_sums), rounded_sums, exact))
-    return np.where(is_grown, fitted, _on_grid(x, low, high))
+    return np.where(is_expressed, fitted, _on_grid(x, low, high))
 
 
-def _fit_leg_pairs(legs: Floats, is_grown: NDArray[np.bool_], min_pairs: int, max_pairs: int) -> Floats:
+def _fit_leg_pairs(legs: Floats, is_expressed: NDArray[np.bool_], min_pairs: int, max_pairs: int) -> Floats:
     """Add pairs of legs from the front, or remove them from the rear, until the number of pairs is within its limits.
 
     Args:
         legs: Number of leg pairs of each segment, 0 or 1, shape (n, n_parts).
-        is_grown: Whether each segment is grown, same shape.
+        is_expressed: Whether each segment is expressed, same shape.
         min_pairs: Minimum number of pairs.
         max_pairs: Maximum number of pairs.
 
     Returns:
         Number of leg pairs of each segment, shape (n, n_parts).
     """
-    without_legs = is_grown & (legs < 1)
-    with_legs = is_grown & (legs >= 1)
+    without_legs = is_expressed & (legs < 1)
+    with_legs = is_expressed & (legs >= 1)
     n_pairs = with_legs.sum(axis=1, keepdims=True)
     is_added = without_legs & (np.cumsum(without_legs, axis=1) <= min_pairs - n_pairs)
     is_removed = with_legs & (np.cumsum(with_legs, axis=1) > max_pairs)

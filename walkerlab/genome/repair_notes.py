@@ -49,7 +49,7 @@ def describe_repairs(genome: Genome, robot: Robot) -> list[str]:
 
 
 def _describe_segments(genome: Genome, robot: Robot) -> Iterator[str]:
-    """Yield a sentence if the number of described segments differs from the number that is grown."""
+    """Yield a sentence if the genome does not describe as many segments as the robot has."""
     most = robot.segments[1]
     wanted = min(genome.values[0], most)
     if genome.n_parts > most:
@@ -80,14 +80,14 @@ def _describe_gene(
     if feature in CYCLIC_FEATURES:
         why = "is not within one turn"
     elif beyond:
-        why = f"is {'over' if given > high else 'under'} the limit {beyond}"
+        why = f"is {'above' if given > high else 'below'} the limit of {beyond}"
         if shared_limit and used_text != beyond:
             why += f", and {shared_limit}"
     elif shared_limit and (feature != Feature.legs or given in (0, 1)):
         why = f"does not fit, because {shared_limit}"
     else:
         why = "is not a whole number"
-    yield f"{feature.name.replace('_', ' ')} {given_text} {why}: {used_text} is used."
+    yield f"{feature.name.replace('_', ' ')} {given_text} {why}; {used_text} is used."
 
 
 def _describe_shared_limit(feature: Feature, robot: Robot, weight: float) -> str:

@@ -3,7 +3,7 @@
 wl2 segments=2 | seg length=0.31 mass=2.1 legs own length=0.28 force=14 | seg … legs repeat … |
 gait frequency=1.6 lag=1.9 duty=0.55 | step hip amplitude=0.4 phase=0 offset=0.2 knee … stride=3.14 | step …
 
-Texts of version 1 (``wl1``) are read as well. They have no ``lag``, ``duty`` and ``repeat``: each segment has its own
+Genomes of version 1 (``wl1``) are read as well. They have no ``lag``, ``duty`` and ``repeat``: each segment has its own
 legs and step, and the motion of each joint is a sine.
 """
 
@@ -13,10 +13,10 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import Final
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.genome.features import BODY_FEATURES, MAX_SEGMENTS, SEGMENT_FEATURES
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.values import short_repr
+from walkerlab.system.errors import WalkerlabError
 
 SWING_PARAMETERS: Final = ("amplitude", "phase", "offset")
 """Genes of the motion of each joint."""
@@ -32,18 +32,18 @@ WORD_VALUES = {word: float(value) for words in FEATURE_WORDS.values() for value,
 
 VERSION = 2
 FEATURES_SINCE_2 = {Feature.lag: 0.0, Feature.duty: 0.5, Feature.repeat: 0.0}
-"""Features that texts of version 1 lack, and the values that give the robots of these texts."""
+"""Features that genomes of version 1 lack, and the values that give the same robots."""
 
 NUMBER_PATTERN = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d{1,3})?"
 DECIMAL_PATTERN = r"(-?\d{1,9}+\.?\d{0,17}+)"  # matches nearly all numbers that format_text writes
 
 
 class GenomeError(WalkerlabError, ValueError):
-    """The text is not a genome; the message gives the position, and what was expected there."""
+    """The text is not a valid genome; the message gives the position, and what was expected there."""
 
 
 def count_segments(n_genes: int) -> int:
-    """Return the number of segments, grown or not, that a genome of this length describes."""
+    """Return the number of segments, expressed or not, that a genome of this length describes."""
     return (n_genes - len(BODY_FEATURES)) // len(SEGMENT_FEATURES)
 
 
@@ -58,10 +58,10 @@ def format_text(values: Sequence[float]) -> str:
 
 
 def parse_text(text: str) -> list[float]:
-    """Return the gene values in a text form; spacing and notation of numbers are free.
+    """Return the gene values in a text form; spacing and the notation of numbers may vary.
 
     Raises:
-        GenomeError: If the text is not a genome; the message gives the position, and what was expected there.
+        GenomeError: If the text is not a valid genome; the message gives the position, and what was expected there.
     """
     if not isinstance(text, str):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise GenomeError(f"a genome's text must be a str; got {short_repr(text)}")

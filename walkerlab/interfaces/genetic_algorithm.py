@@ -10,18 +10,18 @@ from typing import Any, cast
 import numpy as np
 import pandas as pd
 
-from walkerlab.breeding import (
-    check_user_operators,
-    describe_operators,
-    generate_robot_population,
-    resolve_operators,
-)
 from walkerlab.evolution.founders import FirstPopulation, fit_genomes, place_founders, read_founders
 from walkerlab.evolution.rating import retest_best
 from walkerlab.evolution.run import Run
 from walkerlab.ga.genes import Floats
 from walkerlab.ga.loop import find_elites, first_population, next_population
 from walkerlab.ga.population import NOT_COUNTED, Population
+from walkerlab.genome.breeding import (
+    check_user_operators,
+    describe_operators,
+    generate_robot_population,
+    resolve_operators,
+)
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.phenotype import express

@@ -1,11 +1,14 @@
 """Exercises that check themselves: right, not yet with a hint, or empty."""
 
 import inspect
+import math
 from typing import Any, cast
 
+from walkerlab.genome.text import GenomeError
 from walkerlab.lessons.exercises import find_exercise
 from walkerlab.lessons.feedback import EMPTY, NOT_YET, RIGHT, Feedback
 from walkerlab.settings.values import truncate
+from walkerlab.system.errors import WalkerlabError
 
 _n_wrong_answers: dict[str, int] = {}
 """Number of wrong answers in this kernel, by exercise."""
@@ -14,7 +17,7 @@ _n_wrong_answers: dict[str, int] = {}
 def check(number: str, answer: Any) -> Feedback:
     """Check the answer to an exercise.
 
-    Each wrong answer shows the next hint; no hint contains the answer.
+    Each wrong answer shows the next hint, below one that fits the answer if there is one; no hint contains the answer.
 
     Args:
         number: Number of the exercise, such as "03.2".
@@ -30,19 +33,22 @@ def check(number: str, answer: Any) -> Feedback:
     if is_empty(answer):
         return Feedback(EMPTY, "Replace ... by your answer and run the cell again.")
     note = ""
+    given: Any = cast(tuple[Any, ...], answer)[-1] if isinstance(answer, tuple) else answer
     try:
         result = exercise.check(answer)
         result = result if isinstance(result, str) else bool(result)
     except Exception as error:  # the answer may be anything
         result = False
-        problem = truncate(f"{type(error).__name__}: {error}".partition("\n")[0])
-        note = f"The answer is of the type {type(answer).__name__}, which the check could not use ({problem})."
+        note = _describe_error(error, given)
     if result is True:
         return Feedback(RIGHT, exercise.right)
+    if _is_number_in_quotes(given):
+        return Feedback(NOT_YET, "In quotes, the answer is a text. Write the number without quotes.")
     n_wrong = _n_wrong_answers[number] = _n_wrong_answers.get(number, 0) + 1
-    if isinstance(result, str):
-        return Feedback(NOT_YET, result)
     n_hints = len(exercise.hints)
+    if isinstance(result, str):
+        shown = min(n_wrong - 1, n_hints)
+        return Feedback(NOT_YET, result, f"Hint {shown} of {n_hints}: {exercise.hints[shown - 1]}" if shown else "")
     if not n_hints:
         return Feedback(NOT_YET, "Try another answer.", note)
     shown = min(n_wrong, n_hints)
@@ -65,6 +71,28 @@ def is_empty(answer: Any) -> bool:
         items = list(cast(list[Any], answer))
         return not items or any(item is ... for item in items)
     return inspect.isfunction(answer) and _is_unwritten(answer)
+
+
+def _describe_error(error: Exception, answer: Any) -> str:
+    """Return a note on an answer that the check could not use; the user's own function raises errors of any kind."""
+    message, *more = str(error).splitlines() or [""]
+    if isinstance(error, GenomeError) and more:  # its second line shows the place of the error
+        return f"The message is: {truncate(message)}, here: … {more[0].strip()} …"
+    if isinstance(error, WalkerlabError):
+        return f"The message is: {truncate(message)}"
+    note = f"The check could not use this answer: it is {_describe_type(answer)}."
+    return f"{note} {truncate(f'{type(error).__name__}: {message}')}" if callable(answer) else note
+
+
+def _describe_type(answer: Any) -> str:
+    return "a text, in quotes" if isinstance(answer, str) else f"of the type {type(answer).__name__}"
+
+
+def _is_number_in_quotes(answer: Any) -> bool:
+    try:
+        return isinstance(answer, str) and math.isfinite(float(answer))
+    except ValueError:
+        return False
 
 
 def _is_unwritten(function: Any) -> bool:

@@ -4,9 +4,11 @@
 
 reads ``notebooks/teacher/NN_name.ipynb`` and writes ``notebooks/NN_name.ipynb``. In the code, the lines from
 ``### BEGIN SOLUTION`` to ``### END SOLUTION``, the marks of nbgrader, are replaced by the text of the comments
-``# student: …`` that follow the first mark. Cells with the tag ``answer`` or ``teacher``, and outputs, are left out.
+``# student: …`` that follow the first mark. In the text, links to ``../file`` become links to ``file``, because the
+copy is one folder higher. Cells with the tag ``answer`` or ``teacher``, and outputs, are left out.
 """
 
+import argparse
 import json
 import re
 import sys
@@ -21,6 +23,7 @@ REMOVED_TAGS = {"answer", "teacher"}
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
 STUDENT_COMMENT = re.compile(r"(\s*)# student:(?: (.*))?$")
 NO_ANSWER = "..."
+PARENT_LINK = re.compile(r"""(\]\(|(?:href|src)=")\.\./""")
 
 Notebook = dict[str, Any]
 
@@ -96,9 +99,11 @@ def write_copies(folder: Path) -> list[Path]:
 
 
 def _student_cell(cell: dict[str, Any]) -> dict[str, Any]:
-    copied = "\n".join(split_solutions("".join(cell["source"]))[0])
-    without_outputs: dict[str, Any] = {"outputs": [], "execution_count": None} if cell["cell_type"] == "code" else {}
-    return {**cell, "source": _split_lines(copied), **without_outputs}
+    source = "".join(cell["source"])
+    if cell["cell_type"] != "code":
+        return {**cell, "source": _split_lines(PARENT_LINK.sub(r"\1", source))}
+    copied = "\n".join(split_solutions(source)[0])
+    return {**cell, "source": _split_lines(copied), "outputs": [], "execution_count": None}
 
 
 def _split_lines(text: str) -> list[str]:
@@ -106,9 +111,22 @@ def _split_lines(text: str) -> list[str]:
     return text.splitlines(keepends=True)
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """Parse the arguments, write the copies and print their paths."""
+    parser = argparse.ArgumentParser(description="Make the students' notebooks from those of the teacher.")
+    parser.add_argument(
+        "folder",
+        nargs="?",
+        type=Path,
+        default=Path("notebooks"),
+        help=f"folder of the copies, which contains the folder {TEACHER_FOLDER} with the sources [notebooks]",
+    )
     try:
-        for written in write_copies(Path(sys.argv[1] if len(sys.argv) > 1 else "notebooks")):
+        for written in write_copies(parser.parse_args().folder):
             print(written)
     except LessonError as error:
         sys.exit(f"Error: {error}")
+
+
+if __name__ == "__main__":
+    main()

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.lessons import contents
 from walkerlab.settings.values import did_you_mean
+from walkerlab.system.errors import WalkerlabError
 
 MODULE_PREFIX = "lesson_"
 LESSON_NUMBER = re.compile(r"\d\d")

@@ -57,10 +57,5 @@ def glossary_text() -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def anchor(name: str) -> str:
-    """Return the anchor of a term, as JupyterLab and GitHub form it."""
-    return name.replace(" ", "-")
-
-
 if __name__ == "__main__":
     write_text(file_path(sys.argv[1]), glossary_text())

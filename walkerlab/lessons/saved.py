@@ -17,6 +17,7 @@ from walkerlab.lessons.saved_runs import RUN_CHANGES
 from walkerlab.runfile.records import birth_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.system.files import write_text
+from walkerlab.text.numbers import with_unit
 
 
 def save_run(name: str, folder: Path) -> Run:
@@ -49,4 +50,4 @@ def describe_run(run: Run) -> dict[str, Any]:
 if __name__ == "__main__":
     for each in sys.argv[2:] or RUN_CHANGES:
         saved = save_run(each, Path(sys.argv[1]))
-        print(f"{each}: best {saved.champion.fitness:.2f} m", flush=True)
+        print(f"{each}: best {with_unit(saved.champion.fitness, 'm')}", flush=True)

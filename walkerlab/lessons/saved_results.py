@@ -17,8 +17,9 @@ from walkerlab.experiment.experiment import Experiment
 from walkerlab.experiment.optimisers import random_search
 from walkerlab.runfile.records import birth_rows
 from walkerlab.settings.settings import Settings
+from walkerlab.system.package_files import find_package_file
 
-FILE = Path("data") / "runs" / "results.csv"
+FILE = "data/runs/results.csv"
 SEEDS = range(12)
 CHANGES: dict[str, Any] = {"population_size": 24, "generations": 24, "duration": 5.0}
 """Settings of the experiment that differ from the defaults, as arguments of ``Settings.with_``."""
@@ -32,8 +33,7 @@ def saved_results() -> pd.DataFrame:
         (number of robots that walked), ``fitness`` (of the best robot, in m) and its ``genome``. ``.attrs`` contains
         the ``settings``.
     """
-    package = Path(__file__).parents[1]
-    table = pd.read_csv(next(path for path in (package / FILE, package.parent / FILE) if path.exists()))
+    table = pd.read_csv(find_package_file(FILE))
     table.attrs["settings"] = Settings().with_(**CHANGES)
     return table
 

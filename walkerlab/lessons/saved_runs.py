@@ -1,6 +1,5 @@
 """The small saved runs of the lessons, evolved by ``python -m walkerlab.lessons.saved``."""
 
-from pathlib import Path
 from typing import Any
 
 from walkerlab.evolution.loading import load
@@ -8,9 +7,10 @@ from walkerlab.evolution.run import Run
 from walkerlab.lessons.exercises import LessonError
 from walkerlab.runfile.records import Individual
 from walkerlab.settings.values import did_you_mean
+from walkerlab.system.package_files import find_package_file
 from walkerlab.tournament.seals import Seal, open_seal
 
-FOLDER = Path("data") / "runs"
+FOLDER = "data/runs"
 
 SIZE: dict[str, Any] = {"population_size": 30, "generations": 16, "seed": 1}
 RUN_CHANGES: dict[str, dict[str, Any]] = {
@@ -38,7 +38,7 @@ def saved_run(name: str) -> Run:
         raise LessonError(
             f"there is no saved run {name!r}; the saved runs are {known}.{did_you_mean(name, RUN_CHANGES)}"
         )
-    return load(find_file(f"{name}.walk"))
+    return load(find_package_file(f"{FOLDER}/{name}.walk"))
 
 
 def saved_champion(name: str) -> Individual:
@@ -58,10 +58,4 @@ def mystery_terrain() -> Seal:
 
     They were sealed by ``walkerlab league --seal``; a copy of the settings is in the guide of the lesson for teachers.
     """
-    return open_seal(find_file("mystery.json"))
-
-
-def find_file(name: str) -> Path:
-    """Return the path of a file of the lessons: inside an installed package, or next to the package in a checkout."""
-    package = Path(__file__).parents[1]
-    return next(path for path in (package / FOLDER / name, package.parent / FOLDER / name) if path.exists())
+    return open_seal(find_package_file(f"{FOLDER}/mystery.json"))

@@ -3,8 +3,8 @@
 from typing import Any
 
 from walkerlab.lessons.exercises import LessonError
-from walkerlab.randomness import seed_of_name
 from walkerlab.settings.values import short_repr
+from walkerlab.system.randomness import seed_of_name
 
 
 def my_seed(name: Any) -> int:

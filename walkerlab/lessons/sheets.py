@@ -5,6 +5,7 @@
 It requires Playwright and Chromium. Without names, all sheets in ``notebooks/teacher/sheets`` are printed.
 """
 
+import argparse
 import shutil
 import sys
 from collections.abc import Sequence
@@ -12,9 +13,10 @@ from pathlib import Path
 from typing import Any
 
 from walkerlab.lessons.exercises import LessonError
+from walkerlab.system.package_files import find_package_file
 from walkerlab.text.templates import render
 
-SHEETS = Path("notebooks") / "teacher" / "sheets"
+SHEETS = "notebooks/teacher/sheets"
 
 
 def print_sheets(sources: Sequence[Path], folder: Path) -> list[Path]:
@@ -57,10 +59,28 @@ def _print_sheet(page: Any, source: Path, file: Path) -> Path:
     return file
 
 
-if __name__ == "__main__":
+def main() -> None:
+    """Parse the arguments, print the sheets and print the paths of the PDF files."""
+    parser = argparse.ArgumentParser(
+        description="Print the sheets of the lessons as PDF, one page of A4 each. Requires Playwright and Chromium."
+    )
+    parser.add_argument(
+        "folder",
+        nargs="?",
+        type=Path,
+        default=Path("sheets"),
+        help="folder of the PDF files; created if it is missing [sheets]",
+    )
+    parser.add_argument("sheets", nargs="*", type=Path, metavar="SHEET.md", help=f"sheets to print [all in {SHEETS}]")
+    arguments = parser.parse_args()
     try:
-        chosen = list(map(Path, sys.argv[2:])) or sorted(SHEETS.glob("*.md"))
-        for printed in print_sheets(chosen, Path(sys.argv[1] if len(sys.argv) > 1 else "sheets")):
+        for printed in print_sheets(
+            arguments.sheets or sorted(find_package_file(SHEETS).glob("*.md")), arguments.folder
+        ):
             print(printed)
     except LessonError as error:
         sys.exit(f"Error: {error}")
+
+
+if __name__ == "__main__":
+    main()

@@ -111,7 +111,7 @@ class Archive:
             return copy_table(self._table.iloc[:end])
 
     def find(self, genomes: Collection[str]) -> dict[str, EvaluationRow]:
-        """Return the stored evaluations of genomes, by their texts; genomes without one are left out.
+        """Return the stored evaluations of genomes, keyed by genome text; genomes without one are left out.
 
         Args:
             genomes: Texts of the genomes.

@@ -1,8 +1,9 @@
 """The file of an experiment: one SQLite file with the plan and the tables of all runs.
 
 It follows the rules of a run file: one transaction and one seal for each generation, text and numbers only, and nothing
-in it is ever executed. Its tables are ``experiment``, facts by name, among them the plan; ``records``, the tidy tables
-of the runs; ``provenance``; ``generations``, the seal of each generation; and ``finished``, the runs that have ended.
+in it is ever executed. Its tables are ``experiment``, facts keyed by name, including the plan; ``records``, the tidy
+tables of the runs; ``provenance``; ``generations``, the seal of each generation; and ``finished``, the runs that have
+ended.
 """
 
 import json
@@ -58,7 +59,7 @@ class StoredExperiment(NamedTuple):
     Attributes:
         conditions: Plan of each condition, as plain data.
         seeds: Seeds of the runs of each condition.
-        runs: Runs that have generations, by the number of the condition and the seed.
+        runs: Runs that have generations, keyed by the number of the condition and the seed.
     """
 
     conditions: list[dict[str, Any]]
@@ -97,7 +98,7 @@ def create(file: RunFile, conditions: list[dict[str, Any]], seeds: list[int]) ->
 
 
 def write_seeds(file: RunFile, experiment_id: str, seeds: list[int]) -> None:
-    """Replace the list of seeds, to add further ones."""
+    """Replace the list of seeds, to add more."""
     with _opened(file, "write") as db:
         _require_id(db, file, experiment_id)
         _write_plan(db, [text for _, text in _condition_facts(db)], seeds)
@@ -125,7 +126,7 @@ def append(
         if generation != n_done:
             raise RunFileError(
                 f"{display_path(file)} was changed by another program, which continues the same experiment. Wait until "
-                "it has ended, and repeat the call."
+                "it has finished, and repeat the call."
             )
         rows = zip(*(table[name].tolist() for name in RECORD_COLUMNS), strict=True)
         db.executemany(

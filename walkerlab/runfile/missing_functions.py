@@ -55,7 +55,7 @@ class MissingFitness(MissingFunction):
     conditions: object = None
 
     def select_counted_walk(self, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Rollout:
-        """Return the one of a robot's walks that counted in the run.
+        """Select the walk that counted in the run from a robot's walks.
 
         Walks are repeatable, so this is the walk with the verdict, distance and velocity in the run file; on another
         kind of machine, it is the walk closest to these values. If the robot is not in the table, or the settings
@@ -81,7 +81,7 @@ class MissingFitness(MissingFunction):
 
 
 def remember_walks(settings: Settings, table: pd.DataFrame) -> None:
-    """Give the table of a run to the stand-in for its fitness function, if the settings have one."""
+    """Pass the table of a run to the stand-in for its fitness function, if the settings have one."""
     fitness: Any = settings.algorithm.fitness
     function = fitness.func if isinstance(fitness, partial) else fitness
     if isinstance(function, MissingFitness):

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 from uuid import uuid4
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.runfile import schema
 from walkerlab.runfile.schema import LAYOUT_VERSION, LayoutError
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.files import display_path, quote_path
 
 PAGE_SIZE = 8192  # bytes; rows of nearly a kilobyte waste less space than with SQLite's default, 4096
@@ -94,7 +94,7 @@ def _publish(draft: Path, path: Path) -> None:
 
 @contextmanager
 def _errors_explained(path: Path) -> Generator[None]:
-    """Turn the errors of creating a file into a ``RunFileError``."""
+    """Convert errors raised while a file is created to a ``RunFileError``."""
     try:
         yield
     except FileExistsError as error:
@@ -207,4 +207,4 @@ _SQLITE_ADVICE = {
     sqlite3.SQLITE_NOTADB: "it is not a run file; walkerlab evolve writes one, with a name that ends in .walk",
     sqlite3.SQLITE_IOERR: "the disk is full or has failed, or its network connection is lost",
 }
-"""What is wrong and how to fix it, by SQLite's error code."""
+"""What is wrong and how to fix it, keyed by SQLite's error code."""

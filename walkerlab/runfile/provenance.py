@@ -25,7 +25,7 @@ RECORDED_PACKAGES = ("walkerlab", "mujoco", "dm-control", "numpy")
 
 @cache
 def current_facts() -> Mapping[str, str]:
-    """Return the versions of packages, the system, its C library and the features of the processor, by name."""
+    """Return the versions of packages, the system, its C library and the features of the processor, keyed by name."""
     import numpy as np
 
     features = np.show_config(mode="dicts")["SIMD Extensions"]  # type: ignore[index]

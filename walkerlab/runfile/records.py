@@ -26,7 +26,7 @@ from walkerlab.text.templates import render
 RECORD_COLUMNS: dict[str, tuple[type, str, str]] = {
     "generation": (int, "", "0 is the initial random generation"),
     "individual": (int, "", "number of the robot, the same wherever it appears"),
-    "born": (int, "generation", "generation in which it first walked; for an elite, earlier than that of the row"),
+    "born": (int, "generation", "generation in which it first walked; for an elite, an earlier one than the row's"),
     "parents": (str, "", "numbers of its parents, separated by spaces"),
     "operators": (str, "", "how it was made: selection > crossover > mutation, random, given, or by hand"),
     "fitness": (float, "", "higher is better; -inf if the walk does not count"),
@@ -83,7 +83,7 @@ def tabulate_generation(
     Args:
         population: Evaluated generation.
         operators: Names of the operators that produced the children of this generation.
-        known_origins: How individuals were made whose origin is known: elites, and genomes given for generation 0.
+        known_origins: Origins of the individuals that no operator produced: elites, and genomes given for generation 0.
 
     Returns:
         Table with a row for each individual, the columns of ``RECORD_COLUMNS``, and their units in ``.attrs``.
@@ -133,7 +133,7 @@ def check_table(table: pd.DataFrame) -> pd.DataFrame:
             )
     if unknown := sorted(set(table.verdict) - VERDICTS.keys()):
         raise ValueError(
-            f"the column verdict contains the unknown {short_repr(unknown[0])}; known are {', '.join(VERDICTS)}. "
+            f"the column verdict contains {short_repr(unknown[0])}; the known verdicts are {', '.join(VERDICTS)}. "
             "If a newer version of walkerlab wrote the file, update your installation: pip install --upgrade walkerlab"
         )
     return table
@@ -159,7 +159,7 @@ def concatenate_tables(tables: list[pd.DataFrame]) -> pd.DataFrame:
 
 
 def copy_table(table: pd.DataFrame) -> pd.DataFrame:
-    """Return an independent copy of a table; cells are copied only when they are changed, if pandas can do that."""
+    """Return an independent copy of a table; cells are copied only when they are changed, if pandas supports this."""
     return table.copy(deep=not HAS_COPY_ON_WRITE)
 
 
@@ -179,7 +179,7 @@ def last_population(records: pd.DataFrame) -> Population[EvaluationRow]:
 
 
 def parent_numbers(parents: object) -> tuple[int, ...]:
-    """Read a cell of the ``parents`` column: text, or the number or NaN that ``read_csv`` makes of it."""
+    """Read a cell of the ``parents`` column: text, or the number or NaN that ``read_csv`` turns it into."""
     if isinstance(parents, str):
         return tuple(map(int, parents.split()))
     return () if pd.isna(cast(Any, parents)) else (int(cast(Any, parents)),)
@@ -197,7 +197,7 @@ def birth_rows(records: pd.DataFrame) -> pd.DataFrame:
 
 
 def fitter_line(born: pd.DataFrame, individual: int) -> list[int]:
-    """Return the number of an individual, that of its fitter parent, that of this parent's fitter parent, and so on.
+    """Return the numbers of an individual and its ancestors along the line of fitter parents, youngest first.
 
     The line stops before a parent that is not in the table, or whose number is not lower than its child's.
 
@@ -250,7 +250,7 @@ class Individual:
 
 
 def find_champion(records: pd.DataFrame) -> Individual:
-    """Return the fittest robot of a table; the first-born of several with the same fitness.
+    """Return the fittest robot of a table; if several have the same fitness, the first-born.
 
     Raises:
         ValueError: If the table is empty.

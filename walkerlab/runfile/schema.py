@@ -1,8 +1,8 @@
 """Layout of the tables in a run file, of this and earlier releases, and the seals that detect damage.
 
-A file of layout 3 has four tables: ``run``, facts by name; ``records``, the tidy table; ``provenance``, the versions,
-machine and functions that produced the generations; ``generations``, the provenance and the seal of each generation. A
-seal is a digest of all rows of a generation.
+A file of layout 3 has four tables: ``run``, facts keyed by name; ``records``, the tidy table; ``provenance``, the
+versions, machine and functions that produced the generations; ``generations``, the provenance and the seal of each
+generation. A seal is a digest of all rows of a generation.
 """
 
 import json
@@ -194,7 +194,7 @@ def read_fact(db: sqlite3.Connection, name: str) -> str:
 
 
 def sha256_digest(text: str) -> str:
-    """Return the SHA-256 of a text, 64 hexadecimal digits."""
+    """Return the SHA-256 of a string, 64 hexadecimal digits."""
     return sha256(text.encode(errors="replace")).hexdigest()
 
 

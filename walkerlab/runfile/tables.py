@@ -28,7 +28,7 @@ def require_table(records: Any, *columns: str) -> pd.DataFrame:
         row = table.loc[repeated, :].iloc[0]
         raise ValueError(
             f"this table has robot {row.individual} of generation {row.generation} more than once, so it contains "
-            "several runs. Give the runs as a list instead: wl.plots.fitness_curve([run_a, run_b]), which draws their "
+            "several runs. Pass the runs as a list instead: wl.plots.fitness_curve([run_a, run_b]), which draws their "
             'median, or as a dict: wl.plots.fitness_curve({"a": run_a, "b": run_b}), which draws each of them'
         )
     return table

@@ -24,7 +24,7 @@ MAX_BITS = 1024  # maximum size of a whole number
 MAX_JSON = 10_000  # maximum length of the arguments of one function, in characters
 
 BINDABLE_VALUES = (
-    f"None, bool, int, float, str, a list, tuple or dict of these with text keys, an array of up to {MAX_ITEMS} "
+    f"None, bool, int, float, str, a list, tuple or dict of these with string keys, an array of up to {MAX_ITEMS} "
     "numbers, or one of walkerlab's choices such as wl.Feature.length"
 )
 _BINDABLE_DTYPES = {
@@ -74,7 +74,7 @@ class BoundFunction(partial[Any]):
 
 
 def arguments_key(function: "partial[Any]") -> str:
-    """Return the bound arguments, without the function, as a text that is the same for equal values."""
+    """Return the bound arguments, without the function, as a string that is the same for equal values."""
     return json.dumps(arguments_to_json(function), sort_keys=True)
 
 
@@ -153,7 +153,7 @@ def from_json_data(plain: Any, choices: Mapping[str, type[IntEnum]]) -> object:
 
     Args:
         plain: JSON data, possibly from an untrusted file.
-        choices: Allowed classes of choices, by name.
+        choices: Allowed classes of choices, keyed by name.
 
     Raises:
         ValueError: If a tag is unknown or its content invalid.
@@ -245,7 +245,7 @@ def _is_choice(value: object) -> bool:
 
 
 def _require_text(text: str) -> None:
-    """Raise an error for a text that is too long or cannot be encoded as UTF-8."""
+    """Raise an error for a string that is too long or cannot be encoded as UTF-8."""
     if len(text) > MAX_JSON:
         raise UnboundableError(f"a str of {len(text)} characters, more than {MAX_JSON}")
     try:

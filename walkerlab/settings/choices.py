@@ -28,7 +28,7 @@ class Structure(Choice):
 
 
 class Texture(Choice):
-    """Material of the ground, which decides its friction and appearance."""
+    """Material of the ground, which determines its friction and appearance."""
 
     rubber = 0, "a sports floor: the best grip"
     marble = 1, "polished stone: hard and smooth"
@@ -65,7 +65,7 @@ class Fitness(Choice):
 class Selection(Choice):
     """Method by which parents are chosen."""
 
-    gradient = 0, "probability grows in proportion to fitness"
+    gradient = 0, "probability grows in proportion to the lead over the least fit robot"
     top_half = 1, "the better half, each equally often"
     tournament = 2, "the best of a few drawn at random"
     rank = 3, "probability grows with rank, not with fitness itself"
@@ -76,21 +76,21 @@ class Crossover(Choice):
     """Method by which two or more parents make children."""
 
     paired = 0, "front half of one parent, rear half of the other; the remaining halves make the second child"
-    randomized = 1, "each feature comes from a parent drawn at random from all selected ones"
+    randomized = 1, "each gene comes from a parent drawn at random from all selected ones"
     weighted = 2, "the less fit parent is moved towards the fitter one, by a larger step if the gap is larger"
     one_point = 3, "the gene string is cut at one random place and its ends are swapped"
-    uniform = 4, "a coin is tossed for each gene of a couple"
+    uniform = 4, "a coin toss for each gene decides from which of two parents it comes"
     none = 5, "children are copies; only mutation changes them"
 
 
 class Mutation(Choice):
     """Method by which children are varied."""
 
-    randomized = 0, "each feature is equally likely to change, by a step relative to its value"
-    favored = 1, "one named feature changes far more often than the others"
+    randomized = 0, "each gene is equally likely to change, by a random step relative to its value"
+    favored = 1, "one chosen kind of gene changes far more often than the others"
     micro = 2, "small steps; the body plan does not change"
     macro = 3, "large jumps; whole segments are added or removed"
-    gaussian = 4, "each feature is equally likely to change, by a step relative to its range"
+    gaussian = 4, "each gene is equally likely to change, by a random step relative to its range"
 
 
 class Feature(Choice):

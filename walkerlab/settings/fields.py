@@ -2,7 +2,7 @@
 
     step_height: Annotated[float, Quantity(low=0.01, high=0.4, unit="m", about="the rise of each stair")] = 0.08
 
-Validation, error messages, the JSON schema, help, sliders, command-line flags and the glossary follow from it:
+Validation, error messages, the JSON schema, help, sliders, command-line flags and the glossary are derived from it:
 
     Terrain.step_height is 0.9 m; it must be between 0.01 and 0.4 m. It is the rise of each stair.
 """
@@ -21,7 +21,7 @@ from walkerlab.settings.choices import Choice
 from walkerlab.settings.values import did_you_mean, number_text, short_repr, vector_text
 
 MIN_MAX = ("min", "max")
-"""Components of a range within which each robot must be."""
+"""Components of a range that each robot must stay within."""
 
 XYZ = ("x", "y", "z")
 """Components of a vector: x forward, y left, z up."""
@@ -55,7 +55,7 @@ class Quantity:
         """Return the value as plain Python numbers.
 
         Raises:
-            ValueError: If the value is not allowed; each argument is a clause to be put after the name of the field.
+            ValueError: If the value is not allowed; each argument is a clause that continues the name of the field.
         """
         if not self.components:
             return self._to_number(value, "")
@@ -77,7 +77,7 @@ class Quantity:
 
     @property
     def unit_suffix(self) -> str:
-        """The unit after a space, to be put after a number; "" for a dimensionless number."""
+        """The unit with a leading space, to follow a number; "" for a dimensionless number."""
         return f" {self.unit}" if self.unit else ""
 
     @property
@@ -97,11 +97,11 @@ class Quantity:
         except TypeError:
             items = []
         if isinstance(value, str | bytes | bytearray | Mapping | Set) or len(items) != len(self.components):
-            names = f" Or the name of a preset: {', '.join(self.presets)}." if self.presets else ""
+            names = f", or the name of a preset: {', '.join(self.presets)}" if self.presets else ""
             guess = did_you_mean(value, self.presets) if isinstance(value, str) else ""
             raise ValueError(
                 f" is {short_repr(value)}; it must be {len(self.components)} numbers: "
-                f"{', '.join(self.components)}.{names}{guess}"
+                f"{', '.join(self.components)}{names}.{guess}"
             )
         return items
 
@@ -121,7 +121,7 @@ class Quantity:
 
 @dataclass(frozen=True)
 class OneOf:
-    """One member of a ``Choice``, given as member, name or integer code.
+    """One member of a ``Choice``, given as a member, a name or an integer code.
 
     Attributes:
         choices: Class of the members.
@@ -139,7 +139,7 @@ class OneOf:
         """Return the member or function, or a tuple of them.
 
         Raises:
-            ValueError: If the value is not allowed; the message is a clause to be put after the name of the field.
+            ValueError: If the value is not allowed; the message is a clause that continues the name of the field.
         """
         if not self.several or not isinstance(value, list | tuple):
             return self._to_choice(value)
@@ -147,7 +147,7 @@ class OneOf:
         if not items:
             raise ValueError(f" is empty; it must name at least one of {self.range}.")
         if len(items) > MAX_CHOICES_IN_TURN:
-            raise ValueError(f" is a list of {len(items)}; it must have at most {MAX_CHOICES_IN_TURN} items.")
+            raise ValueError(f" is a list of {len(items)} items; it must have at most {MAX_CHOICES_IN_TURN}.")
         members = tuple(map(self._to_choice, items))
         return members[0] if len(members) == 1 else members
 
@@ -179,7 +179,7 @@ FieldDeclaration = Quantity | OneOf
 
 
 def _to_bound_function(value: object) -> object:
-    """Convert a partial to what a run file returns; a partial without arguments becomes its function."""
+    """Convert a partial to a ``BoundFunction``, as run files return it, or to its function if it binds no arguments."""
     if not isinstance(value, partial) or isinstance(value, BoundFunction):
         return value
     return to_bound(value) if value.args or value.keywords else value.func

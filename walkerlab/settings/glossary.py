@@ -14,7 +14,7 @@ GROUND_DRAWING = "_-‾/\\┌─ "  # characters of the drawings in front of the
 
 @dataclass(frozen=True)
 class Row:
-    """Texts of one setting.
+    """One setting as text.
 
     Attributes:
         name: Name of the field.
@@ -41,7 +41,7 @@ class DisplayedDomain(Domain, frozen=True):
 
 
 def glossary_rows(domain: Domain) -> list[Row]:
-    """Return the texts of each setting, in the order of declaration."""
+    """Return each setting as text, in the order of declaration."""
     defaults = {name: field.default for name, field in type(domain).model_fields.items()}
     return [
         Row(

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any, Self, cast
 
 from pydantic import BaseModel, ConfigDict, ValidationError, ValidationInfo, field_serializer, field_validator
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.settings.binding import arguments_to_json
 from walkerlab.settings.choices import Choice
 from walkerlab.settings.fields import FieldDeclaration, OneOf, Quantity
 from walkerlab.settings.values import code_text, did_you_mean, function_name, short_repr
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.text import strict_json
 
 STORED_MODULES = {"walkerlab.simulation.fitness": "walkerlab.fitness"}
@@ -79,13 +79,13 @@ class SettingsModel(ConciseModel, frozen=True):
 
     @classmethod
     def model_validate(cls, obj: Any, **how: Any) -> Self:
-        """Make settings from plain data; raises the errors of ``__init__``."""
+        """Make settings from plain data; raise the errors of ``__init__``."""
         with _as_settings_errors(cls):
             return super().model_validate(obj, **how)
 
     @classmethod
     def model_validate_json(cls, json_data: str | bytes | bytearray, **how: Any) -> Self:
-        """Make settings from a JSON text; raises the errors of ``__init__``."""
+        """Make settings from JSON text; raise the errors of ``__init__``."""
         is_text = isinstance(json_data, str | bytes | bytearray)  # pyright: ignore[reportUnnecessaryIsInstance]
         if is_text and len(json_data) > MAX_JSON:
             raise SettingsError(

@@ -1,4 +1,4 @@
-"""Proportions of a body: how mass and length decide girth, and which masses a trunk and a leg of given length can have.
+"""Proportions of a body: how mass and length determine girth, and which masses a trunk or leg of given length can have.
 
 Trunks and legs are capsules of one material. Their density is ``DENSITY`` as long as their radius stays within a range
 of their length, and differs from it only for segments that are heavier or lighter than that.

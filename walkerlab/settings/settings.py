@@ -120,7 +120,7 @@ class Settings(SettingsModel, frozen=True):
 
     @classmethod
     def field_locations(cls) -> dict[str, tuple[str, str]]:
-        """Return the domain and field of each setting, by the name that ``with_`` takes.
+        """Return the domain and field of each setting, keyed by the name that ``with_`` takes.
 
         The name is the field's name. If a field has the same name as one of the algorithm, its domain is put in front:
         ``seed`` and ``terrain_seed``.

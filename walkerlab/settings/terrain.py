@@ -62,7 +62,7 @@ class Terrain(DisplayedDomain, frozen=True):
     gap_distance: Annotated[
         float, Quantity(low=0.2, high=5.0, unit="m", about="the length of level ground between two trenches")
     ] = 0.8
-    texture: Annotated[Texture, OneOf(Texture, about="the material of the ground, which decides the grip")] = (
+    texture: Annotated[Texture, OneOf(Texture, about="the material of the ground, which determines the grip")] = (
         Texture.rubber
     )
     texture_size: Annotated[

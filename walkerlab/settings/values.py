@@ -1,4 +1,4 @@
-"""Texts of values: shortened for messages, as Python code, and names close to a misspelt one."""
+"""Values as text: shortened for messages, and as Python code; and names close to a misspelt one."""
 
 import math
 from collections.abc import Iterable
@@ -47,7 +47,7 @@ def short_repr(value: object) -> str:
 
 
 def truncate(text: str) -> str:
-    """Truncate a text to one line."""
+    """Truncate a string to one line."""
     return text if len(text) <= MAX_TEXT else f"{text[: MAX_TEXT - 1]}…"
 
 

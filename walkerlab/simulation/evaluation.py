@@ -200,8 +200,8 @@ def _simulate_task(
         genomes: Genomes within the robot limits.
         settings: Settings of the world.
         starts: Numbers of the starts.
-        call_id: Unique text of one call of ``evaluate``. Dask computes equal calls only once and cancels them together;
-            this makes the same tasks of two runs different.
+        call_id: Unique string of one call of ``evaluate``. Dask computes equal calls only once and cancels them
+            together; this makes the same tasks of two runs different.
     """
     return [
         walk_from_every_start(*reusable_scene_of(genome, settings), poses=False, starts=starts) for genome in genomes

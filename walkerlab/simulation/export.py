@@ -25,7 +25,7 @@ from walkerlab.world.cameras import CAMERA_VIEWS, MIN_SIZE
 from walkerlab.world.scene import CONTROL_RATE, RAMP_TIME, Scene, compile_scene, control_steps, describe_scene
 
 FORBIDDEN_CHARACTERS = set('/\\:*?"<>|')
-"""Characters that some operating system does not allow in file names, or that separate folders."""
+"""Characters that separate folders, or that some operating systems do not allow in file names."""
 
 EXACT_DIGITS = 17
 """Significant digits that represent every double exactly; MuJoCo writes 6 by default."""
@@ -70,8 +70,9 @@ def export_mjcf(
 
     The sensor ``com`` measures the centre of mass before each step. The custom text ``genome`` holds the genome.
 
-    MuJoCo 3.11 changed the integration of free bodies and ended Newton's method earlier, so walks in 3.9 and 3.10 may
-    differ: with a sledge from the first contact on, otherwise in a few walks that small differences change.
+    MuJoCo 3.11 changed the integration of free bodies and stops Newton's method earlier, so walks in 3.9 and 3.10 may
+    differ: with a sledge, from the first contact; without one, only in the few walks that are sensitive to small
+    differences.
 
     Args:
         genome: Genome or its text; repaired to be within the robot limits.
@@ -90,8 +91,8 @@ def export_mjcf(
     """
     if not name.isprintable() or not name.strip(" .") or set(name) & FORBIDDEN_CHARACTERS:
         raise ValueError(
-            f"name is {name!r}; it must be a file name without folder and without any of "
-            f"{' '.join(sorted(FORBIDDEN_CHARACTERS))}. Pass the folder as the argument folder."
+            f"name is {name!r}; it must be a file name without a folder and without any of "
+            f"{' '.join(sorted(FORBIDDEN_CHARACTERS))}. Pass the folder in the argument folder."
         )
     path = folder_path(folder) / f"{name}.xml"
     text = format_mjcf(genome, settings, name, cameras=replay)
@@ -197,7 +198,7 @@ def _exact_xml(spec: mujoco.MjSpec) -> str:
         if element.tag == "geom" and "mesh" in element.attrib:  # MuJoCo converts these to the inertial frame and back
             geom = spec.geom(element.attrib["name"])
             element.attrib |= {"pos": _join_numbers(geom.pos), "quat": _join_numbers(geom.quat)}
-        if element.tag == "geom" and "name" in element.attrib:  # MuJoCo omits a mass that is almost that of the density
+        if element.tag == "geom" and "name" in element.attrib:  # MuJoCo omits a mass close to that from the density
             mass = spec.geom(element.attrib["name"]).mass
             element.attrib |= {"mass": repr(float(mass))} if math.isfinite(mass) else {}
         for key, value in element.items():
@@ -215,7 +216,7 @@ _LONG_NUMBER = re.compile(r"\d+\.\d{12,}(e[-+]\d+)?", re.ASCII)
 
 @contextmanager
 def _exact_numbers() -> Generator[None]:
-    """Make MuJoCo write all digits of numbers in the block; only its internal C interface allows this."""
+    """Within the block, make MuJoCo write all digits of numbers; only its internal C interface allows this."""
     is_windows = sys.platform == "win32"
     path = Path(mujoco.__file__).with_name("mujoco.dll") if is_windows else mujoco._functions.__file__
     library = ctypes.CDLL(str(path))

@@ -152,7 +152,7 @@ class MissingFitnessFunction(Protocol):
     """Stand-in for a user function of a loaded run: the run file holds its name and results, but not its code."""
 
     def select_counted_walk(self, genome: Genome, rollouts: Sequence[Rollout], settings: Settings) -> Rollout:
-        """Return the one of a robot's walks, from all its starts, that counted in the run."""
+        """Select the walk that counted in the run from a robot's walks, one from each start."""
         ...
 
 
@@ -185,7 +185,7 @@ def find_poorest(rated: Sequence[tuple[float, Rollout]]) -> tuple[float, Rollout
 
 
 def check_user_function(fitness: Fitness | Callable[..., Any]) -> None:
-    """Call a user function with a made-up walk, before any simulation; does nothing for a built-in fitness.
+    """Call a user function with a made-up walk, before any simulation; do nothing for a built-in fitness.
 
     Raises:
         OperatorError: If it fails, returns anything but a finite number, -inf or None, or returns different numbers for

@@ -16,7 +16,7 @@ class Stopped(Exception):
 
 
 class PausableExecutor(Executor):
-    """Passes tasks on to another executor, only as many at once as keep its workers busy.
+    """Executor that passes tasks on to another one, only as many at a time as keep its workers busy.
 
     Tasks that have not been passed on can be held back, so that a pause takes effect at once. Also, two of these
     executors can share one executor without one of them filling its queue.

@@ -64,8 +64,8 @@ class Rollout(ReadOnlyArrays, Trace):
     def _repr_html_(self) -> str:
         robot = self.phenotype
         speed = self.velocity
-        grown = f"{pluralize(len(robot.segments), 'segment')}, {pluralize(robot.n_legs, 'leg')}"
-        body = f"{grown}, {with_unit(robot.weight, 'kg')}, {with_unit(robot.body_length, 'm')} long"
+        parts = f"{pluralize(len(robot.segments), 'segment')}, {pluralize(robot.n_legs, 'leg')}"
+        body = f"{parts}, {with_unit(robot.weight, 'kg')}, {with_unit(robot.body_length, 'm')} long"
         return render(
             "simulation/rollout.html",
             verdict=self.verdict,

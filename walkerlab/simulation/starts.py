@@ -6,8 +6,8 @@ import mujoco
 import numpy as np
 
 from walkerlab.ga.genes import Floats
-from walkerlab.randomness import random_stream
 from walkerlab.simulation.stepping import STATE_PARTS, positions_in, simulate_steps, warnings_counted_not_printed
+from walkerlab.system.randomness import random_stream
 from walkerlab.world.assembly import ROBOT_BODY, Sensor
 from walkerlab.world.scene import ROTATION, TRANSLATION, Scene
 
@@ -40,7 +40,7 @@ def draw_nudge(scene: Scene, start: int) -> Floats | None:
 
 
 def start_overlap(scene: Scene, data: mujoco.MjData) -> float:
-    """Return how deep [m] the robot or its sledge penetrates anything at the start, apart from itself."""
+    """Return how deeply [m] the robot or its sledge penetrates anything at the start, apart from itself."""
     mujoco.mj_fwdPosition(scene.model, data)
     roots = scene.model.body_rootid[scene.model.geom_bodyid[data.contact.geom]]
     is_relevant = (roots[:, 0] != roots[:, 1]) & np.isin(roots, scene.roots).any(axis=1)

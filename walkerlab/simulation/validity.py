@@ -90,7 +90,7 @@ class Trace:
 
 
 def judge(trace: Trace, settings: Settings) -> tuple[str, str]:
-    """Return the verdict of a walk: the first guard that finds a fault, apart from those in the setting ``forgive``.
+    """Return the verdict of a walk: the first guard that rejects it, except those in the setting ``forgive``.
 
     Returns:
         A key of ``VERDICTS``, and the reason with the measured value and the limit; "" if the verdict is ``ok``.
@@ -225,7 +225,7 @@ GUARD_FUNCTIONS: dict[Guard, Callable[[Trace, Settings], str]] = {
 
 
 def _describe_excess(time: Floats, values: Floats, limit: float, text: str) -> str:
-    """Describe the greatest of some values if it exceeds a limit.
+    """Describe the greatest value if it exceeds a limit.
 
     Args:
         time: Time of each value, s, shape (n,).
@@ -268,7 +268,7 @@ def _longest_period(time: Floats, holds: NDArray[np.bool_]) -> tuple[float, floa
         holds: Whether the condition holds in each sample, shape (n,).
 
     Returns:
-        Start and duration of the period [s]; it ends with the last sample at the latest. NaN and 0 if there is no such
+        Start and duration of the period [s]; it ends no later than the last sample. NaN and 0 if there is no such
         period.
     """
     edges = np.flatnonzero(np.diff(holds, prepend=False, append=False))

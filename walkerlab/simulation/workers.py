@@ -12,8 +12,8 @@ from functools import cache, partial
 from multiprocessing.util import Finalize
 from typing import Any
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.simulation.stepping import disable_step_timers
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.interrupts import interrupts_held
 
 IDLE_TIMEOUT = 300  # s without work after which worker processes end
@@ -95,7 +95,7 @@ def check_open(executor: object) -> None:
     if any(getattr(flags, name, False) is True for name in ("_shutdown", "_shutdown_thread", "shutdown")):
         raise RuntimeError(
             "this executor is closed. Create another, such as ThreadPoolExecutor(4), and use it before it is shut "
-            "down; or give none, for all cores of this computer."
+            "down; or omit it to use all cores of this computer."
         )
 
 
@@ -123,7 +123,7 @@ def replace_hung_workers(executor: Executor, silence: float) -> bool:
         silence: Time without any result, in seconds.
 
     Returns:
-        Whether the executor replaces lost workers; if not, its tasks will never be done.
+        Whether the executor replaces lost workers; if not, its tasks will never finish.
     """
     executor = unwrap_executor(executor)
     if isinstance(executor, _WorkerProcesses):
@@ -138,12 +138,12 @@ def default_executor() -> "_WorkerProcesses":
     return _WorkerProcesses()
 
 
-if hasattr(os, "register_at_fork"):  # a forked process has none of the executor's threads and needs an executor itself
+if hasattr(os, "register_at_fork"):  # a forked process has none of the executor's threads and needs its own executor
     os.register_at_fork(after_in_child=default_executor.cache_clear)
 
 
 class _WorkerProcesses(Executor):
-    """Passes tasks on to a loky pool, and again to a new pool if a process of the old one was lost.
+    """Executor that passes tasks on to a loky pool, and again to a new pool if a process of the old one was lost.
 
     An operating system that runs out of memory kills the process that uses most of it; loky then cancels all tasks of
     the pool. Here these tasks are repeated, which does not change their results.

@@ -1,1 +1,1 @@
-"""What the operating system provides: signals, time limits for calls, and files that are replaced in one step."""
+"""Foundations: the base class of errors, random generators, signals, time limits, and files replaced in one step."""

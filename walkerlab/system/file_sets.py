@@ -28,8 +28,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.system import folder_locks
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.files import display_path, sync_to_disk, write_text
 from walkerlab.system.interrupts import interrupts_held
 

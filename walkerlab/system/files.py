@@ -12,16 +12,16 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
-from walkerlab.errors import WalkerlabError
+from walkerlab.system.errors import WalkerlabError
 
 NOT_A_PATH = re.compile(r"(?i):memory:$|file:|[a-z][a-z0-9+.-]+:/")
-"""Texts that SQLite or a browser would not read as a path."""
+"""Strings that SQLite or a browser would not read as a path."""
 
 SHELL_SAFE_PATTERN = re.compile(r"[\w@%+=:,./\\-]+" if os.name == "nt" else r"[\w@%+=:,./-]+")
 """Paths that a shell reads correctly without quotes."""
 
 MISREAD_STARTS = ("~", "-", ":")
-"""Beginnings of a relative path that a shell or SQLite would misread."""
+"""Prefixes of a relative path that a shell or SQLite would misread."""
 
 
 class PathError(WalkerlabError, ValueError):
@@ -67,7 +67,7 @@ def absolute_path(given: str | os.PathLike[str], name: str = "path") -> Path:
     try:
         path = Path(expanded).absolute()
     except OSError as error:
-        raise PathError(f"{name} is {text!r}, but the current folder was deleted; give an absolute path.") from error
+        raise PathError(f"{name} is {text!r}, but the current folder was deleted; use an absolute path.") from error
     if ".." not in path.parts:
         return path
     if path.name == "..":

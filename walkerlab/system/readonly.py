@@ -5,7 +5,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from walkerlab.errors import WalkerlabError
+from walkerlab.system.errors import WalkerlabError
 
 
 class ReadOnlyError(WalkerlabError, AttributeError):

@@ -1,4 +1,4 @@
-"""Escaping of texts from files and users for terminals and spreadsheets."""
+"""Escaping of text from files and users for terminals and spreadsheets."""
 
 
 def printable(text: object, *, keep: str = "") -> str:

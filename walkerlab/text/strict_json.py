@@ -9,7 +9,7 @@ class DuplicateKeyError(ValueError):
 
 
 def loads(text: str | bytes | bytearray) -> Any:
-    """Parse a JSON text.
+    """Parse JSON text.
 
     Raises:
         DuplicateKeyError: If a key occurs more than once in an object; the message names it.

@@ -1,4 +1,4 @@
-"""HTML from Jinja2 templates, which escape every text from a file or a user.
+"""HTML from Jinja2 templates, which escape every string from a file or a user.
 
 A template is a ``.html`` or ``.css`` file of this package and is named by its path in the package, such as
 ``view/report/report.html``. ``text/elements.html`` contains the elements that several templates share, and

@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.evolution.loading import load
 from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES
 from walkerlab.genome.genome import Genome
@@ -24,6 +23,7 @@ from walkerlab.genome.repair_notes import describe_repairs
 from walkerlab.genome.text import MAX_TEXT_LENGTH, GenomeError
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.values import pluralize, truncate
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.files import absolute_path, display_path
 from walkerlab.text.escape import printable
 
@@ -235,7 +235,7 @@ def _require_within(genome: Genome, robot: Robot) -> Genome:
     is_grown_within = genome.values[0] <= n_parts
     kept = Genome(genome.values[: len(BODY_FEATURES) + n_parts * len(SEGMENT_FEATURES)]) if is_grown_within else genome
     if notes := describe_repairs(kept, robot):
-        shown = [note.rpartition(":")[0] or note for note in notes[:MAX_REASONS]]
+        shown = [note.rpartition(";")[0] or note.rstrip(".") for note in notes[:MAX_REASONS]]
         more = f", and {len(notes) - MAX_REASONS} more" if len(notes) > MAX_REASONS else ""
         raise EntryError(f"it is beyond the limits of the robots: {'; '.join(shown)}{more}")
     return kept.within(robot)

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.model import MAX_JSON, SettingsError
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import short_repr
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.files import display_path, file_path, write_text
 from walkerlab.text import strict_json
 

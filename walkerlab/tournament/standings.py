@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import pandas as pd
 from tqdm.auto import tqdm
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.settings.arguments import require_count, require_settings
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
 from walkerlab.simulation.fitness import name_and_unit
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.tournament.entries import SkippedEntry, read_entries
 from walkerlab.tournament.scores import N_WALKS_PER_ROUND, Standing, rank_entries, walk_rounds
 from walkerlab.tournament.seals import Seal

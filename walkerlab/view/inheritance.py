@@ -1,4 +1,4 @@
-"""How the origin of a gene is shown: a letter and a colour for each parent, in tables and texts."""
+"""How the origin of a gene is shown: a letter and a colour for each parent, in tables and text."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ from walkerlab.text.numbers import format_significant
 PARENT_COLOURS = ("#0072b2", "#e69f00", "#009e73", "#cc79a7", "#d55e00", "#56b4e9")
 """Colours of the first parents (Okabe and Ito); the first two differ in lightness, too."""
 OTHER_COLOUR = "#8c8c8c"
-"""Colour of further parents."""
+"""Colour of all other parents."""
 SAME_COLOUR = "#d9d9d9"
 """Colour of genes that are equal in all parents."""
 NEW_COLOUR = "#ffffff"
@@ -34,7 +34,7 @@ class GeneMark:
         name: Name of the gene.
         value: Value of the child.
         sign: Letter of its parent, ``=`` if it is equal in all parents, the shares of a blend, or ``new``; "" if there
-            is only one parent. A number is the segment of the parent from which it was moved.
+            is only one parent. A number is the segment of the parent from which the gene was moved.
         letters: Sign for a small cell: the letters of a blend without its shares, and the letter of a single parent.
         title: Name, origin and change in words.
         before: Value of the parent; "" if there is none.
@@ -65,7 +65,7 @@ class GeneMark:
 
 
 def mark_genes(birth: Birth) -> list[GeneMark]:
-    """Return how each gene of a child is shown, n_genes of them."""
+    """Return the mark of each gene of a child, n_genes in all."""
     changes = birth.change.tolist()
     sizes = (birth.change / gene_widths(birth.genes)).tolist()
     by_repair = (np.abs(birth.repair) > np.abs(birth.mutation + birth.crossover)).tolist()
@@ -182,7 +182,7 @@ def _source_segment(birth: Birth, j: int) -> str:
 
 
 def _source_value(birth: Birth, j: int) -> float:
-    """Return the value of the parent from which a gene comes; before mutation, if it does not come from one."""
+    """Return the value of the parent from which a gene comes; if there is none, the gene's value before mutation."""
     parent, gene = birth.sources.parent[j], birth.sources.gene[j]
     return float(birth.inherited[j] if parent == NO_SOURCE else birth.parents[parent, gene])
 
@@ -235,6 +235,6 @@ def count_origins(birth: Birth, *, expressed_only: bool = False) -> str:
         if n := list(origins.values()).count(origin):
             parts.append(f"{n} {text}")
     n_changed = int((birth.change[counted] != 0).sum())
-    parts[4:] = [f"{len(parts) - 4} further origins"] if len(parts) > 4 else []
+    parts[4:] = [f"{len(parts) - 4} other origins"] if len(parts) > 4 else []
     parts.append(f"{n_changed or 'none'} {'was' if n_changed == 1 else 'were'} changed")
     return f"{', '.join(parts[:-1])} and {parts[-1]}" if parts[1:] else parts[0]

@@ -22,7 +22,7 @@ class PartPaint:
     """Colours of a body: of the trunk and the legs of each segment.
 
     Attributes:
-        colours: RGB colour by part: ``trunk1``, ``legs1``, ``trunk2`` and so on; other parts keep their colours.
+        colours: RGB colour, keyed by part: ``trunk1``, ``legs1``, ``trunk2`` and so on; other parts keep their colours.
         changed: Parts with a changed gene that has an effect, on their size or on their motion.
     """
 
@@ -34,7 +34,7 @@ def paint_child(birth: Birth) -> PartPaint:
     """Return the colours of a child.
 
     Each trunk has the colour of the origin of its length, or of its mass if all parents have the same length; each pair
-    of legs that of the origin of their length, or of their force.
+    of legs has that of the origin of its length, or of its force.
     """
     values = birth.child[np.newaxis]
     width = len(SEGMENT_FEATURES)
@@ -51,7 +51,7 @@ def paint_child(birth: Birth) -> PartPaint:
         if is_changed[first : first + n_genes].any():
             changed.add(part)
 
-    for segment in range(int(birth.genes.n_grown(values)[0])):
+    for segment in range(int(birth.genes.n_expressed(values)[0])):
         paint(f"trunk{segment + 1}", len(BODY_FEATURES) + segment * width, LEG_LENGTH)
         if leg_sources[segment] >= 0:
             first = len(BODY_FEATURES) + leg_sources[segment] * width + LEG_LENGTH

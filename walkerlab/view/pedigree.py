@@ -216,7 +216,7 @@ def changed_parts(step: Step, genes: Genes) -> frozenset[str]:
 
 
 def describe_step(step: Step, genes: Genes, max_length: int) -> tuple[str, str]:
-    """Describe in two lines how a robot differs from the one before it in the line.
+    """Describe how a robot differs from the one before it in the line, in two lines of text.
 
     Args:
         step: Step to describe.

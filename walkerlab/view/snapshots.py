@@ -23,10 +23,10 @@ LIVE_STYLE = (Path(__file__).parent / "live.css").read_text(encoding="utf-8")
 
 
 class HasSnapshot:
-    """Mix-in of widgets that leave a static picture in the notebook; list it before the widget's class.
+    """Mix-in for widgets that leave a static picture in the notebook; list it before the widget's class.
 
     Attributes:
-        title: Name of the widget in texts for users, such as "panel".
+        title: Name of the widget in text for users, such as "panel".
     """
 
     title = "widget"
@@ -58,7 +58,7 @@ class _Display:
         self._first_change = self._last_change = 0.0
         self._timer: threading.Timer | None = None
         self._timing = threading.Lock()
-        self._updating = threading.Lock()  # not held while traits change, to avoid a deadlock of two threads
+        self._updating = threading.Lock()  # not held while traits change, to avoid a deadlock between two threads
 
     def show(self) -> None:
         """Display the live view, unless the widget is closed, and the snapshot."""
@@ -67,8 +67,9 @@ class _Display:
 
         if self._is_open:
             bundle = self._widget._repr_mimebundle_()
-            view = bundle[0] if isinstance(bundle, tuple) else bundle
-            display(view | {"text/html": ""}, raw=True)  # shown instead of the text where there is no live view
+            view, metadata = bundle if isinstance(bundle, tuple) else (bundle, None)  # Colab reads the metadata
+            html = {"text/html": ""}  # shown instead of the text where there is no live view
+            display(view | html, metadata=metadata, raw=True)
         shell: Any = get_ipython()
         if not hasattr(shell, "kernel"):
             return

@@ -18,7 +18,7 @@ MAX_GENERATION_ROWS = 12  # maximum number of rows in the table of generations
 MAX_ANCESTOR_ROWS = 8  # maximum number of rows in a line of descent
 
 PlainSettings = Mapping[str, Mapping[str, Any]]
-"""Settings as a run file stores them, by domain and field; user functions are represented by their addresses."""
+"""Settings as a run file stores them, keyed by domain and field; user functions are given by module and name."""
 
 
 def describe_start(settings: Settings, n_cores: int, *, done: int = 0) -> str:
@@ -40,9 +40,9 @@ def describe_start(settings: Settings, n_cores: int, *, done: int = 0) -> str:
 
 
 def describe_result(records: pd.DataFrame, settings: PlainSettings) -> str:
-    """Describe in a sentence the best fitness of a run and of its first generation."""
+    """Describe the best fitness of a run and of its first generation in a sentence."""
     if records.empty:
-        return "No generation is done yet."
+        return "No generation is complete yet."
     n_generations = int(records.generation.nunique())
     best = find_champion(records)
     start = int(records.generation.min())
@@ -98,11 +98,11 @@ def list_changed_settings(settings: PlainSettings) -> str:
 
 
 def describe_genome(individual: Individual) -> str:
-    """Return the text of a genome, and say which of its segments are not grown."""
-    n_grown = len(express(individual.genome).segments)
-    first = "first" if n_grown == 1 else f"first {n_grown}"
-    not_grown = f" (segments beyond the {first} are not grown, but are inherited)"
-    return f"Its genome{not_grown if individual.genome.n_parts > n_grown else ''}:\n{individual.genome}"
+    """Return the text of a genome, and state which of its segments are not expressed."""
+    n_expressed = len(express(individual.genome).segments)
+    first = "first" if n_expressed == 1 else f"first {n_expressed}"
+    not_expressed = f" (segments beyond the {first} are not expressed, but are inherited)"
+    return f"Its genome{not_expressed if individual.genome.n_parts > n_expressed else ''}:\n{individual.genome}"
 
 
 def tabulate_generations(records: pd.DataFrame, settings: PlainSettings) -> str:
@@ -123,7 +123,7 @@ def tabulate_generations(records: pd.DataFrame, settings: PlainSettings) -> str:
 
 
 def format_generations(records: pd.DataFrame, selected: Collection[int]) -> list[tuple[Any, str, str]]:
-    """Return rows of ``generation_statistics`` with their best and median fitness as aligned texts.
+    """Return rows of ``generation_statistics`` with their best and median fitness as aligned text.
 
     Args:
         records: Table of a run.
@@ -206,8 +206,8 @@ def format_descent(records: pd.DataFrame, individual: int) -> list[tuple[Any, st
     """Return the pairs of ``select_descent``, each with the fitness as aligned text.
 
     Returns:
-        Triples: the row of a birth, its fitness, or its verdict if the walk does not count, and 0; or None, a text
-        without meaning, and the number of ancestors omitted there.
+        Triples: the row of a birth, its fitness, or its verdict if the walk does not count, and 0; or None, an unused
+        string, and the number of ancestors omitted there.
     """
     line = select_descent(records, individual)
     texts = format_significant_column(math.nan if n_omitted else row.fitness for row, n_omitted in line)

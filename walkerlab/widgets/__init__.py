@@ -3,6 +3,7 @@
 from walkerlab.widgets.curve import Curve as Curve
 from walkerlab.widgets.editor import Editor as Editor
 from walkerlab.widgets.form import Form as Form
+from walkerlab.widgets.interactive import Interactive as Interactive
 from walkerlab.widgets.lab import Lab as Lab
 from walkerlab.widgets.landscape import Landscape as Landscape
 from walkerlab.widgets.microscope import Microscope as Microscope
@@ -17,6 +18,7 @@ __all__ = [
     "Curve",
     "Editor",
     "Form",
+    "Interactive",
     "Lab",
     "Landscape",
     "Microscope",

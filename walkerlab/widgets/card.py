@@ -1,4 +1,4 @@
-"""The description of one robot: its body, the verdict on its walk, what it has from its parents, and its ancestors."""
+"""The description of one robot: its body, the verdict on its walk, the origin of its genes, and its ancestors."""
 
 from typing import Any
 

@@ -6,7 +6,7 @@ from weakref import WeakSet
 from IPython.core.getipython import get_ipython
 
 _created_widgets: dict[str, tuple[str, WeakSet[Any]]] = {}
-"""By cell ID, the ID of the cell's last execution and the widgets that it created."""
+"""ID of the last execution of each cell, and the widgets that it created, keyed by cell ID."""
 
 
 def register_in_cell(widget: object) -> list[Any]:

@@ -13,7 +13,6 @@ from typing import Any
 from walkerlab.evolution.forecast import n_walks
 from walkerlab.evolution.run import Run
 from walkerlab.genome.genome import Genome
-from walkerlab.randomness import seed_of_name
 from walkerlab.settings.arguments import require_settings
 from walkerlab.settings.classroom import (
     FIXED_REASON,
@@ -26,6 +25,7 @@ from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
 from walkerlab.system.files import write_text
+from walkerlab.system.randomness import seed_of_name
 from walkerlab.widgets.form import Form
 
 HIDDEN_REASON = "not among the settings of this panel"

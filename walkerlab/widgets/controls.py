@@ -23,7 +23,7 @@ options).
 """
 
 Values: TypeAlias = Mapping[str, Mapping[str, Any]]
-"""Settings as plain data, by domain and field."""
+"""Settings as plain data, keyed by domain and field."""
 
 FUNCTION_PREFIX = "ƒ "
 """Prefix of the names of user functions; no built-in option starts with it."""
@@ -51,7 +51,8 @@ def make_controls(domain: type[Domain], functions: Mapping[str, Sequence[str]] |
 
     Args:
         domain: Class of the domain.
-        functions: By field, the names of user functions that are additional options, such as ``"ƒ my_selection"``.
+        functions: Names of the user functions that are additional options, such as ``"ƒ my_selection"``, keyed by
+            field.
     """
     defaults = domain().model_dump()
     rows = {row.name: row for row in glossary_rows(domain())}
@@ -150,7 +151,7 @@ def unused_settings(values: Values) -> dict[str, str]:
     """Return the settings that have no effect with the other values, and why.
 
     Returns:
-        Reason by setting: ``{"terrain.step_height": "only for stairs"}``.
+        Reasons, keyed by setting: ``{"terrain.step_height": "only for stairs"}``.
     """
     return {setting: reason for setting, (reason, is_used) in _USE_CONDITIONS.items() if not is_used(values)}
 
@@ -207,4 +208,4 @@ _USE_CONDITIONS: dict[str, tuple[str, Callable[[Values], bool]]] = {
     "simulation.max_speed": ("too fast forgiven", _unless_chosen("simulation.forgive", "too_fast")),
     "simulation.max_airborne": ("airborne forgiven", _unless_chosen("simulation.forgive", "airborne")),
 }
-"""By setting, the reason why it can be unused, and the condition under which it is used."""
+"""Reason why a setting can be unused, and the condition under which it is used, keyed by setting."""

@@ -23,7 +23,7 @@ FIGURE_MARGINS = {"left": 0.14, "right": 0.985, "bottom": 0.14}  # fixed, so tha
 MAX_LABEL_LENGTH = 18  # maximum length of a name in the legend, in characters
 LEGEND_LINE_HEIGHT = 0.055  # height of a line of the legend, as a fraction of the picture's height
 _GREY_COLOUR = re.compile(r"#([0-9a-f]{2})\1\1")
-_curve_ids = count()  # shared by all drawings, because IDs are unique on a page
+_curve_ids = count()  # shared by all drawings, because IDs must be unique on a page
 
 
 class Curve(HasSnapshot, ipywidgets.HTML):
@@ -35,7 +35,7 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         """Draw the curves.
 
         Args:
-            runs: Table of each run, by its name; no runs if None.
+            runs: Table of each run, keyed by name; no runs if None.
             n_generations: Number of generations for which the axes have space.
         """
         super().__init__(layout={"max_width": "720px", "width": "100%"})
@@ -43,10 +43,10 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         self.draw(runs or {}, n_generations)
 
     def draw(self, runs: Mapping[str, pd.DataFrame], n_generations: int = 1, looks: Sequence[int] = ()) -> None:
-        """Draw other curves; can be called from any thread, because pyplot is not used.
+        """Draw new curves; can be called from any thread, because pyplot is not used.
 
         Args:
-            runs: Table of each run, by its name.
+            runs: Table of each run, keyed by name.
             n_generations: Number of generations for which the axes have space, so that a curve can grow without moving.
             looks: Index of the colour and marker of each run; in the order of the runs if empty.
         """

@@ -23,7 +23,7 @@ class Drawer(Component):
     Attributes:
         files: ``path`` and ``name`` of the run files that can be loaded, newest first.
         code: Python code that repeats the run; empty if there is none.
-        words: Message on the last action.
+        words: Message about the last action.
         can_export: Whether there is a run to export.
         can_hand_in: Whether robots can be handed in to a class.
         exported: Paths of the files that were exported last, relative to the notebook.

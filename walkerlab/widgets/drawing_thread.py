@@ -19,7 +19,7 @@ class DrawingThread:
         """Create the object; its thread starts with the first request.
 
         Args:
-            is_limited: Returns whether the load is to be limited now.
+            is_limited: Function that returns whether to limit the load now.
             on_error: Called with the exception of a drawing that failed.
         """
         self._is_limited = is_limited
@@ -48,7 +48,7 @@ class DrawingThread:
             self._changed.notify_all()
 
     def end_pause(self) -> None:
-        """Check again whether the load is to be limited, and end the current pause if not."""
+        """Check whether the load is still to be limited, and end the current pause if not."""
         with self._changed:
             self._changed.notify_all()
 

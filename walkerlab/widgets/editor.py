@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import traitlets
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.genome.features import is_expressed
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.repair_notes import describe_repairs
 from walkerlab.genome.text import GenomeError
-from walkerlab.randomness import random_stream
 from walkerlab.settings.settings import Settings
+from walkerlab.system.errors import WalkerlabError
+from walkerlab.system.randomness import random_stream
 from walkerlab.text.templates import Markup, render
 from walkerlab.view import sketch
 from walkerlab.view.snapshots import svg_image_html
@@ -41,14 +41,14 @@ class Editor(Component):
         settings: Settings with the limits of the robot.
         fault: Why the text is not a valid genome; empty if it is.
         fault_range: Start and exclusive end of the wrong characters of the text; empty if they are unknown.
-        notes: Sentences on the genes that were beyond the limits and the values that are used instead.
+        notes: Sentences about the genes that were beyond the limits and the values that are used instead.
         picture: Picture of the robot, as SVG; while the text is not valid, the picture of the last valid genome.
         genes: Description of each gene, as ``describe_genes`` returns it.
         values: Value of each gene in the text, even beyond the limits; the last valid values if the text is not valid.
         used: Whether each gene has an effect on the robot.
         original: Values of the genome before it was edited.
         result: Result of the last walk, as plain data for the browser: ``distance``, ``change``, ``before``,
-            ``verdict``, ``counts``, ``is_better`` and ``others``, a list of further lines; or ``fault``.
+            ``verdict``, ``counts``, ``is_better`` and ``others``, a list of additional lines; or ``fault``.
         can_insert: Whether the genome can be inserted into a later generation.
         insert_hint: Why the genome cannot be inserted, and what to do.
         buttons: Names of the visible buttons: those with a callback.
@@ -77,7 +77,7 @@ class Editor(Component):
         """Create the editor.
 
         Args:
-            genome: Initial genome, or a text, which may be invalid; a random genome if None.
+            genome: Initial genome, or its text, which may be invalid; a random genome if None.
             settings: Settings with the limits of the robot; the defaults if None.
         """
         super().__init__(settings=settings or Settings())

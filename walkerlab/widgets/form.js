@@ -7,7 +7,7 @@ function render({ model, el }) {
   const rows = new Map(); // by "terrain.step_height"
   let selectedTab = ""; // its domain
   let changedLast = ""; // the setting that the user changed last
-  let otherFaults = []; // messages on settings that are not shown
+  let otherFaults = []; // messages about settings that are not shown
   let timer = 0;
   let sent = 0; // time of the last message, ms
 

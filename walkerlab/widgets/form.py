@@ -1,4 +1,4 @@
-"""The form: a control for each setting, with messages on invalid values next to them."""
+"""The form: a control for each setting, with messages about invalid values next to them."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, cast
@@ -23,7 +23,7 @@ from walkerlab.widgets.controls import (
 from walkerlab.widgets.presets import choose_presets
 
 NamedValues = dict[str, Any]
-"""Values by name."""
+"""Values, keyed by name."""
 
 DOMAINS: dict[str, type[Domain]] = {name: type(field.default) for name, field in Settings.model_fields.items()}
 
@@ -73,7 +73,7 @@ class Form(Component):
             ValueError: If a name is unknown.
         """
         self._shown = _select_fields([only] if isinstance(only, str) else only)
-        self._functions: dict[tuple[str, str], NamedValues] = {}  # user functions by name, by domain and field
+        self._functions: dict[tuple[str, str], NamedValues] = {}  # user functions, keyed by field and name
         self._last_valid = settings or Settings()
         self._fixed = {Settings.field_locations()[name]: reason for name, reason in (fixed or {}).items()}
         complete = {domain for domain in DOMAINS if self._shown[domain] == _fields(domain)}
@@ -210,7 +210,7 @@ class Form(Component):
         return names if isinstance(value, tuple) else names[0]
 
     def _make_tabs(self) -> list[NamedValues]:
-        """Return the shown controls by domain, as plain data."""
+        """Return the shown controls grouped by domain, as plain data."""
         tabs: list[NamedValues] = []
         for domain, domain_class in DOMAINS.items():
             functions = {field: list(named) for (other, field), named in self._functions.items() if other == domain}
@@ -259,7 +259,7 @@ def _faults_by_setting(fault: str) -> dict[str, str]:
     """Group the lines of an error message by the settings that they name.
 
     Returns:
-        Sentences by setting: ``{"terrain.step_height": "Step height is …"}``.
+        Sentences, keyed by setting: ``{"terrain.step_height": "Step height is …"}``.
     """
     found: dict[str, list[str]] = {}
     for line in fault.splitlines():

@@ -28,7 +28,7 @@ class GenerationSlider(Component):
         return self.selected if 0 <= self.selected < self.n_generations else None
 
     def snapshot(self) -> Markup:
-        """Return a sentence on the generation that is shown."""
+        """Return a sentence about the generation that is shown."""
         latest = self.n_generations - 1
         number = latest if self.generation is None else self.generation
         return render("widgets/generation_slider.html", n_generations=self.n_generations, generation=number)

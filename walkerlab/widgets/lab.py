@@ -64,7 +64,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         locked: Mapping[str, Any] | None = None,
         student: str = "",
     ) -> None:
-        """Create the panel; no walk is simulated and no file is created before a button is pressed.
+        """Create the panel; no walk is simulated and no file is created until a button is pressed.
 
         The limits of the class that ``walkerlab lab --class`` named apply, too.
 
@@ -162,7 +162,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
                 self.robot.set_settings(settings)
 
     def _show_forecast(self) -> None:
-        """Show how long a run with the form's settings takes; not during a run, which would distort the timing."""
+        """Show how long a run with the form's settings will take; not during a run, which would distort the timing."""
         if (settings := self.settings) and not self._is_running():
             self.transport.forecast = describe_forecast(settings, self._active) + self.lock.describe_budget(settings)
 
@@ -261,7 +261,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
                 self.runs.drawer.words = use_labels(str(error))
 
     def _insert(self, genome: Genome) -> str:
-        """Insert a genome into the next generation of the active run; return a message on the result."""
+        """Insert a genome into the next generation of the active run; return a message about the result."""
         if not self._active:
             return "No run is in progress."
         try:
@@ -271,7 +271,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         return f"The genome will be in generation {generation}, in place of a child. It is marked with ✎."
 
     def _continue_with(self, genome: Genome) -> str:
-        """Continue the selected run with a genome in its next generation; return a message on the result."""
+        """Continue the selected run with a genome in its next generation; return a message about the result."""
         if not self.runs.drawer.n_further:
             return "No run that can be continued is selected. Select a saved run that is not in progress."
         self._evolve_further(self.runs.drawer.n_further, with_form=False)

@@ -21,7 +21,7 @@ ELITE = "elite"
 INVALID = "invalid"
 INSERTED = "inserted"
 KIND_SIGNS = {ELITE: "★", INVALID: "⚠\N{VARIATION SELECTOR-15}", INSERTED: "✎", "": ""}
-"""Signs of the kinds of robots: elites, robots whose walks do not count, robots made by hand, and all others."""
+"""Symbols for the kinds of robots: elites, robots whose walks do not count, robots made by hand, and all others."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ SORT_COLUMNS = {
     "body_length": Column("length", "longest first", 2),
     "verdict": Column("verdict", "not counted first"),
 }
-"""Columns of the table by name, in display order; robots can be sorted by each of them."""
+"""Columns of the table, keyed by name, in display order; robots can be sorted by each of them."""
 
 
 def sort_robots(records: pd.DataFrame, column: str) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""A playground beside an editor: a change of the genome in either one is applied to the other."""
+"""A playground beside an editor: a change to the genome in either one is applied to the other."""
 
 from typing import Any
 

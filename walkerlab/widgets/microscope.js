@@ -38,7 +38,7 @@ function render({ model, el }) {
     field("robot", "Number of the robot", robot, ["explain"]),
   ];
   const again = make("button", { type: "button", className: "main", textContent: "Again",
-    title: "apply the operator again, with other random numbers", onclick: () => model.send("again") });
+    title: "apply the operator again, with different random numbers", onclick: () => model.send("again") });
   const figures = make("div", { className: "figures" });
   const sentence = make("p", { attributes: { role: "status" } });
   const genome = make("div", { className: "genome" });

@@ -13,12 +13,12 @@ from walkerlab.evolution.births import explain_birth
 from walkerlab.evolution.run import Run
 from walkerlab.ga.user_functions import OperatorError
 from walkerlab.genome.genome import Genome
-from walkerlab.randomness import random_stream
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.runfile.records import find_champion
 from walkerlab.settings.choices import Choice, Crossover, Mutation
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name, pluralize
+from walkerlab.system.randomness import random_stream
 from walkerlab.text.templates import Markup, render
 from walkerlab.view.inheritance import describe_birth, parent_colour
 from walkerlab.view.plots.tables import format_value, unit_of
@@ -84,7 +84,7 @@ class Microscope(Component):
             streams = (random_stream(0, "population", 0, i) for i in range(2))
             given = list(source) if source is not None else [Genome.random(robot, rng=rng) for rng in streams]
             if len(given) < 2:
-                raise ValueError(f"source must have two genomes or more, which are the parents; it has {len(given)}")
+                raise ValueError(f"source must contain at least two genomes, the parents; it has {len(given)}")
             self._genomes = {i + 1: Genome.of(one).within(robot) for i, one in enumerate(given)}
         self._crossovers = _named_operators(Crossover, self._settings.algorithm.crossover)
         self._mutations = _named_operators(Mutation, self._settings.algorithm.mutation)
@@ -103,7 +103,7 @@ class Microscope(Component):
         self._redraw()
 
     def again(self) -> None:
-        """Apply the operator again, with other random numbers."""
+        """Apply the operator again, with different random numbers."""
         with self._lock:
             self._n_repetitions += 1
             self._redraw()
@@ -126,7 +126,7 @@ class Microscope(Component):
             )
 
     def _list_robots(self) -> None:
-        """List the robots of the generation, and select the fittest and the one that differs from it in most genes."""
+        """List the robots of the generation; select the fittest, and the one that differs from it in the most genes."""
         labels: dict[int, str] = {number: f"genome {number}" for number in self._genomes}
         self._n_generations = 0
         if self._run:
@@ -203,14 +203,14 @@ class _Parent:
 def _named_operators(
     choice: type[Choice], setting: Any
 ) -> dict[str, Choice | Callable[..., Any] | tuple[Choice | Callable[..., Any], ...]]:
-    """Return the operators of the settings, by name, followed by all others of their kind."""
+    """Return the operators of the settings, keyed by name, followed by all others of their kind."""
     current = setting if isinstance(setting, tuple) else (setting,)
     name = "+".join(one.name if isinstance(one, Choice) else function_name(one) for one in current)
     return {name: setting} | {one.name: one for one in choice if one.name != name}
 
 
 def _describe(birth: Birth, settings: Settings) -> dict[str, Any]:
-    """Return what the browser shows of a birth."""
+    """Return what the browser shows about a birth."""
     *parents, child = draw_birth(birth, settings)
     letters = [parent_letter(i) if len(birth.names) > 1 else "" for i in range(len(parents))]
     figures = [

@@ -23,7 +23,7 @@ PICTURE_SIZE = (96, 58)  # pixels
 
 @dataclass(frozen=True)
 class GeneChange:
-    """A gene with another value than that of the parent from which it comes.
+    """A gene whose value differs from that of the parent from which it comes.
 
     Attributes:
         name: Name of the gene, such as "segment 1, hip phase".
@@ -39,7 +39,7 @@ class GeneChange:
 
 
 def describe_origins(births: pd.DataFrame, individual: int) -> dict[str, Any]:
-    """Describe what a robot has from its parents, as arguments of the template ``origins.html``.
+    """Describe what a robot inherited from each parent, as arguments of the template ``origins.html``.
 
     The genomes are compared with each other, which is quick; the operators are not run again.
 
@@ -86,7 +86,7 @@ def describe_origins(births: pd.DataFrame, individual: int) -> dict[str, Any]:
 
 
 def _group_genes(marks: list[GeneMark]) -> list[tuple[str, list[dict[str, Any]]]]:
-    """Return the genes by part of the robot, each with the letter and the colour of its parent, and a title."""
+    """Return the genes grouped by part of the robot, each with the letter and the colour of its parent, and a title."""
     groups: dict[str, list[dict[str, Any]]] = {}
     for mark in marks:
         cell = {

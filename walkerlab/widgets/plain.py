@@ -1,4 +1,4 @@
-"""Settings as plain ipywidgets controls, for ``interact``, ``interactive_output`` and ``link`` in notebook cells.
+"""Settings as plain ipywidgets controls, for ``Interactive`` and for ipywidgets' ``interact`` and ``link``.
 
 from ipywidgets import interact
 
@@ -59,7 +59,7 @@ def slider(name: str, settings: Settings | None = None) -> Any:
 
 
 def sliders(names: Iterable[str], settings: Settings | None = None) -> dict[str, Any]:
-    """Return a plain control for each setting, by name: ``interactive_output(show, wl.widgets.sliders([...]))``.
+    """Return a dict of plain controls, keyed by setting: ``interactive_output(show, wl.widgets.sliders([...]))``.
 
     Args:
         names: Names of the settings.

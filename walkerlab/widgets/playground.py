@@ -60,7 +60,7 @@ class Playground(Component):
         """Genome of the robot that is selected on the page, with the values of its sliders.
 
         Raises:
-            GenomeError: If ``gene_text`` was set to a text that is not a genome.
+            GenomeError: If ``gene_text`` was set to a string that is not a valid genome.
         """
         return Genome.parse(self.gene_text)
 

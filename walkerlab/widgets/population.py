@@ -90,7 +90,7 @@ class Population(Component):
             self.pictures = self._draw_range(max(first, 0), min(end, MAX_DRAWN))
 
     def _draw_range(self, first: int, end: int) -> dict[str, str]:
-        """Draw a range of the sorted robots; return their pictures as SVG by number."""
+        """Draw a range of the sorted robots; return their pictures as SVG, keyed by number."""
         drawn = self._shown.iloc[first:end]
         span = 0.0
         if len(drawn):

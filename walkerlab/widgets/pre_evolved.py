@@ -3,12 +3,12 @@
 import json
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
 
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.settings import Settings
+from walkerlab.system.package_files import find_package_file
 
-FILE = Path("data") / "walker.json"
+FILE = "data/walker.json"
 
 
 @dataclass(frozen=True)
@@ -30,9 +30,7 @@ class PreEvolvedWalker:
 
 @cache
 def load_pre_evolved_walker() -> PreEvolvedWalker:
-    """Read the walker from the installed package, or from the folder next to the package in a checkout."""
-    package = Path(__file__).parents[1]
-    path = next(path for path in (package / FILE, package.parent / FILE) if path.exists())
-    walker = json.loads(path.read_text(encoding="utf-8"))
+    """Read the walker."""
+    walker = json.loads(find_package_file(FILE).read_text(encoding="utf-8"))
     settings = Settings().with_(**walker["settings"])
     return PreEvolvedWalker(Genome.parse(walker["genome"]), settings, walker["n_trials"], walker["distance"])

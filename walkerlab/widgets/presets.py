@@ -59,7 +59,7 @@ PRESETS: dict[str, Preset] = {
     "Storm": Preset("headwind, on grass", {"texture": "grass", "wind": (-10.0, 0.0, 0.0)}),
     "Caravan": Preset("a load on the back and a sledge behind", {"carry_weight": 2.0, "drag_weight": 4.0}),
 }  # fmt: skip
-"""Presets by name; robots within the limits can walk in each of them."""
+"""Presets, keyed by name; robots within the limits can walk in each of them."""
 
 
 @dataclass(frozen=True)

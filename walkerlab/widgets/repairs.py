@@ -14,7 +14,7 @@ def format_genome(genome: Genome) -> str:
 
 
 def parse_within(text: str, robot: Robot) -> Genome | None:
-    """Return the genome of a text, brought within the limits; None if the text is not valid."""
+    """Parse a genome and bring it within the limits; return None if the text is not valid."""
     try:
         return Genome.parse(text).within(robot)
     except GenomeError:
@@ -22,7 +22,7 @@ def parse_within(text: str, robot: Robot) -> Genome | None:
 
 
 class Span(NamedTuple):
-    """A range of a text in UTF-16 code units, which JavaScript counts; the end is exclusive."""
+    """A range of a string in UTF-16 code units, as JavaScript counts them; the end is exclusive."""
 
     start: int
     end: int

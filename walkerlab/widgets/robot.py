@@ -30,9 +30,10 @@ class ShownRobot:
     """The robot whose genome is edited.
 
     Attributes:
-        name: Name in texts for users, such as "robot 12".
+        name: Name in text for users, such as "robot 12".
         genome: Genome before it was edited.
-        rivals: Genomes by name of the robots that are played beside the edited one: the unedited one, the champion.
+        rivals: Genomes of the robots that are played beside the edited one (the unedited one, the champion), keyed by
+            name.
     """
 
     name: str
@@ -62,9 +63,9 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
 
         Args:
             settings: Settings of the world in which edited genomes are simulated before there is a run.
-            on_insert: Function that inserts a genome into the next generation and returns a message on the result.
+            on_insert: Function that inserts a genome into the next generation and returns a message about the result.
             on_continue: Function that continues a run that has ended, with the genome in its next generation, and
-                returns a message on the result; if None, the button is hidden.
+                returns a message about the result; if None, the button is hidden.
         """
         self.card = ipywidgets.HTML()
         self.frame = Frame()

@@ -109,7 +109,7 @@ def find_run_files(folder: Path) -> list[str]:
 
 
 def run_name(path: Path) -> str:
-    """Return a readable name of a run: the time in the name of its folder, or the name of the folder or file."""
+    """Return a readable name for a run: the time in the name of its folder, or the name of the folder or file."""
     name = path.resolve().parent.name if path.name == RUN_FILE else path.stem
     if not (stamp := _TIMESTAMP.fullmatch(name)):
         return name

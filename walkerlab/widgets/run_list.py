@@ -18,7 +18,7 @@ class RunList(Component):
     """A list of runs, identified by keys; observe ``runs`` and ``selected`` to react to the user's actions.
 
     Attributes:
-        runs: A dict for each run, oldest first: ``key``, ``name``, ``colour`` and ``mark`` of its line, the texts
+        runs: A dict for each run, oldest first: ``key``, ``name``, ``colour`` and ``mark`` of its line, the strings
             ``differs``, ``best`` and ``state``, and whether it is ``shown`` on the curve.
         selected: Key of the selected run; empty if there is none.
     """

@@ -1,12 +1,12 @@
-"""Texts about a run in the panel, and the robot whose walk the panel shows."""
+"""Text about a run in the panel, and the robot whose walk the panel shows."""
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.evolution.forecast import describe_duration, estimate_seconds, n_walks
 from walkerlab.evolution.live import LiveRun, State
 from walkerlab.runfile.records import find_champion
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
 from walkerlab.simulation.fitness import name_and_unit
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.text.numbers import with_unit
 from walkerlab.widgets.pre_evolved import load_pre_evolved_walker
 from walkerlab.widgets.run_folders import ListedRun

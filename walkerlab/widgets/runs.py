@@ -7,10 +7,10 @@ from typing import Any
 
 import ipywidgets
 
-from walkerlab.errors import WalkerlabError
 from walkerlab.evolution import outputs
 from walkerlab.evolution.loading import load
 from walkerlab.evolution.run import Run
+from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.files import absolute_path, display_path
 from walkerlab.text.templates import Markup, render
 from walkerlab.view.plots.style import RUN_COLOURS
@@ -36,7 +36,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
     """The runs of a panel, one of which is selected.
 
     Attributes:
-        entries: Runs by key; replaced by a new dict with every change.
+        entries: Dict from keys to runs; replaced by a new dict at every change.
         curve: Fitness curves.
         generation: Slider that selects the generation of the selected run that is shown.
         run_list: List of the runs.
@@ -184,7 +184,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
             return
         file = run.path or absolute_path(path)
         self.add(ListedRun(str(file.resolve()), run.settings, run), run_name(file))
-        hint = "" if run.n_generations else " No generation is done yet. Press Continue this run to evolve it."
+        hint = "" if run.n_generations else " No generation is complete yet. Press Continue this run to evolve it."
         self.drawer.words = f"Loaded {display_path(file)}.{hint}"
 
     def _export(self) -> None:

@@ -12,9 +12,9 @@ import traitlets
 from numpy.typing import ArrayLike
 
 from walkerlab.analysis import selection_probabilities
-from walkerlab.breeding import select_from_population
 from walkerlab.ga import selection as operators
 from walkerlab.ga.genes import Floats
+from walkerlab.genome.breeding import select_from_population
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.choices import Selection
 from walkerlab.settings.values import function_name, pluralize
@@ -37,7 +37,7 @@ PARAMETERS: dict[str, dict[str, Any]] = {
 """Parameter of each operator that has one: its keyword, label and range."""
 
 DEFAULTS = {"tournament": 3.0, "rank": 1.8}
-_picture_ids = count()  # shared by all drawings, because IDs are unique on a page
+_picture_ids = count()  # shared by all drawings, because IDs must be unique on a page
 
 
 class SelectionWheel(Component):
@@ -47,7 +47,7 @@ class SelectionWheel(Component):
 
     Attributes:
         selection: Name of the operator.
-        parameters: Value of the parameter of each operator that has one, by name.
+        parameters: Value of the parameter of each operator that has one, keyed by the name of the operator.
         picture: Drawing, as SVG.
         words: Result of the last spin; "" before the first.
     """
@@ -67,7 +67,7 @@ class SelectionWheel(Component):
         Args:
             fitness: Fitness of each individual, shape (n,); or a run or its table, for the last generation; if None, an
                 example of 20 individuals.
-            functions: Selection functions that are offered besides those of walkerlab.
+            functions: Selection functions that are offered in addition to those of walkerlab.
 
         Raises:
             ValueError: If ``fitness`` is empty or contains NaN or +inf.

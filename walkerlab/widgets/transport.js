@@ -1,4 +1,4 @@
-// The buttons of a run, its progress, and messages on it.
+// The buttons of a run, its progress, and messages about it.
 const PLAY = "M5 2l12 8-12 8z";
 const BUTTONS = [
   // name, label, path of the icon, tooltip, states in which it is enabled

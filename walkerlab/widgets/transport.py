@@ -20,8 +20,8 @@ class Transport(Component):
     Attributes:
         state: State of the run: ready, running, paused, stopped, finished or failed.
         share: Completed share of the run, 0 to 1.
-        words: Message on the run.
-        forecast: Message on the next run, if one can be started.
+        words: Message about the run.
+        forecast: Message about the next run, if one can be started.
         end_early: Conditions under which a run ends early: any of ``minutes``, ``target`` and ``patience``.
         fault: Why no run can be started; empty if one can.
     """

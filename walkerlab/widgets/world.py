@@ -8,8 +8,8 @@ from typing import Any
 import traitlets
 
 from walkerlab.genome.genome import Genome
-from walkerlab.randomness import random_stream
 from walkerlab.settings.settings import Settings
+from walkerlab.system.randomness import random_stream
 from walkerlab.text.templates import Markup
 from walkerlab.view import sketch
 from walkerlab.view.snapshots import svg_image_html

@@ -18,9 +18,9 @@ from functools import lru_cache
 import numpy as np
 
 from walkerlab.ga.genes import Floats
-from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Structure
 from walkerlab.settings.terrain import PLACEMENT_AREA, Terrain
+from walkerlab.system.randomness import random_stream
 
 ARENA_LENGTH = 30.0  # m of stairs, hills or gaps after the landing
 ARENA_WIDTH = 10.0  # m
@@ -68,13 +68,13 @@ def arena_bounds(terrain: Terrain) -> Floats:
 
 
 def level_stretches(terrain: Terrain) -> Floats:
-    """Return the stretches of ground along the way on which pieces and obstacles can be placed.
+    """Return the stretches of ground along the walking direction on which pieces and obstacles can be placed.
 
     A plane, a slope or hilly ground is one stretch. Each tread of the stairs is one, and so is the ground between
     two gaps.
 
     Returns:
-        Start and end of each stretch along the way [m], shape (n, 2).
+        Start and end of each stretch in the walking direction [m], shape (n, 2).
     """
     start = FIELD_START
     end = FIELD_START + PLACEMENT_AREA[0]
@@ -91,7 +91,7 @@ def level_stretches(terrain: Terrain) -> Floats:
 
 
 def gap_ranges(terrain: Terrain) -> Floats:
-    """Return the start and end of each gap along the way [m], shape (n, 2)."""
+    """Return the start and end of each gap in the walking direction [m], shape (n, 2)."""
     period = terrain.gap_width + terrain.gap_distance
     return LANDING_LENGTH + np.array(
         [(i * period, i * period + terrain.gap_width) for i in range(int(ARENA_LENGTH / period))]
@@ -128,7 +128,7 @@ def hill_heights(terrain: Terrain) -> Floats:
 
 
 def _interpolate(heights: Floats, x: Floats, y: Floats) -> Floats:
-    """Interpolate the height field as MuJoCo does, with two triangles per cell; return 0 outside of it."""
+    """Interpolate the height field as MuJoCo does, with two triangles per cell; return 0 outside it."""
     n_y, n_x = heights.shape
     column = np.clip((x - LANDING_LENGTH) / ARENA_LENGTH * (n_x - 1), 0, n_x - 1.000001)
     row = np.clip((y / ARENA_WIDTH + 0.5) * (n_y - 1), 0, n_y - 1.000001)
@@ -143,7 +143,7 @@ def project_onto_ground(terrain: Terrain, spots: Floats, step: Floats | float = 
 
     Args:
         terrain: Terrain settings.
-        spots: Positions along and across the way [m], shape (n, 2).
+        spots: Positions along and across the walking direction [m], shape (n, 2).
         step: Distance [m] over which the slope of hilly ground is averaged; one value or shape (n,).
 
     Returns:

@@ -9,7 +9,7 @@ faster to compute; the torsional friction of a foot would be a torque of at most
     torsional [m]            ⅔ · µ · a, with a the radius of the patch: √(2·R·d − d²) at a depth d, 1 cm on hard ground
     rolling [m]              c · R, with c the rolling resistance and R the radius of the rolling body, 2 cm for a foot
 
-Published values of µ and c for tyres and soles differ by a third and more; those below lie within the published range.
+Published values of µ and c for tyres and soles differ by a third or more; those below lie within the published range.
 """
 
 from dataclasses import dataclass

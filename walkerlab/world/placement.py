@@ -8,9 +8,9 @@ import numpy as np
 from numpy.random import Generator
 
 from walkerlab.ga.genes import Floats
-from walkerlab.randomness import random_stream
 from walkerlab.settings.choices import Obstacle, Structure
 from walkerlab.settings.terrain import MAX_PIECES, OBSTACLE_REACH, OBSTACLE_SIZE_SPREAD, PLACEMENT_AREA, Terrain
+from walkerlab.system.randomness import random_stream
 from walkerlab.world.heights import FIELD_START, LANDING_LENGTH, ground_height, level_stretches, project_onto_ground
 
 PIECE_HEIGHT = 0.25  # height of a texture piece, a flat dome, as a share of its width
@@ -106,7 +106,7 @@ def _scatter_pieces(terrain: Terrain, rng: Generator) -> Floats:
     """Add round pieces at random bare spots until the requested share of the ground is covered.
 
     Returns:
-        Centres along and across the way [m], shape (n, 2); each piece lies on one stretch of ground.
+        Centres along and across the walking direction [m], shape (n, 2); each piece lies on one stretch of ground.
     """
     if not terrain.n_pieces:
         return np.empty((0, 2))
@@ -149,7 +149,8 @@ def _scatter_obstacles(terrain: Terrain, rng: Generator) -> tuple[Floats, Floats
     An obstacle on a hillside is tilted and occupies a wider circle.
 
     Returns:
-        Centres along and across the way [m], shape (n, 2); rotations [rad], shape (n,); widths [m], shape (n,).
+        Centres along and across the walking direction [m], shape (n, 2); rotations [rad], shape (n,); widths [m], shape
+        (n,).
     """
     if terrain.obstacle == Obstacle.none:
         return np.empty((0, 2)), np.empty(0), np.empty(0)

@@ -20,24 +20,25 @@ def _check_settings(answer: Any) -> bool | str:
 
 
 def _check_furthest(answer: Any) -> bool | str:
-    letter = answer.strip().upper()
-    if letter == "A":
-        return "A is moving for the longest way, but fitness counts where it ends. How far is that from the start?"
-    if letter == "B":
-        return "Forward is along the arrow on the ground. How far forward did B come?"
+    letter = str(answer).strip().upper()
+    if letter not in ("A", "B", "C"):
+        return 'Answer with one letter in quotes, such as "A".'
     return letter == "C"
 
 
 EXERCISES: dict[str, Exercise] = {
     "00.2": Exercise(
         check=_check_furthest,
-        hints=('Answer with one letter in quotes, such as "A".', "Only the way from start to end counts, forward."),
+        hints=(
+            "Fitness counts only where the robot ends. How far is that from the start?",
+            "Forward is the direction in which the robot faces at the start; a way to the side does not count.",
+        ),
         right="Fitness is the net forward travel: A ends 2 m ahead, B 0 m, and C 2.5 m.",
     ),
     "00.4": Exercise(
         check=_check_settings,
         hints=(
-            "Copy the line that makes s in the cell of the panel, and change two numbers.",
+            "The first cell of the notebook makes s with such a line. Which two of its numbers must change?",
             "The two names are population_size and duration.",
         ),
         right="with_ returns new settings in which only the named ones differ; s itself is unchanged.",

@@ -25,6 +25,8 @@ SETTINGS = Settings().with_(duration=5)
 
 
 def _check_unused(answer: Any) -> bool | str:
+    if isinstance(answer, str):
+        return "Write the number in digits, without quotes."
     number = float(answer)
     if number == 2:
         return "The length and the force of the repeated legs are two. Do they also have a step that is never used?"
@@ -72,7 +74,7 @@ EXERCISES: dict[str, Exercise] = {
         check=_check_faster,
         hints=(
             "Change one number at a time. Which number says how many strides there are in a second?",
-            "A robot that walks too far back or falls has changed too much: try a smaller change.",
+            "If the robot falls or walks backward, undo the change and try a smaller one.",
         ),
         right="You did by hand what mutation does at random: change a number, and keep it if the robot walks further.",
     ),

@@ -59,8 +59,8 @@ EXERCISES: dict[str, Exercise] = {
     "02.5": Exercise(
         check=_check_hard_world,
         hints=(
-            "Look at your curve of the steps: where is the distance less than 1 m?",
-            "High steps, a steep slope and a strong headwind are all possible.",
+            "Steps begin 1 m ahead of the start. Which settings of the ground or the air act sooner?",
+            "Uphill and against the wind, it comes less far. How steep is too steep, how strong too strong?",
         ),
         right="The same genome that is fit on the floor is unfit here: fitness depends on the world.",
     ),
@@ -79,8 +79,8 @@ QUIZ: tuple[Question, ...] = (
         "The walker comes less far on ice. What does that show?",
         {
             "It is a poor robot": "On rubber, the same robot is the best of its run.",
-            "Its gait relies on grip": "Right. Evolution only ever saw the rubber floor.",
-            "Ice is impossible to walk on": "Robots that evolve on ice walk there.",
+            "Its gait relies on grip": "Right. It evolved on the rubber floor only.",
+            "Ice is impossible to walk on": "It does walk on ice, only less far.",
         },
         "Its gait relies on grip",
     ),

@@ -12,14 +12,17 @@ OPERATORS = {"A": "uniform", "B": "top_half", "C": "tournament"}
 
 
 def _check_operators(answer: Any) -> bool | str:
-    given = {str(letter).upper(): str(name).strip().lower() for letter, name in answer.items()}
-    if set(given) != set(OPERATORS):
+    names = {str(letter).upper(): str(name).strip().lower().replace(" ", "_") for letter, name in answer.items()}
+    if set(names) != set(OPERATORS):
         return "The answer needs one name for each of A, B and C."
-    n_right = sum(given[letter] == name for letter, name in OPERATORS.items())
-    return n_right == len(OPERATORS) or f"{n_right} of 3 are right."
+    if set(names.values()) != set(OPERATORS.values()):
+        return "Each of the three names top_half, tournament and uniform belongs to one letter."
+    return names == OPERATORS
 
 
 def _check_probability(answer: Any) -> bool | str:
+    if isinstance(answer, str):
+        return "Write the fraction without quotes, such as 2 / 3."
     number = float(answer)
     if math.isclose(number, 0.5, abs_tol=0.005):
         return "The same robot can be drawn twice, so that it is a little less than one half."
@@ -30,7 +33,7 @@ def _check_probability(answer: Any) -> bool | str:
 
 def _check_no_elites(answer: Any) -> bool | str:
     if not isinstance(answer, Settings):
-        return "The answer must be settings: s.with_(…)."
+        return "The answer must be settings: wl.Settings().with_(…)."
     if answer.algorithm.selection != Selection.uniform:
         return "These settings select parents with another operator than uniform."
     return True if answer.algorithm.n_elites == 0 else "With elites, the best robots survive under any selection."

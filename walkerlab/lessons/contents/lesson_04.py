@@ -35,6 +35,8 @@ def _check_fraction(answer: Any) -> bool | str:
 
 
 def _check_possible(answer: Any) -> bool | str:
+    if isinstance(answer, str | int | float):
+        return "Answer with a list, in square brackets and without quotes, such as [0.1, 0.6]."
     given = {round(float(each), 6) for each in answer}
     if not given:
         return "The list is empty. A child of weighted crossover lies between its two parents."

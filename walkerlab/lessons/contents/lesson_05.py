@@ -73,7 +73,10 @@ EXERCISES: dict[str, Exercise] = {
     ),
     "05.3": Exercise(
         check=_check_favored,
-        hints=("The table above says how much more often the favoured feature changes.",),
+        hints=(
+            "The table above says how much more often the favoured feature changes.",
+            "The other features change with the probability 0.04. How often is ten times as often?",
+        ),
         right="Ten times 0.04. Favoured mutation searches one feature thoroughly, and all others as usual.",
     ),
     "05.6": Exercise(

@@ -34,6 +34,8 @@ def _check_distance(answer: Any) -> bool | str:
     run, distance = answer
     if isinstance(distance, str):
         return "That is a text. `wl.simulate` returns an object with the attribute `distance`, a number."
+    if hasattr(distance, "distance"):
+        return "That is the whole walk. Its attribute `distance` is the number that is asked for."
     return math.isclose(float(distance), run.champion.fitness, abs_tol=TOLERANCE)
 
 

@@ -45,7 +45,7 @@ EXERCISES: dict[str, Exercise] = {
             "Print p_value(n) for n from 3 to 12.",
             "All heads or all tails happen in 2 of 2 to the power of n cases. For which n is that below 0.05?",
         ),
-        right="Even a method that always wins needs six seeds: 2 of 64 cases are 3 %, but 2 of 32 are 6 %.",
+        right="Even a method that always wins needs six seeds: 2 of 64 cases are fewer than 5 %, but 2 of 32 are more.",
     ),
 }
 

@@ -8,8 +8,8 @@ from walkerlab.ga.genes import Floats
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome
 from walkerlab.lessons.exercises import Exercise, Question
-from walkerlab.randomness import random_stream
 from walkerlab.settings.robot import Robot
+from walkerlab.system.randomness import random_stream
 
 N_DRAWS = 300
 MAX_NUDGE = 0.01  # of the range of a gene
@@ -22,6 +22,8 @@ def _check_best_three(select: Any) -> bool | str:
     selected = np.asarray(select(fitness, N_DRAWS, rng=random_stream(0, "check")))
     if selected.dtype.kind != "i":
         return "Your function returns fitness values. It must return indices: the positions of robots in the list."
+    if selected.shape != (N_DRAWS,):
+        return f"{N_DRAWS} parents are needed (n_parents); your function returned an array of shape {selected.shape}."
     others = sorted({*selected.tolist()} - {2, 4, 6})
     if others:
         return (
@@ -47,7 +49,10 @@ def _check_nudge(mutate: Any) -> bool | str:
         return f"The result has the shape {after.shape}; it must have the shape of the genomes, {before.shape}."
     moved = np.abs(after - before) / (genes.high - genes.low)
     if not moved.any():
-        return "No gene changes yet."
+        return "No gene changes yet. Replace the zeros by random numbers, one for each gene of each genome."
+    again = np.asarray(mutate(before.copy(), genes, rng=random_stream(0, "check")), dtype=np.float64)
+    if not np.array_equal(after, again):
+        return "With the same rng, the steps are different each time. Draw them from rng, not from np.random or random."
     if moved.max() > MAX_NUDGE + 1e-9:
         return f"One gene moves by {moved.max():.1%} of its range; at most 1 % is allowed. What is the range of a gene?"
     if (moved > 0).mean() < 0.9:
@@ -72,7 +77,7 @@ def _check_cooling(mutate: Any) -> bool | str:
     if np.allclose(sizes, sizes[0]):
         return "The steps in the first and in the last generation are equally large."
     if sizes[-1] > sizes[0]:
-        return "The steps grow during the run; they must become smaller."
+        return "The steps grow during the run; they must shrink. (A scale of -0.3 gives steps as large as one of 0.3.)"
     if not 0 < sizes[-1] <= STEP_RATIO * sizes[0]:
         return (
             f"In the last of {N_TRIAL_GENERATIONS} generations the steps are {sizes[-1] / sizes[0]:.0%} as large as in "
@@ -112,7 +117,7 @@ QUIZ: tuple[Question, ...] = (
     Question(
         text="What does a selection operator return?",
         choices={
-            "the fitness of the selected robots": "Several robots can have the same fitness; which one would be meant?",
+            "the fitness of the selected robots": "Several robots can have the same fitness: a value names no robot.",
             "the indices of the selected robots": "Right: positions in the list of robots, counted from 0.",
             "the genomes of the selected robots": "It does not receive the genomes, unless it asks for them.",
         },
@@ -130,7 +135,7 @@ QUIZ: tuple[Question, ...] = (
     Question(
         text="Your operator gives a better champion than tournament selection, with one seed. What do you know?",
         choices={
-            "It is better.": "With another seed, the order may be reversed. How many seeds would you try?",
+            "It is better.": "With another seed, the order may be reversed: try several seeds.",
             "It works, but whether it is better needs more seeds.": "Right: lesson 07 shows how to find out.",
             "The comparison has an error.": "It can be correct. One run just says little.",
         },

@@ -1,12 +1,12 @@
 """Exercises and quiz of lesson 09, broken operators."""
 
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from walkerlab.lessons.exercises import Exercise, Question
-from walkerlab.randomness import random_stream
+from walkerlab.system.randomness import random_stream
 
 SELECTION: Mapping[str, tuple[int, str]] = {
     "a": (3, "Look at the bars of operator_a from left to right: where do they rise again?"),
@@ -32,6 +32,9 @@ def _diagnosis_check(right: Mapping[str, tuple[int, str]]) -> Callable[[Any], bo
     """
 
     def check(answer: Any) -> bool | str:
+        if not isinstance(answer, dict):
+            return "The diagnosis must keep its form: each letter, a colon and a number, in braces { }."
+        answer = cast(dict[str, Any], answer)
         given: dict[str, Any] = {name: answer.get(name, ...) for name in right}
         for name, number in given.items():
             if number is ...:
@@ -64,20 +67,29 @@ def _check_repair(select: Any) -> bool | str:
 EXERCISES: dict[str, Exercise] = {
     "09.2": Exercise(
         check=_diagnosis_check(SELECTION),
-        hints=("The numbers are those of the list of symptoms at the top of the lesson.",),
+        hints=(
+            "The numbers are those of the list of symptoms at the top of the lesson.",
+            "Compare the two plots of each operator with its description, one after the other.",
+        ),
         right="A wheel cannot handle negative fitness: users of DEAP (issue 211, 2017) and eaopt (issue 39, 2019) "
         "found this out. A tournament that draws from one robot too few was in DESDEO-EMO (pull request 44, 2021). One "
         "spin with many pointers is unusual, but sound: Baker published it in 1987.",
     ),
     "09.4": Exercise(
         check=_diagnosis_check(CROSSOVER),
-        hints=("The number is that of the list of symptoms at the top of the lesson.",),
+        hints=(
+            "The number is that of the list of symptoms at the top of the lesson.",
+            "Compare a child of operator_c with a child of weighted, gene by gene.",
+        ),
         right="walkerlab's own weighted crossover did this in a lesson with only two parents: their difference was "
         "divided by itself, so that the child always moved the whole way (2026).",
     ),
     "09.6": Exercise(
         check=_diagnosis_check(MUTATION),
-        hints=("The numbers are those of the list of symptoms at the top of the lesson.",),
+        hints=(
+            "The numbers are those of the list of symptoms at the top of the lesson.",
+            "Compare the two plots of each operator with its description, one after the other.",
+        ),
         right="In TPOT, one mutation changed the whole population at once (issue 362, 2017), and in "
         "GeneticAlgorithmPython the same genes mutated each time (issue 2, 2019). Values that gather at a limit are "
         "walkerlab's own history: 57 % of its random robots weighed exactly the maximum (2026).",
@@ -96,7 +108,7 @@ QUIZ: tuple[Question, ...] = (
     Question(
         text="The fitness curve of a run rises. Are all its operators sound?",
         choices={
-            "yes": "Each of the five runs with a broken operator also had a rising curve.",
+            "yes": "The curve of operator_a rose, and operator_a is broken.",
             "no, it can rise despite a bug": "Right: elites keep the best robot, and the other operators still work.",
         },
         right="no, it can rise despite a bug",

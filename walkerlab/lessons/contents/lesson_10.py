@@ -1,7 +1,7 @@
 """Exercises and quiz of lesson 10, when evolution cheats."""
 
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -38,22 +38,28 @@ def _check_fitness(fitness: Any) -> bool | str:
         return "For one of four example walks, your fitness is not a finite number. Is there a division by zero?"
     if economical <= still:
         return (
-            f"A robot that walks 3 m with 150 J gets {economical:.3g}, and one that lies still {still:.3g}. Evolution "
-            "would prefer lying still. Make the distance count more, or the work less."
+            f"A robot that walks 3 m with 150 J gets {economical:.3g}, and one that stays still {still:.3g}. Evolution "
+            "would prefer staying still. Make the distance count more, or the work less."
         )
     if backward >= still:
-        return f"A robot that walks 3 m backward gets {backward:.3g}, and one that lies still only {still:.3g}."
+        return f"A robot that walks 3 m backward gets {backward:.3g}, and one that stays still only {still:.3g}."
     if economical <= wasteful:
         return (
             f"Two robots walk 3 m, with 150 J and with 400 J. They get {economical:.3g} and {wasteful:.3g}; the first "
             "must get more, because it saves energy."
         )
     return wasteful > still or (
-        f"A robot that walks 3 m with 400 J gets {wasteful:.3g}, and one that lies still {still:.3g}. Walking must pay."
+        f"A robot that walks 3 m with 400 J gets {wasteful:.3g}, one that stays still {still:.3g}. Walking must pay."
     )
 
 
 def _check_loopholes(answer: Any) -> bool | str:
+    if not isinstance(answer, dict):
+        return "The answer must keep its form: each goal, a colon and a number, in braces { }."
+    answer = cast(dict[str, Any], answer)
+    for goal in LOOPHOLES:
+        if answer.get(goal) not in LOOPHOLES.values():
+            return f'The answer for "{goal}" must be the number of a robot, 1 to 4, without quotes.'
     wrong = [goal for goal, robot in LOOPHOLES.items() if answer[goal] != robot]
     if not wrong:
         return True
@@ -72,7 +78,10 @@ EXERCISES: dict[str, Exercise] = {
     ),
     "10.6": Exercise(
         check=_check_loopholes,
-        hints=('Write one number from 1 to 4 for each of "far", "steps", "calm" and "sprint".',),
+        hints=(
+            'Write one number from 1 to 4 for each of "far", "steps", "calm" and "sprint".',
+            "Each robot belongs to one goal. Begin with the goal that you are surest of.",
+        ),
         right="Each of these goals measures something that walkers do, but that others do, too.",
     ),
 }

@@ -7,6 +7,7 @@ from typing import Any
 from walkerlab.lessons.exercises import Exercise, Question
 
 TOLERANCE = 0.02  # of a share, so that it may be rounded to a percent
+MISTAKE_TOLERANCE = 0.01  # relative, so that a wrong number may be rounded
 
 
 def _check_number(right: float, wrong: dict[float, str], tolerance: float = 0.0) -> Callable[[Any], bool | str]:
@@ -19,9 +20,11 @@ def _check_number(right: float, wrong: dict[float, str], tolerance: float = 0.0)
     """
 
     def check(answer: Any) -> bool | str:
+        if isinstance(answer, str):
+            return "Write the number without quotes."
         number = float(answer)
         for mistake, hint in wrong.items():
-            if math.isclose(number, mistake, abs_tol=tolerance):
+            if math.isclose(number, mistake, rel_tol=MISTAKE_TOLERANCE):
                 return hint
         return abs(number - right) <= tolerance
 
@@ -47,7 +50,10 @@ EXERCISES: dict[str, Exercise] = {
     "12.6": Exercise(
         check=_check_number(
             2,
-            {32: "That is the memory of the whole job. How many workers share it?"},
+            {
+                32: "That is the memory of the whole job. How many workers share it?",
+                30 / 16: "That is its memory in gibibytes, the unit of the request. Use the gigabytes of memory=.",
+            },
         ),
         hints=(
             "Read --mem and --cpus-per-task in the request.",

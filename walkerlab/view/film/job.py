@@ -13,7 +13,7 @@ from walkerlab.settings.settings import Settings
 SIDE_RANGE = (64, 4096)  # pixels
 FPS_RANGE = (1, 60)
 FILM_FORMATS = {".mp4": "plays everywhere", ".webm": "plays in every browser", ".gif": "for slides and chats; large"}
-"""Use of each format, by the suffix of the file."""
+"""Use of each format, keyed by the suffix of the file."""
 
 
 class FilmError(RuntimeError):
@@ -47,7 +47,7 @@ class Job:
         size: Width and height [pixels].
         fps: Frames per second.
         suffix: Suffix of the file; a key of ``FILM_FORMATS``.
-        generation_range: First and last generation of the timeline; None for a film without timeline.
+        generation_range: First and last generation of the timeline; None for a film without a timeline.
     """
 
     clips: tuple[Clip, ...]

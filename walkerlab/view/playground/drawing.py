@@ -89,7 +89,7 @@ def draw_robots(walks: Sequence[Walk], title: str) -> tuple[Any, Drawing]:
 
 
 def _part_meshes(walk: Walk) -> dict[str, Any]:
-    """Return a mesh of each kind of part, by name: a trunk, a left and a right bone, a shadow and a rope."""
+    """Return a mesh of each kind of part, keyed by name: a trunk, a left and a right bone, a shadow and a rope."""
     model = walk.scene.model
     names = ["trunk1"]
     for number, has_legs in enumerate(walk.scene.phenotype.plan, start=1):
@@ -108,7 +108,7 @@ def _part_meshes(walk: Walk) -> dict[str, Any]:
 
 
 def _body_meshes(walk: Walk, *, with_obstacles: bool) -> dict[str, Any]:
-    """Return the mesh of each body whose shape does not depend on genes, by name: loads and obstacles."""
+    """Return the mesh of each body whose shape does not depend on genes, keyed by name: loads and obstacles."""
     model = walk.scene.model
     found: dict[str, Any] = {}
     for body, members in _surfaces_of_bodies(walk).items():

@@ -143,7 +143,7 @@ function positionError(page, text, start, expected, got) {
 
 const isPrintable = (letter) => letter === " " || !/[\p{C}\p{Z}]/u.test(letter);
 
-// The same as short_repr in settings/values.py, for texts.
+// The same as short_repr in settings/values.py, for strings.
 function shortRepr(page, text) {
   const limit = page.max_text - 10;
   const represent = (letters) => {

@@ -38,7 +38,7 @@ def prepare_walks(walkers: Any, settings: Settings) -> tuple[Walk, ...]:
         settings: Settings of terrain, robot and simulation.
 
     Raises:
-        GenomeError: If a text is not a valid genome.
+        GenomeError: If a string is not a valid genome.
         TypeError: If ``walkers`` contains anything else.
         ValueError: If there is no robot, or there are more than four.
     """

@@ -31,7 +31,7 @@ from walkerlab.world.placement import PIECE_HEIGHT
 
 SCRIPT_FOLDER = Path(__file__).parent
 MAX_PLANS = 32  # maximum number of body plans on a page
-MAX_MODELS_SIZE = 400_000  # characters of the models of all body plans; above it, only those of the robots are used
+MAX_MODELS_SIZE = 400_000  # characters; if the models of all body plans take more, only those of the robots are used
 
 DAMPING = 2  # index of the damping ratio, or of the damping, in the bias parameters of a servo
 
@@ -99,7 +99,7 @@ def _possible_plans(robot: Robot) -> Iterator[BodyPlan]:
 
 
 def _with_plan(genome: Genome, plan: BodyPlan) -> Genome:
-    """Return a genome with another body plan; its sizes are arbitrary, because the page overwrites them."""
+    """Return a genome with a different body plan; its sizes are arbitrary, because the page overwrites them."""
     values = genome.values.copy()
     values[BODY_FEATURES.index(Feature.segments)] = len(plan)
     parts = values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)

@@ -1,4 +1,4 @@
-// Forces of the user on a robot: from dragging it with a finger or the mouse, and from a button.
+// Forces that the user applies to a robot: by dragging it with a finger or the mouse, and with a button.
 const GRAB_DISTANCE = 60; // pixels within which a robot is grabbed
 const PULL_STIFFNESS = 40; // N/m per kg of the robot
 const PULL_DAMPING = 6; // N·s/m per kg of the robot, which limits its speed

@@ -1,5 +1,5 @@
 // The drawing of live walks on K3D's plot: bodies, shadows, cameras and marks.
-const MIN_ASPECT = 4 / 3; // width over height; in a narrower window the camera moves back until all is visible
+const MIN_ASPECT = 4 / 3; // width over height; in a narrower window the camera moves back until everything is visible
 const MIN_MARK_SPACING = 28; // pixels between two marks
 
 class View {

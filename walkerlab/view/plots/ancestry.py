@@ -39,7 +39,7 @@ TITLE = "Family tree"
 def family_tree(
     records: pd.DataFrame, ax: Axes | None = None, individual: int | None = None, settings: Settings | None = None
 ) -> Axes:
-    """Draw the line of descent of a robot through the fitter parent of each, with the other parents beside it.
+    """Draw the line of descent of a robot through the fitter parents, with the other parents beside it.
 
     Time runs downward. A thick line joins the fitter parent to its child, a thin line the other parent. A line of more
     than sixteen robots is drawn in part: the first, the last few, and some in between, twelve in all; a dashed line
@@ -175,7 +175,7 @@ def _find_other_parents(births: pd.DataFrame, line: list[int], drawn: list[int])
     """Find the fittest other parent of each drawn robot, unless it belongs to the drawn line itself.
 
     Returns:
-        The other parent by its child; each parent occurs once, with its first child.
+        The other parents, keyed by child; each parent occurs once, with its first child.
     """
     other_parents: dict[int, int] = {}
     members = {line[i] for i in drawn}

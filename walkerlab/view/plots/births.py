@@ -19,6 +19,7 @@ from walkerlab.view.inheritance import GeneMark, cell_colour, describe_birth, ma
 from walkerlab.view.painted_bodies import PartPaint, paint_child, paint_parent, painted_parts
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.bodies import DEPTH_SHIFT, BodyParts, add_body
+from walkerlab.view.plots.gene_notes import GENE_NOTES, STRIDE_ANGLE
 from walkerlab.view.plots.operator_words import explain_operator
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, add_description, escape_label
 from walkerlab.world.geometry import ROPE_POINTS, convex_outline
@@ -31,11 +32,14 @@ CELL_HEIGHT = 0.46
 BODY_HEIGHT = 1.75  # height of the drawings of the bodies
 BODY_SCALE = 3.0  # maximum scale of the bodies, in inches per metre
 MAX_BODIES = 3  # maximum number of parents that are drawn
-HEADING_HEIGHT = 0.42
+HEADING_HEIGHT = 0.8
 CAPTION_LINE_HEIGHT = 0.155
 LINE_LENGTH = 160  # of the caption, in characters; the layout shrinks all else if a line is wider than the figure
+CROSSOVERS_OF_COUPLES = {"paired", "weighted", "one_point", "uniform"}
 GROUPS = ("trunk",) * 4 + ("legs",) * 2 + ("hip",) * 3 + ("knee",) * 3 + ("left/right",)
 """Heading above the name of each feature of a segment."""
+NOTE_SIZE = 0.72  # size of the note on a gene, as a fraction of that of other text
+NOTE_LENGTH = 16  # maximum number of characters in a line of a note
 FONT_SIZE = 8.5  # points, in a figure of full size
 TEXT_COLOUR = "#1a1a1a"
 FAINT_TEXT_COLOUR = "#6b6b6b"
@@ -46,10 +50,10 @@ def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None
     """Draw a birth gene by gene: the parents, the child, and a table of its genes coloured by their origin.
 
     Each cell is a gene of the child. Its letter and colour name the parent from which it comes; a number after the
-    letter is the segment of the parent from which it was moved. Changed genes have a bold frame and the amount of the
-    change in the unit of the gene; the frame is dashed if the change was made by repair. Genes without an effect on
-    the child are hatched. In the drawings, the trunk and the legs of each segment have the colour of the parent from
-    which their size comes, and changed parts have a bold outline.
+    letter is the segment of the parent from which the gene was moved. Changed genes have a bold frame and show the
+    amount of the change in the unit of the gene; the frame is dashed if the change was made by repair. Genes without an
+    effect on the child are hatched. In the drawings, the trunk and the legs of each segment have the colour of the
+    parent from which their size comes, and changed parts have a bold outline.
 
     Args:
         birth: Birth, as returned by ``wl.analysis.mate``, ``wl.analysis.mutate`` or ``wl.explain_birth``.
@@ -61,7 +65,7 @@ def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None
     """
     n_parts = birth.genes.n_parts
     caption = _caption(birth)
-    top = CAPTION_LINE_HEIGHT * (caption.count("\n") + 1) + n_parts * CELL_HEIGHT + HEADING_HEIGHT
+    top = CAPTION_LINE_HEIGHT * (caption.count("\n") + 1.5) + n_parts * CELL_HEIGHT + HEADING_HEIGHT
     ground = top + CELL_HEIGHT + 0.25
     height = ground + BODY_HEIGHT + 0.1
     axes = ax or new_axes(WIDTH, height)
@@ -75,18 +79,24 @@ def birth(birth: Birth, ax: Axes | None = None, settings: Settings | None = None
         size = float(np.clip(size * min(window.width / WIDTH, window.height / height) / axes.figure.dpi, 2.5, size))
     _draw_bodies(axes, birth, settings, ground, size)
     marks = mark_genes(birth)
+    secondary = foreground_colour(axes, SECONDARY_STRENGTH)
     label: dict[str, Any] = {"va": "center", "fontsize": size}
     axes.text(0, top + CELL_HEIGHT / 2, "whole body", **label)
     for i, mark in enumerate(marks[: len(BODY_FEATURES)]):
         x = LABEL_WIDTH + (2 * i + 1) * CELL_WIDTH
-        axes.text(x - 0.06, top + CELL_HEIGHT / 2, mark.name, ha="right", **label)
+        unit = birth.genes.units[i]
+        name = f"{mark.name} [{unit}]" if unit else mark.name
+        note = textwrap.fill(GENE_NOTES[BODY_FEATURES[i]], NOTE_LENGTH)
+        right: dict[str, Any] = {"ha": "right", "fontsize": NOTE_SIZE * size, "linespacing": 1.05}
+        axes.text(x - 0.06, top + 0.66 * CELL_HEIGHT, name, ha="right", va="bottom", fontsize=0.8 * size)
+        axes.text(x - 0.06, top + 0.64 * CELL_HEIGHT, note, va="top", color=secondary, **right)
         _draw_cell(axes, mark, x, top, size)
     _draw_headings(axes, birth, top - HEADING_HEIGHT, size)
-    n_grown = int(birth.genes.n_grown(birth.child[np.newaxis])[0])
+    n_expressed = int(birth.genes.n_expressed(birth.child[np.newaxis])[0])
     of_parts = iter(marks[len(BODY_FEATURES) :])
     for part in range(n_parts):
         y = top - HEADING_HEIGHT - (part + 1) * CELL_HEIGHT
-        name = f"segment {part + 1}" + ("" if part < n_grown else "\n(not grown)")
+        name = f"segment {part + 1}" + ("" if part < n_expressed else "\n(not expressed)")
         axes.text(0, y + CELL_HEIGHT / 2, name, linespacing=1.0, **label)
         for column in range(len(SEGMENT_FEATURES)):
             _draw_cell(axes, next(of_parts), LABEL_WIDTH + column * CELL_WIDTH, y, size)
@@ -100,7 +110,11 @@ def _caption(birth: Birth) -> str:
     """Explain what the plot shows, and the signs, colours and frames that it contains."""
     origins = birth.origins
     has_parents = len(birth.parents) > 1
-    made = f"How this robot was made from its parent{'s' if has_parents else ''}, gene by gene."
+    shown = (
+        f"How {birth.name} was made from {'its parents' if has_parents else birth.names[0]}: the table has the child's "
+        "genes, the numbers that describe its body and gait, in one row for each segment; segment 1 is the front, on "
+        "the right."
+    )
     # Both kinds have an operator "randomized": with several parents, the first operator is a crossover.
     first = (Crossover, Mutation) if has_parents else (Mutation, Crossover)
     known = [
@@ -109,28 +123,31 @@ def _caption(birth: Birth) -> str:
     ]
     clauses = [(name, clause) for name, clause in known if clause]
     steps = [f"Then {name}: {clause}." if i else f"First {name}: {clause}." for i, (name, clause) in enumerate(clauses)]
-    table = "The table has the child's genes: a cell is one gene, a row is one segment; segment 1 is on the right."
-    signs = [table]
-    if has_parents:
-        signs.append("Letter and colour of a cell: the parent from which the gene comes.")
-    if "same" in origins:
-        signs.append("White, = : equal in all parents.")
-    if birth.is_moved.any():
-        signs.append("Number: the segment of the parent from which the gene was moved.")
-    if "blend" in origins:
-        signs.append("Percentages: the share of each parent.")
-    if "new" in origins:
-        signs.append("new: not from a parent.")
-    frames: list[str] = []
-    if (birth.change != 0).any():
-        frames.append("Bold frame: changed, with the amount in the gene's unit; bold outline: part with such a gene.")
-    if (birth.is_repaired & (birth.change != 0)).any():
-        frames.append("Dashed: changed by repair, which keeps robots within their limits.")
-    if not birth.is_expressed.all():
-        frames.append("Hatched: no effect, for example because the segment repeats the legs in front of it.")
-    if not birth.is_exact:
-        frames.append("Origins inferred from the genomes.")
-    return "\n".join(textwrap.fill(" ".join(line), LINE_LENGTH) for line in ([made, *steps], signs, frames) if line)
+    if not has_parents and birth.operators and birth.operators[0] in CROSSOVERS_OF_COUPLES:
+        steps.insert(0, f"Both parents were {birth.names[0]}, which was drawn twice.")
+    is_changed = birth.change != 0
+    entries = {
+        "letter and colour of a cell: parent from which the gene comes": has_parents,
+        "colour of a part in the drawing: parent of its length (or of its mass or force, if the lengths are equal)": (
+            has_parents
+        ),
+        "white with = , or grey in the drawing: equal in all parents": "same" in origins,
+        "number: segment of the parent from which the gene was moved": birth.is_moved.any(),
+        "percentages: share of each parent": "blend" in origins,
+        "new: not from a parent": "new" in origins,
+        "bold frame: changed, by the bold number in the gene's unit": is_changed.any(),
+        "bold outline: part with such a gene": (is_changed & birth.is_expressed).any(),
+        "dashed frame: changed by repair, which keeps robots within their limits": (
+            birth.is_repaired & is_changed
+        ).any(),
+        "hatched: no effect, for example because the segment copies the legs in front (repeat)": not (
+            birth.is_expressed.all()
+        ),
+        f"lag, phase, stride: {STRIDE_ANGLE}": True,
+        "origins inferred from the genomes": not birth.is_exact,
+    }
+    key = "; ".join(entry for entry, is_shown in entries.items() if is_shown)
+    return "\n".join(textwrap.fill(line, LINE_LENGTH) for line in (" ".join([shown, *steps]), f"Key – {key}."))
 
 
 def _draw_headings(axes: Axes, birth: Birth, y: float, size: float) -> None:
@@ -142,14 +159,17 @@ def _draw_headings(axes: Axes, birth: Birth, y: float, size: float) -> None:
         unit = birth.genes.units[first + column]
         name = f"{words} [{unit}]" if unit not in ("", "pair") else words
         x = LABEL_WIDTH + (column + 0.5) * CELL_WIDTH
-        axes.text(x, y + 0.04, name, ha="center", va="bottom", fontsize=0.8 * size, color=colour)
+        note = textwrap.fill(GENE_NOTES[feature], NOTE_LENGTH)
+        centred: dict[str, Any] = {"ha": "center", "linespacing": 1.05}
+        axes.text(x, y + 0.41, name, va="bottom", fontsize=0.8 * size, **centred)
+        axes.text(x, y + 0.39, note, va="top", fontsize=NOTE_SIZE * size, color=colour, **centred)
     column = 0
     for group, members in groupby(GROUPS):
         n_columns = len(list(members))
         left = LABEL_WIDTH + column * CELL_WIDTH + 0.04
         right = LABEL_WIDTH + (column + n_columns) * CELL_WIDTH - 0.04
-        axes.plot([left, right], [y + 0.2, y + 0.2], color=colour, lw=0.6)
-        axes.text((left + right) / 2, y + 0.22, group, ha="center", va="bottom", fontsize=0.9 * size)
+        axes.plot([left, right], [y + 0.57, y + 0.57], color=colour, lw=0.6)
+        axes.text((left + right) / 2, y + 0.59, group, ha="center", va="bottom", fontsize=0.9 * size)
         column += n_columns
 
 
@@ -170,7 +190,7 @@ def _draw_cell(axes: Axes, mark: GeneMark, x: float, y: float, size: float) -> N
     if mark.change:
         axes.text(
             x + CELL_WIDTH - 0.06, y + CELL_HEIGHT - 0.05, mark.change, ha="right", va="top", fontsize=0.85 * size,
-            weight="bold", color=text_colour,
+            weight="bold", color=TEXT_COLOUR, bbox={"facecolor": cell_colour(mark), "edgecolor": "none", "pad": 0.4},
         )  # fmt: skip
 
 

@@ -29,7 +29,7 @@ from walkerlab.world.scene import Scene, compile_scene, scene_of
 GROUND_MARGIN = 0.2  # m of ground drawn before and behind the bodies
 GROUND_DEPTH = 0.08  # m of ground drawn below its lowest point
 MAX_BODIES = 5  # maximum number of times that a robot is drawn along its walk
-MIN_SPACING = 1.3  # body lengths between two of them
+MIN_SPACING = 1.3  # body lengths between two drawings
 MIN_ARROW = 0.05  # m; a shorter distance has no arrow
 MAX_SIDE_DISTANCE = 1.0  # m; loose obstacles within this distance to either side of the robot are drawn
 
@@ -39,9 +39,10 @@ BodyParts = Sequence[tuple[Floats, Floats]]
 
 @styled_plot
 def body(genome: Genome | str, ax: Axes | None = None, settings: Settings | None = None) -> Axes:
-    """Draw a robot from the side as it stands when its walk begins, to scale, with its dimensions; it faces right.
+    """Draw a side view of a robot, to scale, in the pose in which its walk begins, with its dimensions.
 
-    The legs of its right side, which are nearer, are light; those of its left side are dark. An eye marks segment 1.
+    The robot faces right. The legs on its right side, which is nearer, are light; those on its left side are dark. An
+    eye marks segment 1.
 
     Args:
         genome: Genome, or its text.
@@ -80,9 +81,9 @@ def body(genome: Genome | str, ax: Axes | None = None, settings: Settings | None
 def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Axes:
     """Draw a robot from the side, to scale, at successive moments of its walk, from pale to dark.
 
-    An arrow shows the distance of the centre of mass. Loose obstacles are drawn where they are at the end.
-    If there are several starts, the walk with the lowest fitness is drawn, because it counts. If the simulation becomes
-    unstable, the drawing ends with the last valid pose. OpenGL is not required.
+    An arrow shows the distance travelled by the centre of mass. Loose obstacles are drawn where they are at the end. If
+    there are several starts, the walk with the lowest fitness is drawn, because that is the one that counts. If the
+    simulation becomes unstable, the drawing ends with the last valid pose. OpenGL is not required.
 
     Args:
         genome: Genome, or its text.
@@ -127,7 +128,7 @@ def stride(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> 
         level = axes.get_ylim()[1]
         axes.set_ylim(top=level + 0.03 * np.ptp(x))
         _add_distance_arrow(axes, com[0, 0], com[-1, 0], level, f"{reached} in {duration}")
-    when = f"at {n_bodies} moments of its walk; after {duration} its distance is {reached}"
+    when = f"at {n_bodies} moments of its walk; after {duration} it has moved {reached} forward"
     if n_bodies == 1:
         when = "at the start of its walk"
     verdict = "" if rollout.counts else f" The walk does not count: {rollout.verdict}."
@@ -173,7 +174,7 @@ def _add_distance_arrow(axes: Axes, start: float, end: float, level: float, labe
 
 
 def describe_body(robot: Phenotype) -> str:
-    """Describe a robot: its numbers of segments and legs, weight and length."""
+    """Describe a robot by its numbers of segments and legs, its weight and its length."""
     return (
         f"{pluralize(len(robot.segments), 'segment')}, {pluralize(robot.n_legs, 'leg')}, "
         f"{format_value(robot.weight, 'kg')}, "
@@ -189,7 +190,7 @@ def resting_scene(genome: Genome | str, settings: Settings | None = None) -> Sce
 
 
 def standing_parts(scene: Scene) -> list[tuple[Floats, Floats]]:
-    """Return the parts of a robot and its loads in the pose in which its walk begins, as ``surface_points`` does."""
+    """Return the parts of a robot and its loads in its starting pose, in the format of ``surface_points``."""
     return surface_points(scene, standing_pose(scene.genome, scene.settings))
 
 
@@ -249,11 +250,11 @@ def add_body(
 
 
 def _side_view(slant: float) -> Floats:
-    """Return how far right and up a unit along x, y and z is drawn, shape (3, 2); ``slant`` is that of ``add_body``."""
+    """Return the projection from x, y and z to right and up, shape (3, 2); for ``slant`` see ``add_body``."""
     return np.array([(1.0, 0.0), (slant, 0.0), (0.0, 1.0)])
 
 
 def _round_down(length: float) -> float:
-    """Return the largest length [m] of 1, 2 or 5 times a power of ten that does not exceed the given length."""
+    """Round a length [m] down to 1, 2 or 5 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(length))
     return max(step * power for step in (1, 2, 5) if step * power <= length)

@@ -39,7 +39,7 @@ MAX_HORIZONTAL_NAMES = 44  # length of the longest name times the number of name
 
 @styled_plot
 def best_of_each_run(experiment: Any, ax: Axes | None = None) -> Axes:
-    """Draw the best fitness of each run as a point, those of the same seed joined, and the median of each condition.
+    """Draw the best fitness of each run as a point, join points with the same seed, and mark each condition's median.
 
     Runs in which no walk counted are drawn at the lower edge, as crosses.
 
@@ -51,11 +51,11 @@ def best_of_each_run(experiment: Any, ax: Axes | None = None) -> Axes:
         The Axes drawn on.
 
     Raises:
-        TypeError: If it is a single run.
+        TypeError: If ``experiment`` is a single run.
     """
     groups = read_groups(experiment)
     if groups is None:
-        raise TypeError("this plot compares runs; give it an experiment, or a dict from names to lists of runs")
+        raise TypeError("this plot compares runs; pass an experiment, or a dict from names to lists of runs")
     axes = ax or new_axes()
     first = next(iter(groups.values()))[0]
     quantity = fitness_label(first)
@@ -124,7 +124,7 @@ def draw_experiment(records: pd.DataFrame, groups: Sequence[Sequence[str]] = (),
     with walkerlab_style():
         grid = figure.subplots(len(rows), 2, width_ratios=[3, 2], squeeze=False)
     if records.empty:
-        annotate_no_data(grid[0, 0], "no run has ended yet")
+        annotate_no_data(grid[0, 0], "no run has finished yet")
         grid[0, 1].remove()
         return figure
     for (left, right), group in zip(grid, rows, strict=True):

@@ -4,12 +4,13 @@ from typing import Any
 
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 
 from walkerlab.settings.choices import Selection
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.captions import add_caption
-from walkerlab.view.plots.operator_words import explain_operators
+from walkerlab.view.plots.operator_words import explain_operator
 from walkerlab.view.plots.style import (
     RUN_COLOURS,
     RUN_MARKERS,
@@ -50,6 +51,8 @@ def takeover(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     )
     axes = ax or new_axes(height=4.6)
     times: list[str] = []
+    handles: list[tuple[Line2D, ...]] = []
+    labels: list[str] = []
     names: list[str] = list(dict.fromkeys(table.selection))
     for number, name in enumerate(names):
         rows: Any = table[table.selection == name]
@@ -58,12 +61,13 @@ def takeover(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
         line: dict[str, Any] = {"color": colour, "marker": RUN_MARKERS[number % len(RUN_MARKERS)], "ms": 5}
         every = marker_stride(len(rows))
         known = rows.theory.notna().any()
-        label = escape_label(name if known else f"{name} (no theory)")
-        axes.plot(rows.generation, 100 * rows.share, lw=2, markevery=every, **line, label=label)
+        drawn: list[Line2D] = axes.plot(rows.generation, 100 * rows.share, lw=2, markevery=every, **line)
         if known:
             dashes: dict[str, Any] = {"lw": 1.8, "ls": THEORY_DASHES[number % len(THEORY_DASHES)]}
-            ink = foreground_colour(axes, 0.8)
-            axes.plot(rows.generation, 100 * rows.theory, color=ink, **dashes, label=escape_label(f"{name}: theory"))
+            drawn += axes.plot(rows.generation, 100 * rows.theory, color=foreground_colour(axes, 0.8), **dashes)
+        meaning = explain_operator(name, Selection)
+        handles.append(tuple(drawn))
+        labels.append(escape_label(f"{name}: {meaning}" if meaning else name))
         complete = rows[rows.share >= 1]
         times.append(f"{name} {int(complete.generation.iloc[0])}" if len(complete) else f"{name} never")
     if not table.share.notna().any():
@@ -74,18 +78,19 @@ def takeover(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     axes.set_ylim(0, 103)
     axes.set_xlim(left=0)
     style_axes(axes)
-    add_legend(axes, n_legend_columns(2 * len(names)))
+    above: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (0, 1), "borderaxespad": 0.2, "handlelength": 4}
+    axes.legend(handles, labels, frameon=False, fontsize=9, **above)
     text = f"Generations until all robots are copies of the best, in the slowest trial: {', '.join(times)}."
     add_description(axes, "Takeover by the best individual", text)
     n = table.attrs.get("population_size")
-    size = f"In generation 0, one of {n} robots is the best. " if n else ""
+    size = f"the best of {n} robots fills the population" if n else "the best robot fills its population"
+    no_theory = "" if table.theory.notna().any() else " (not known here)"
     trials = pluralize(table.attrs["n_trials"], "trial") if "n_trials" in table.attrs else "the trials"
     add_caption(
         axes,
-        f"How fast the best robot fills the population if children are exact copies of their parents. {size}"
-        f"A steeper curve means stronger selection. Coloured line: mean of {trials}; coloured area: from "
-        "the slowest to the fastest trial; black dashes: what theory predicts. "
-        f"{text}{explain_operators(names, Selection)}",
+        f"How fast {size} with its copies if children are exact copies of their parents; further left is stronger "
+        f"selection. Coloured line: mean of {trials}; coloured area: from the slowest to the fastest trial; black "
+        f"dashes: what theory predicts{no_theory}. {text}",
     )
     return axes
 

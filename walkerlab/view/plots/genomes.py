@@ -276,7 +276,7 @@ def _mean_square_distances(sample: Floats, ends: Floats, table: Genes) -> Floats
 
 
 def diversity_by_generation(records: pd.DataFrame, *, aligned: bool = False) -> pd.Series:
-    """Return the diversity of each generation, by its number; see ``diversity``."""
+    """Return the diversity of each generation, indexed by generation; see ``diversity``."""
     diversities: dict[int, float] = {}
     if not records.empty:
         records = records.loc[_select_sample(records), :]

@@ -1,4 +1,4 @@
-"""Several runs as plots take them: grouped by condition, each group drawn as its median and its middle half."""
+"""Several runs in one plot: grouped by condition, with each group drawn as its median and its middle half."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, cast
@@ -26,7 +26,7 @@ from walkerlab.view.plots.style import (
 from walkerlab.view.plots.tables import describe_change, require_table
 
 Groups = dict[str, list[pd.DataFrame]]
-"""Tables of the runs of each condition, by its name; "" if there is only one."""
+"""Tables of the runs of each condition, keyed by its name; the key is "" if there is only one condition."""
 
 QUARTILES = (0.25, 0.5, 0.75)
 DASHES = ("-", (0, (5, 1.5)), (0, (5, 1.2, 1.2, 1.2)), (0, (1.5, 1)))
@@ -55,7 +55,7 @@ def read_groups(given: Any) -> Groups | None:
             return None
         groups = {str(name): _by_seed(rows) for name, rows in table.groupby("condition", sort=False)}
     if not groups or not all(groups.values()):
-        raise ValueError("there is no run to draw; a list must have at least one run, and so must each name of a dict")
+        raise ValueError("there is no run to draw; a list, or each value of a dict, must contain at least one run")
     return groups
 
 
@@ -140,7 +140,7 @@ def draw_groups(
 
 
 def _quartiles(values: pd.DataFrame) -> pd.DataFrame:
-    """Return the quartiles of each row; a value that is missing is lower than any other."""
+    """Return the quartiles of each row; a missing value counts as lower than any other."""
     numbers = values.fillna(-np.inf).to_numpy(dtype=np.float64)
     if not numbers.size:
         return pd.DataFrame(columns=list(QUARTILES), index=values.index, dtype=np.float64)
@@ -150,10 +150,10 @@ def _quartiles(values: pd.DataFrame) -> pd.DataFrame:
 
 
 def best_so_far(table: pd.DataFrame) -> pd.Series:
-    """Return the best fitness until each generation, by its number; ``-inf`` until a walk counts.
+    """Return the best fitness up to each generation, indexed by generation; ``-inf`` until a walk counts.
 
-    It begins again with the generation from which robots walk or are rated differently. Generations of an earlier
-    fitness function have ``-inf``.
+    It starts again at the last generation from which the walks or their fitness function are different. Generations of
+    an earlier fitness function have ``-inf``.
     """
     generations = pd.Index(sorted(table.generation.unique()), name="generation")
     current = with_current_fitness(table)

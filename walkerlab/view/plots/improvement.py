@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from walkerlab.analysis.credit import operator_credit as compare_with_parents
 from walkerlab.analysis.price import TERMS, price_equation
-from walkerlab.settings.choices import Crossover, Mutation
+from walkerlab.settings.choices import Choice, Crossover, Mutation
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.captions import add_caption
@@ -82,10 +82,9 @@ def improvement(records: Any, ax: Axes | None = None, *, trait: str = "fitness")
     add_description(axes, "Why the mean changed", text, quantity)
     add_caption(
         axes,
-        f"Why the mean {name} of the robots changes from each generation to the next. Selection (blue): fitter "
-        "robots become parents, so the parents are better than the mean of their generation. Crossover and mutation "
-        "(orange, hatched): the children are better or, usually, worse than their parents. The line with dots is the "
-        f"sum: the change that was measured. {text}",
+        f"Why the mean {name} of the robots changes from each generation to the next. Selection (blue): the parents "
+        "are fitter than the rest of their generation; crossover and mutation (orange, hatched): mixing the parents' "
+        f"genes and changing some at random makes the children better or, usually, worse than their parents. {text}",
     )
     return axes
 
@@ -114,7 +113,7 @@ def _draw_terms(axes: Axes, split: pd.DataFrame, terms: list[str], size: int) ->
         down += np.minimum(height, 0)
     axes.axhline(0, color=ink, lw=0.8)
     line: dict[str, Any] = {"color": ink, "lw": 1.8, "marker": "o", "ms": 4, "mfc": foreground_colour(axes, 0)}
-    axes.plot(x, means.change, **line, label="sum: the actual change")
+    axes.plot(x, means.change, **line, label="sum: the measured change")
 
 
 def _describe_terms(split: pd.DataFrame, terms: list[str], name: str, unit: str) -> str:
@@ -165,6 +164,7 @@ def operator_credit(records: Any, ax: Axes | None = None) -> Axes:
     axes.set_xlabel("children fitter than their fittest parent [%]")
     style_axes(axes)
     axes.grid(visible=False)
+    fitness = str(credit.attrs["fitness"])
     text = "; ".join(
         f"{name}: {100 * row.better:.1f} % of {row.children} children are fitter than their fittest parent, mean gain "
         f"{format_value(row.mean_gain, unit)}, best gain {format_value(row.best_gain, unit)}"
@@ -173,11 +173,16 @@ def operator_credit(records: Any, ax: Axes | None = None) -> Axes:
     add_description(axes, "Credit of the operators", f"{text or 'No robot has parents yet'}.")
     add_caption(
         axes,
-        "How often each pair of operators makes a child that is fitter than all of its parents. The black line at "
-        "the end of a bar is the uncertainty (standard error), which is smaller with more children. Mean gain: fitness "
-        "of a child minus the mean fitness of its parents; below 0, children are worse on average, which is usual: "
-        "progress comes from selecting the few that are better."
-        f"{explain_operators(credit.crossover.unique(), Crossover)}"
-        f"{explain_operators(credit.mutation.unique(), Mutation)}",
+        "How many of the children are fitter than all of their parents (black line: standard error). Mean gain: "
+        f"{fitness} of a child minus the mean of its parents; it is usually below 0, and progress comes from the few "
+        f"children that are better.{_explain_pairs(credit)}",
     )
     return axes
+
+
+def _explain_pairs(credit: pd.DataFrame) -> str:
+    """Return a sentence with a clause about each crossover and mutation, with a space in front; "" without clauses."""
+    kinds: tuple[tuple[str, type[Choice]], ...] = (("crossover", Crossover), ("mutation", Mutation))
+    clauses = [f"{word} {each}" for word, kind in kinds for each in explain_operators(credit[word].unique(), kind)]
+    text = "; ".join(clauses)
+    return f" {text[0].upper()}{text[1:]}." if text else ""

@@ -10,6 +10,7 @@ from walkerlab.settings.choices import Feature
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.captions import add_caption
+from walkerlab.view.plots.gene_notes import GENE_NOTES, PLAIN_FEATURES, STRIDE_ANGLE, STRIDE_FEATURES
 from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, add_description, escape_label, style_axes
 from walkerlab.view.plots.tables import UNKNOWN_FITNESS, axis_label, format_value
 
@@ -22,8 +23,8 @@ def landscape(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     """Draw a slice of the fitness landscape around a genome.
 
     With one gene, the fitness is a curve with a dot for each walk; with two genes, it is a map on which brighter cells
-    are fitter. A star marks the genome itself. Crosses mark walks that do not count. Small rings, on a map small
-    triangles, mark walks in which repair changed genes, so that the robot is not exactly on the slice.
+    are fitter. A star marks the genome itself. Crosses mark walks that do not count. Small rings (small triangles on a
+    map) mark walks in which repair changed genes, so that the robot is not exactly on the slice.
 
     Args:
         table: Table from ``wl.analysis.landscape``.
@@ -41,7 +42,7 @@ def landscape(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     axes = ax or new_axes(*((7.2, 4.0) if len(names) == 1 else (7.2, 5.6)))
     units = table.attrs["units"]
     fitness = axis_label(str(table.attrs.get("fitness", UNKNOWN_FITNESS)), units.get("fitness", ""))
-    labels = [axis_label(spell(name), units.get(name, "")) for name in names]
+    labels = [_label_gene(name, units.get(name, "")) for name in names]
     (_draw_curve if len(names) == 1 else _draw_map)(axes, table, names, labels, fitness)
     add_description(axes, TITLE, _describe(table, names, units))
     add_caption(axes, _explain(table, names))
@@ -52,6 +53,16 @@ def spell(gene: str) -> str:
     """Return the name of a gene in words: ``leg length of segment 1``."""
     segment, _, feature = gene.rpartition(".")
     return feature.replace("_", " ") + (f" of segment {segment.removeprefix('seg')}" if segment else "")
+
+
+def _label_gene(gene: str, unit: str) -> str:
+    """Return the label of the axis of a gene: its name with the unit and, below, what it describes if unclear."""
+    feature = Feature[gene.rpartition(".")[2]]
+    label = axis_label(spell(gene), unit)
+    if feature in PLAIN_FEATURES:
+        return label
+    angle = f"\n({STRIDE_ANGLE})" if feature in STRIDE_FEATURES else ""
+    return f"{label}\n{GENE_NOTES[feature]}{angle}"
 
 
 def _draw_curve(axes: Axes, table: pd.DataFrame, names: list[str], labels: list[str], fitness: str) -> None:
@@ -121,16 +132,12 @@ def _explain(table: pd.DataFrame, names: list[str]) -> str:
     settings = table.attrs.get("settings")
     seconds = f" of {settings.simulation.duration:g} s" if settings else ""
     n_walks = int((~table.is_centre).sum())
-    reading = (
-        f"Each dot is one of {n_walks} such walks{seconds}; higher is fitter."
-        if len(names) == 1
-        else f"Each cell is one of {n_walks} such walks{seconds}; the brighter (yellow) a cell, the fitter the robot."
-    )
-    backward = " A negative distance is a walk backward." if fitness == "distance" else ""
-    meanings = "; ".join(f"{spell(name)}: {Feature[name.rpartition('.')[2]].about}" for name in names)
+    each, better = ("dot", "higher") if len(names) == 1 else ("cell", "brighter (yellow)")
+    backward = " (below 0: backward)" if fitness == "distance" else ""
     return (
-        f"The {fitness} that one robot would reach if its {varied} had other values; all its other genes stay as they "
-        f"are. {reading} The star is the robot itself.{backward} {meanings[0].upper()}{meanings[1:]}."
+        f"The {fitness} that one robot would reach if its {varied} had other values and all its other genes stayed as "
+        f"they are. Each {each} is one of {n_walks} such walks{seconds}: the {better}, the better{backward}. The star "
+        "is the robot itself."
     )
 
 

@@ -12,7 +12,7 @@ _DEFAULT_SIZE = signature(tournament).parameters["size"].default
 
 
 def explain_operator(name: str, *kinds: type[Choice]) -> str:
-    """Return one clause about an operator: ``the best of 3 drawn at random``; "" for an operator of the user.
+    """Return one clause about an operator: ``the best of 3 drawn at random``; "" for a user's operator.
 
     Args:
         name: Name as tables show it, with the arguments of a partial: ``tournament(size=3)``.
@@ -27,8 +27,6 @@ def explain_operator(name: str, *kinds: type[Choice]) -> str:
     return choice.about
 
 
-def explain_operators(names: Iterable[str], kind: type[Choice]) -> str:
-    """Return a sentence with a clause about each operator, with a space in front; "" for operators of the user."""
-    clauses = {name: explain_operator(name, kind) for name in names}
-    known = "; ".join(f"{name}: {clause}" for name, clause in clauses.items() if clause)
-    return f" {known[0].upper()}{known[1:]}." if known else ""
+def explain_operators(names: Iterable[str], kind: type[Choice]) -> list[str]:
+    """Return ``name: clause`` for each operator, except for operators of the user."""
+    return [f"{name}: {clause}" for name in names if (clause := explain_operator(name, kind))]

@@ -12,24 +12,27 @@ from matplotlib.patches import Rectangle
 from walkerlab.ga.genes import Genes
 from walkerlab.genome.features import BODY_FEATURES, SEGMENT_FEATURES
 from walkerlab.genome.genome import Genome
+from walkerlab.settings.choices import Feature
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
 from walkerlab.view.painted_bodies import PartPaint, painted_parts
 from walkerlab.view.pedigree import Step, changed_parts, describe_step, genes_of_text, trace_line
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.bodies import DEPTH_SHIFT, add_body
+from walkerlab.view.plots.gene_notes import EXPLAINED_FEATURES, explain_genes
 from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, add_description, annotate_no_data, escape_label
 from walkerlab.view.plots.tables import UNKNOWN_FITNESS, format_value, require_table, unit_of
 
 TITLE = "Line of descent, with the genes that changed"
-WIDTH = 12.8  # width of the figure in inches, the unit of all positions below
+COLUMN_WIDTH = 6.4  # width of a column in inches, the unit of all positions below
 ROW_HEIGHT = 0.365
-N_COLUMNS = 2
+MAX_ROWS_OF_SINGLE_COLUMN = 16
+SINGLE_COLUMN_SCALE = 1.2  # a figure with a single column is larger, so that it can be read in a notebook
 ROBOTS_PER_SCREEN = 40  # number of robots that fit on a screen of 1280 × 800 pixels
 MAX_LINE_LENGTH = 64  # maximum length of a line of text, in characters
 FONT_SIZE = 7.5  # points
 CAPTION_LINE_HEIGHT = 0.165
-LINE_LENGTH = 195  # of the caption, in characters; the layout shrinks all else if a line is wider than the figure
+LINE_LENGTH = 97  # of the caption, per column, in characters; wider lines would shrink the rest of the figure
 CHANGED_COLOUR = (0.84, 0.37, 0.0)  # parts that differ from the row above, RGB
 EQUAL_COLOUR = (0.82, 0.82, 0.82)
 BAR_LEFT = 0.62
@@ -50,9 +53,9 @@ def pedigree(
 ) -> Axes:
     """Draw the line of descent of a robot through its fitter parents, with the genes that changed at each step.
 
-    The line begins at the top left and continues in the second column. Each row shows the generation and number of a
-    robot, its fitness as a bar and a number, its body, and the genes that differ from the robot before it:
-    how many came from the other parent, how many have new values, and the largest of these changes. Branches that died
+    The line begins at the top left; a long line continues in a second column. Each row shows the generation and number
+    of a robot, its fitness as a bar and a number, its body, and the genes that differ from the robot before it: how
+    many came from the other parent, how many have new values, and the largest of these changes. Branches that died
     out are not part of a line of descent. A robot without a visible difference from its parent is left out, so that
     generations without change form one step.
 
@@ -82,27 +85,32 @@ def pedigree(
     last = steps[-1]
     fitness_name = str(table.attrs.get("fitness", UNKNOWN_FITNESS))
     n_births = sum(step.n_births for step in steps)
-    robot = f"robot {last.individual}" + ("" if individual is not None else ", the fittest of its run,")
+    robot = f"robot {last.individual}" + ("" if individual is not None else ", the fittest of its run")
+    n_columns = 1 if len(steps) <= MAX_ROWS_OF_SINGLE_COLUMN else 2
+    order = "; read down the left column, then down the right one" if n_columns == 2 else ""
     caption = (
-        f"How {robot} came to be: its line of ancestors, the oldest first. Each row is one robot, a child of the robot "
-        f"in the row above; read down the left column, then down the right one. Blue bar: its {fitness_name}. Orange "
-        "(darker): trunks and legs whose size or force differs from the row above; pale grey: no difference. Text: "
-        "the genes that differ, the largest change first, as old value → new value. Of the two parents of a robot, the "
-        "fitter one is in the row above, and the text names the other one. The line has "
-        f"{pluralize(n_births, 'birth')} in {pluralize(last.born + 1, 'generation')}; {len(steps)} robots are shown, "
-        "those that differ visibly from the row above."
+        f"The ancestors of {robot}: each row is a robot born in a later generation (gen) than the row above, its "
+        f"fitter parent, which may have lived for several generations{order}. Blue bar: its {fitness_name}; orange "
+        "(darker): trunks and legs whose size or force differs from the row above; black text: the genes that differ, "
+        "as old value → new value, the largest change first; grey text: how many genes differ because they come from "
+        "the other parent, how many of these have no effect on this body, and how many mutated to new values. "
+        f"{len(steps) - 1} of {pluralize(n_births, 'birth')} made a visible difference and are shown."
     )
-    lines = textwrap.fill(escape_label(caption), LINE_LENGTH)
-    n_rows = max(math.ceil(len(steps) / N_COLUMNS), 4)
+    genes = explain_genes(_explained_features(steps))
+    lines = "\n".join(textwrap.fill(escape_label(line), LINE_LENGTH * n_columns) for line in (caption, genes) if line)
+    n_rows = max(math.ceil(len(steps) / n_columns), 4)
+    width = COLUMN_WIDTH * n_columns
     height = n_rows * ROW_HEIGHT + CAPTION_LINE_HEIGHT * (lines.count("\n") + 1)
-    axes = ax or new_axes(WIDTH, height)
-    axes.set_xlim(0, WIDTH)
+    scale = SINGLE_COLUMN_SCALE if n_columns == 1 else 1.0
+    axes = ax or new_axes(width * scale, height * scale)
+    axes.set_xlim(0, width)
     axes.set_ylim(0, height)
     axes.set_aspect("equal", anchor="N")
     axes.set_axis_off()
-    window = axes.get_window_extent()
-    scale = min(window.width / WIDTH, window.height / height) / axes.figure.dpi if ax is not None else 1.0
-    size = float(np.clip(FONT_SIZE * scale, 2.0, FONT_SIZE))
+    if ax is not None:
+        window = axes.get_window_extent()
+        scale = min(1.0, window.width / width / axes.figure.dpi, window.height / height / axes.figure.dpi)
+    size = max(FONT_SIZE * scale, 2.0)
     _draw_rows(axes, steps, n_rows, settings, unit_of(table, "fitness"), size)
 
     axes.text(0, height, lines, va="top", fontsize=1.07 * size, linespacing=1.35)
@@ -129,17 +137,16 @@ def _draw_rows(axes: Axes, steps: list[Step], n_rows: int, settings: Settings | 
     scale = min(BODY_WIDTH / widest, 0.92 * ROW_HEIGHT / highest)
     finite = [step.fitness for step in steps if np.isfinite(step.fitness)]
     longest = max([*finite, 1e-12])
-    column_width = WIDTH / N_COLUMNS
     secondary = foreground_colour(axes, SECONDARY_STRENGTH)
     small: dict[str, Any] = {"fontsize": 0.9 * size, "color": secondary}
     for i, (step, (parts, _), x) in enumerate(zip(steps, bodies, across, strict=True)):
         column, row = divmod(i, n_rows)
-        left = column * column_width
+        left = column * COLUMN_WIDTH
         bottom = (n_rows - row - 1) * ROW_HEIGHT
         middle = bottom + ROW_HEIGHT / 2
         if row % 2 == 0:
             stripe = Rectangle(
-                (left, bottom), column_width - 0.1, ROW_HEIGHT, color=foreground_colour(axes, 0.045), lw=0
+                (left, bottom), COLUMN_WIDTH - 0.1, ROW_HEIGHT, color=foreground_colour(axes, 0.045), lw=0
             )
             axes.add_patch(stripe)
         axes.text(left + 0.04, middle, f"gen {step.born}", va="bottom", fontsize=size, weight="bold")
@@ -154,6 +161,13 @@ def _draw_rows(axes: Axes, steps: list[Step], n_rows: int, settings: Settings | 
         axes.text(left + TEXT_LEFT, middle + 0.01, escape_label(second or first), va="top", fontsize=size)
         if second:
             axes.text(left + TEXT_LEFT, middle + 0.015, escape_label(first), va="bottom", **small)
+
+
+def _explained_features(steps: list[Step]) -> list[Feature]:
+    """Return the features in the text of the steps whose names do not explain themselves."""
+    genes = genes_of_text(steps[0].genome)
+    text = " ".join(describe_step(step, genes, MAX_LINE_LENGTH)[1] for step in steps)
+    return [each for each in EXPLAINED_FEATURES if each.name.replace("_", " ") in text]
 
 
 def _paint(changed: frozenset[str], genes: Genes) -> PartPaint:

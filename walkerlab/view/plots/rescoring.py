@@ -26,7 +26,7 @@ CHAMPION_COLOUR = "#D55E00"
 
 @styled_plot
 def rescoring(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
-    """Draw the fitness of each robot by the fitness function of its run and by another one.
+    """Draw the fitness of each robot according to the fitness function of its run and another one.
 
     Args:
         table: Table from ``wl.analysis.rescore``.
@@ -70,7 +70,7 @@ def rescoring(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
 
 
 def _mark_champions(axes: Axes, shown: Any, before: str, after: str) -> None:
-    """Mark the fittest robot by each fitness function."""
+    """Mark the fittest robot according to each fitness function."""
     ring: dict[str, Any] = {"ls": "", "mec": foreground_colour(axes), "mew": 0.8, "zorder": 4}
     old, new = (shown.loc[shown[rank].idxmin()] for rank in ("rank", "rank_after"))
     if old.individual == new.individual:

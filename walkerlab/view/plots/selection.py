@@ -1,5 +1,6 @@
 """Plots of selection: the roulette wheel, the probabilities by rank, the pressure of operators, and the takeover."""
 
+import textwrap
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,8 @@ from matplotlib.axes import Axes
 from walkerlab.settings.choices import Selection
 from walkerlab.settings.values import pluralize
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
-from walkerlab.view.plots.captions import add_caption
-from walkerlab.view.plots.operator_words import explain_operators
+from walkerlab.view.plots.captions import MIN_CHARACTERS, add_caption
+from walkerlab.view.plots.operator_words import explain_operator
 from walkerlab.view.plots.style import (
     RUN_COLOURS,
     SECONDARY_STRENGTH,
@@ -32,6 +33,9 @@ MAX_EDGED_SLICES = 100  # maximum number of slices with a white edge
 
 LEGEND_SPACE = 1.25  # height of the axis as a multiple of the highest bar
 
+MAX_NAME_LENGTH = 38  # maximum number of characters in a line beside the vertical axis
+TITLE_CHARACTERS_PER_INCH = 13
+
 MEASURE_LABELS = {
     "intensity": "selection intensity [standard deviations of the fitness]",
     "loss_of_diversity": "loss of diversity [share of the places among the parents]",
@@ -41,16 +45,15 @@ MEASURE_LABELS = {
 }
 
 PLAIN_MEASURES = {
-    "intensity": "The number tells how much fitter the selected parents are than the whole population, on average. "
-    "Its unit is the standard deviation, the typical distance of a robot's fitness from the mean.",
-    "loss_of_diversity": "The number is the share of the places among the parents that poorer individuals lose to "
-    "fitter ones.",
-    "unselected": "The number is the share of the population that is never selected, so that it has no children.",
-    "takeover": "The number of generations until all individuals are copies of the best, without crossover and "
-    "mutation.",
-    "best_lost": "The number is the share of the trials in which the best individual had no copy left.",
+    "intensity": "how much fitter the selected parents are than the whole population, on average; the unit is the "
+    "standard deviation, the typical distance of a robot's fitness from the mean",
+    "loss_of_diversity": "the share of the places among the parents that less fit robots lose to fitter ones",
+    "unselected": "the share of the population that is never selected and has no children",
+    "takeover": "the number of generations until all robots are copies of the best, if children are exact copies of "
+    "their parents",
+    "best_lost": "the share of the trials in which the best robot has no copy left in the end",
 }
-"""Each measure in whole sentences, for the caption."""
+"""Each measure in plain words, for the caption."""
 
 FALLING_MEASURES = ("takeover", "best_lost")
 """Measures that are smaller if selection is stronger."""
@@ -90,13 +93,12 @@ def roulette_wheel(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     axes.set(xlim=(-1.35, 1.35), ylim=(-1.12, 1.16))
     text = _describe_probabilities(table)
     add_description(axes, "Roulette wheel of selection", text)
-    axes.set_title(f"selection: {escape_label(_selection_of(table))}", fontsize=10, loc="left")
+    _add_title(axes, table)
     add_caption(
         axes,
-        "How parents are chosen: the wheel is spun once for each parent, and the robot on which the black pointer "
-        "stops becomes a parent. Each slice is one robot, and its share of the wheel is its probability. The darkest "
-        f"slice, to the right of the pointer, is the fittest robot; less fit ones follow clockwise. {text}"
-        f"{explain_operators([_selection_of(table)], Selection)}",
+        "How parents are chosen: the wheel is spun once for each parent, and the robot that stops at the black "
+        "pointer is chosen. Each slice is one robot, as wide as its chance: the darkest one, right of the pointer, is "
+        f"the fittest (best), and less fit ones follow clockwise. {text}",
     )
     return axes
 
@@ -127,20 +129,20 @@ def selection_by_rank(table: pd.DataFrame, ax: Axes | None = None) -> Axes:
     fair = 100 / len(table)
     axes.axhline(fair, color="#D55E00", lw=1.6, ls=(0, (5, 2)), label="equal chance for all")
     axes.set_xlabel("rank of the robot (1 = fittest)")
-    axes.set_ylabel("chance to be the next parent [%]")
+    axes.set_ylabel("chance of becoming the next parent [%]")
     axes.xaxis.set_major_locator(integer_locator())
     axes.set_xlim(0.3, len(table) + 0.7)
     axes.set_ylim(0, LEGEND_SPACE * max(fair, float(percent.max())))
     style_axes(axes)
-    axes.set_title(f"selection: {escape_label(_selection_of(table))}", fontsize=10, loc="left")
+    _add_title(axes, table)
     axes.legend(frameon=False, fontsize=9, loc="upper right")
     text = _describe_probabilities(table)
     add_description(axes, "Probability of selection by rank", text)
     add_caption(
         axes,
-        "How probably each robot becomes a parent. Each bar is one robot, the fittest on the left. A bar above the "
-        "dashed line is a robot that selection favours. The faster the bars fall, the stronger the selection. "
-        f"{text}{explain_operators([_selection_of(table)], Selection)}",
+        "How likely each robot is to become a parent: each bar is one robot, the fittest (best) on the left. Robots "
+        "above the dashed line are chosen more often than in a fair lottery; the steeper the bars fall, the stronger "
+        f"the selection. {text}",
     )
     return axes
 
@@ -164,10 +166,12 @@ def selection_pressure(table: pd.DataFrame, measure: str = "intensity", ax: Axes
     if measure not in MEASURE_LABELS:
         raise ValueError(f"there is no measure {measure!r}; the measures are {', '.join(MEASURE_LABELS)}")
     rows: Any = table[table.measure == measure]
-    axes = ax or new_axes(height=2.6 + 0.42 * len(rows))
+    axes = ax or new_axes(height=2.2 + 0.6 * len(rows))
     y = np.arange(len(rows))
     ink = foreground_colour(axes)
-    axes.plot(rows.theory, y, ls="", marker="D", ms=13, mfc="none", mec=ink, mew=1.4, label="predicted by theory")
+    has_theory = bool(rows.theory.notna().any())
+    diamonds: dict[str, Any] = {"ls": "", "marker": "D", "ms": 13, "mfc": "none", "mec": ink, "mew": 1.4}
+    axes.plot(rows.theory, y, **diamonds, label="theory" if has_theory else "_without theory")
     bars: dict[str, Any] = {
         "fmt": "o",
         "ms": 6,
@@ -176,12 +180,13 @@ def selection_pressure(table: pd.DataFrame, measure: str = "intensity", ax: Axes
         "label": "measured",
     }
     axes.errorbar(rows.measured, y, xerr=rows.standard_error, **bars)
-    axes.set_yticks(y, [escape_label(name) for name in rows.selection])
+    axes.set_yticks(y, [_label_operator(name) for name in rows.selection], fontsize=7.5)
     axes.invert_yaxis()
     axes.margins(y=0.25)
     highest = max(1e-3, float(np.nanmax(rows[["measured", "theory"]].to_numpy(), initial=0)))
     axes.set_xlim(-0.04 * highest, 1.1 * highest)
-    axes.set_xlabel(MEASURE_LABELS[measure])
+    stronger = "← stronger selection" if measure in FALLING_MEASURES else "stronger selection →"
+    axes.set_xlabel(f"{MEASURE_LABELS[measure]}\n{stronger}")
     style_axes(axes)
     axes.grid(axis="x", lw=0.5, alpha=0.4)
     add_legend(axes, 2)
@@ -191,21 +196,19 @@ def selection_pressure(table: pd.DataFrame, measure: str = "intensity", ax: Axes
         for row in rows.itertuples()
     )
     add_description(axes, f"Selection pressure: {measure}", f"{MEASURE_LABELS[measure]}: {values}.")
-    stronger = "left" if measure in FALLING_MEASURES else "right"
-    populations = ""
+    measured = "measured"
     if {"population_size", "n_populations"} <= table.attrs.keys():
-        populations = (
-            f"Each dot: mean of {table.attrs['n_populations']} random populations of "
-            f"{table.attrs['population_size']} individuals; its bar: the uncertainty of the mean (standard error), "
-            "often narrower than the dot. "
+        measured = (
+            f"mean of {table.attrs['n_populations']} random populations of {table.attrs['population_size']} robots, "
+            "with its standard error, often narrower than the dot"
         )
-    unknown = " No theory is known for operators without a diamond; their result can depend on the fitness values."
+    unknown = ", ".join(rows.selection[rows.theory.isna()])
+    without = f" (not known for {unknown})" if unknown else ""
+    diamond = f"; diamond: what theory predicts{without}" if has_theory else ""
     add_caption(
         axes,
-        f"How strongly each operator selects. {PLAIN_MEASURES[measure]} Further {stronger} means stronger selection; "
-        f"a dot inside its diamond agrees with theory. {populations}"
-        f"{explain_operators(rows.selection, Selection).lstrip()}"
-        f"{unknown if rows.theory.isna().any() and rows.theory.notna().any() else ''}",
+        f"How strongly each way of choosing parents favours fit robots. The number is {PLAIN_MEASURES[measure]}. "
+        f"Dot: {measured}{diamond}.",
     )
     return axes
 
@@ -220,18 +223,34 @@ def _selection_of(table: pd.DataFrame) -> str:
     return str(table.attrs.get("selection", "unknown"))
 
 
+def _label_operator(name: str) -> str:
+    """Return the name of an operator and, below it, what it does."""
+    meaning = textwrap.wrap(explain_operator(name, Selection), MAX_NAME_LENGTH)
+    return escape_label("\n".join([name, *meaning]))
+
+
+def _add_title(axes: Axes, table: pd.DataFrame) -> None:
+    """Write the name of the operator above the Axes, and what it does."""
+    name = _selection_of(table)
+    meaning = explain_operator(name, Selection)
+    title = f"selection: {name}" + (f" – {meaning}" if meaning else "")
+    width = axes.get_window_extent().width / axes.figure.dpi
+    lines = textwrap.fill(title, max(MIN_CHARACTERS, int(width * TITLE_CHARACTERS_PER_INCH)))
+    axes.set_title(escape_label(lines), fontsize=10, loc="left")
+
+
 def _is_exact(table: pd.DataFrame) -> bool:
     return bool((table.standard_error == 0).all())
 
 
 def _describe_probabilities(table: pd.DataFrame) -> str:
-    """Describe the probabilities in two sentences."""
+    """Describe the probabilities in a sentence."""
     n = len(table)
     percent = 100 * float(table.probability.iloc[0])
     never = int((table.probability == 0).sum())
     how = "" if _is_exact(table) else " (estimated from repeated draws)"
-    zero = f" {pluralize(never, 'robot')} cannot be selected." if never else ""
+    zero = f"; {pluralize(never, 'robot')} cannot be selected" if never else ""
     return (
         f"The fittest of {n} robots has a chance of {percent:.1f} % each time, {percent / 100 * n:.1f} times an equal "
-        f"share{how}.{zero}"
+        f"share{how}{zero}."
     )

@@ -8,7 +8,7 @@ from walkerlab.view.plots.appearance import foreground_colour
 from walkerlab.view.plots.style import SECONDARY_STRENGTH, escape_label
 
 FONT_SIZE = 8
-BOTTOM = 0.03  # start of a text, as a fraction of the height of the Axes
+BOTTOM = 0.03  # start of the text, as a fraction of the height of the Axes
 TEXT_OFFSET = 4  # points between a boundary and its text
 
 
@@ -18,7 +18,7 @@ def with_current_fitness(records: pd.DataFrame) -> pd.DataFrame:
 
 
 def mark_stages(axes: Axes, records: pd.DataFrame) -> str:
-    """Draw a dotted line before the first generation of each further stage, with the changed settings.
+    """Draw a dotted line before the first generation of each later stage, with the changed settings.
 
     Args:
         axes: Axes with the generations on the horizontal axis.

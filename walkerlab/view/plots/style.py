@@ -33,9 +33,9 @@ SECONDARY_STRENGTH = 0.65  # strength of the foreground colour of secondary text
 
 
 def escape_label(text: object) -> str:
-    """Escape a text of the user, so that matplotlib shows it unchanged.
+    """Escape text from the user, so that matplotlib shows it unchanged.
 
-    Text between $ is otherwise a formula, and a legend leaves out a label that begins with an underscore.
+    Otherwise, text between $ is a formula, and a legend omits a label that begins with an underscore.
     """
     escaped = printable(text, keep="\n").replace("$", r"\$")
     return f"\N{ZERO WIDTH SPACE}{escaped}" if escaped.startswith("_") else escaped
@@ -193,7 +193,7 @@ def _add_svg_description(svg: str, text: str) -> str:
 
 
 class _ValueFormatter(ScalarFormatter):
-    """Plain numbers; very large and very small ones with a common power of ten, placed clear of the legend."""
+    """Formatter of plain numbers; very large and very small ones have a common power of ten, clear of the legend."""
 
     def __init__(self) -> None:
         super().__init__(useOffset=False)
@@ -237,7 +237,7 @@ def style_axes(axes: Axes) -> None:
 
 
 def n_legend_columns(n_runs: int) -> int:
-    """Return the number of columns of a legend of runs with two entries each; it keeps both in the same column."""
+    """Return the number of columns of a legend in which each run has two entries, which stay in one column."""
     return math.ceil(n_runs / math.ceil(n_runs / MAX_LEGEND_COLUMNS))
 
 

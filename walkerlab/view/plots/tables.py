@@ -1,4 +1,4 @@
-"""Tables as plots use them: checked before drawing, with the names, units and numbers that a plot shows."""
+"""Tables for plots: checks before drawing, and the names, units and numbers that a plot shows."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any

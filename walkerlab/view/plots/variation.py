@@ -18,7 +18,8 @@ from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.view.plots.appearance import foreground_colour, new_axes, styled_plot
 from walkerlab.view.plots.captions import add_caption
-from walkerlab.view.plots.operator_words import explain_operators
+from walkerlab.view.plots.gene_notes import EXPLAINED_FEATURES, explain_genes
+from walkerlab.view.plots.operator_words import explain_operator
 from walkerlab.view.plots.style import RUN_COLOURS, SECONDARY_STRENGTH, add_description
 
 Genomes: TypeAlias = Iterable[Genome | str | ArrayLike]
@@ -71,7 +72,7 @@ def before_after(
     axes.set_ylim(-0.03, 1.03)
     axes.set_yticks([0, 0.5, 1], ["minimum", "middle", "maximum"])
     axes.set_ylabel("position in the gene's range")
-    axes.set_xlabel("gene")
+    axes.set_xlabel("gene (a number that describes body or gait)")
     axes.spines[["top", "right", "bottom"]].set_visible(False)
     spreads = [_mean_spread(table, genes) for table in tables]
     changed = _share_changed(first, second, genes)
@@ -87,15 +88,15 @@ def before_after(
     axes.set_title(title + "; ".join(facts), loc="left", fontsize=9, pad=22)
     subject = f"the operator {label}" if label else "an operator"
     name = label.partition(" ")[0]
-    clauses = [clause for kind in (Crossover, Mutation) if (clause := explain_operators([name], kind))]
-    meaning = clauses[0] if len(clauses) == 1 else ""  # "randomized" is the name of a crossover and of a mutation
+    clauses = [clause for kind in (Crossover, Mutation) if (clause := explain_operator(name, kind))]
+    # "randomized" is the name of a crossover and of a mutation
+    meaning = f" ({clauses[0]})" if len(clauses) == 1 else ""
     add_caption(
         axes,
-        f"What {subject} did to the genes of a whole population. Each column is a gene, with the values of all robots "
-        "before (grey, left) and after (blue, right) as positions in the gene's range. Thin bar: from the lowest to "
-        "the highest value; thick bar: the middle half of the robots; dot: the robot in the middle (median). A blue "
-        "bar longer than its grey one: the robots became more different in this gene. Spread: standard deviation, the "
-        f"typical distance from the mean.{meaning}",
+        f"How {subject}{meaning} changed the genes of a population: the values of each gene before (grey) and after "
+        "(blue), as positions between the smallest and the largest allowed value. Thin bar: all robots; thick bar: the "
+        "middle half of them; dot: the median. Where the blue bar is longer, the robots became more different; the "
+        f"spread is the standard deviation. {explain_genes(EXPLAINED_FEATURES)}",
     )
     add_description(axes, TITLE, f"{title}{'; '.join(facts)}. The spread is the standard deviation.")
     return axes

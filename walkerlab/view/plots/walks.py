@@ -98,8 +98,8 @@ def gait(genome: Genome | str, settings: Settings, ax: Axes | None = None) -> Ax
 
     A small drawing of the robot above the rows has the numbers of the segments. Bars have the colours of the legs: dark
     for left, light for right. The number at the right of each row is the duty factor: the share of the whole walk
-    during which the foot is on the ground or on an obstacle. A long walk is limited to its last ten seconds.
-    If there are several starts, the walk with the lowest fitness is drawn, because it counts.
+    during which the foot is on the ground or on an obstacle. A long walk is limited to its last ten seconds. If there
+    are several starts, the walk with the lowest fitness is drawn, because that is the one that counts.
 
     Args:
         genome: Genome, or its text.

@@ -22,7 +22,7 @@ from walkerlab.world.heights import ground_height, slope
 from walkerlab.world.scene import Scene
 
 MIN_MARKED_DISTANCE = 10  # m
-MARKED_BEYOND_WALKS = 5  # m of ground ahead of the farthest walk that also have marks
+MARKED_BEYOND_WALKS = 5  # m; the distance marks continue this far beyond the farthest walk
 MAX_MARKED_DISTANCE = 200  # m
 POINT_RESOLUTION = 1e-3  # m, resolution of cameras and centres of mass
 

@@ -13,7 +13,7 @@
   const MAX_TAG_SHARE = 0.4; // share of the height of the picture that names may cover; the others are hidden
   const TAG_GAP = 6; // pixels between two names in a row
   const NOT_EQUAL = 517, REPLACE = 7681; // three.js constants for stencils
-  const MIN_ASPECT = 4 / 3; // width over height; in a narrower window the camera moves back until all is visible
+  const MIN_ASPECT = 4 / 3; // width over height; in a narrower window the camera moves back until everything is visible
   const MAX_FRAME_TIME = 0.2; // s; maximum advance of the time in a frame, for instance after the browser was paused
   const KEY_STEP = 0.1; // s, for the arrow keys
   const PLAY_PATH = "M5 3 L17 10 L5 17 Z", PAUSE_PATH = "M5 3 H8.5 V17 H5 Z M11.5 3 H15 V17 H11.5 Z"; // SVG; fonts may lack them

@@ -1,4 +1,4 @@
-"""The robots of a replay: simulates each one and gives it a label, a colour and a lane."""
+"""The robots of a replay: each is simulated and given a label, a colour and a lane."""
 
 import colorsys
 from collections.abc import Iterable, Mapping, Sequence

@@ -5,7 +5,7 @@ from typing import Any
 
 import pandas as pd
 
-from walkerlab.breeding import slot_entries
+from walkerlab.genome.breeding import slot_entries
 from walkerlab.runfile.records import GIVEN, INSERTED_BY_HAND, birth_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name
@@ -15,11 +15,11 @@ STEPS = ("fitness", "selection", "crossover", "mutation")
 """Settings of the algorithm that may be functions."""
 
 BUILT_IN_MODULES = ("walkerlab.simulation.fitness", "walkerlab.ga.")
-"""Starts of the names of modules whose functions the code can import."""
+"""Prefixes of the names of modules whose functions the code can import."""
 
 
 def as_python(settings: Settings, records: pd.DataFrame | None = None) -> str:
-    """Return the code that repeats a run; user functions are named in it but not defined.
+    """Return the code that repeats a run; it names user functions, but does not define them.
 
     Args:
         settings: Settings of the run.
@@ -58,7 +58,7 @@ def _insertion_lines(inserted: dict[int, list[str]], arguments: str) -> list[str
     """Return the lines of code that evolve a run and insert genomes.
 
     Args:
-        inserted: Texts of the genomes, by the generation into which each is inserted.
+        inserted: Texts of the genomes, keyed by the generation into which they are inserted.
         arguments: Arguments of ``Evolution``.
     """
     genomes = (f"    {number}: [{', '.join(map(repr, texts))}]," for number, texts in inserted.items())

@@ -1,4 +1,4 @@
-"""The texts, numbers and tables of a report, as shown by its template."""
+"""The text, numbers and tables of a report, as shown by its template."""
 
 import re
 from contextlib import suppress

@@ -44,8 +44,8 @@ def save_report(
         The path of the page.
 
     Raises:
-        ValueError: If no generation is done yet.
-        OSError: If a file cannot be created; the others still are (see ``replacing_files``).
+        ValueError: If no generation is complete yet.
+        OSError: If a file cannot be created; the others are still written (see ``replacing_files``).
     """
     folder = folder_path(folder)
     find_champion(records)  # raises ValueError before any file is touched
@@ -97,7 +97,7 @@ def _page(run: Subject, folder: Path, path: Path | None, files: bool) -> str:
 
 
 def _escape_formulas(records: pd.DataFrame) -> pd.DataFrame:
-    """Escape all texts that a spreadsheet would execute as formulas; the table may come from another person."""
+    """Escape all strings that a spreadsheet would execute as formulas; the table may come from another person."""
     text_columns = [name for name, (kind, *_) in RECORD_COLUMNS.items() if kind is str]
     return records.assign(**{name: records[name].map(escape_cell, na_action="ignore") for name in text_columns})
 

@@ -1,4 +1,4 @@
-"""The pictures of a report, each with a title and a text that explains how to read it."""
+"""The pictures of a report, each with a title and an explanation of how to read it."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ MAX_ANCESTOR_ROWS = 12
 
 @dataclass(frozen=True)
 class Subject:
-    """The run that is shown by the pictures.
+    """The run that the pictures show.
 
     Attributes:
         settings: Settings of the run.
@@ -67,8 +67,8 @@ class Picture:
     """Description of one picture.
 
     Attributes:
-        name: Name of its files, without ending.
-        title: Title.
+        name: Name of its files, without the extension.
+        title: Heading above the picture.
         explanation: How to read it.
         size: Width and height [inches].
         draw: Function that draws it on an Axes.
@@ -104,16 +104,17 @@ PICTURES = (
         "champion",
         "The champion's walk",
         "The robot from the side, to scale, at the start, during the walk and at the end; later poses are darker. The "
-        "arrow is the distance covered by its centre of mass. Look at which legs support it and which swing forward.",
+        "arrow shows the distance covered by its centre of mass. Look at which legs support it and which swing "
+        "forward.",
         LOW,
         lambda run, ax: plots.stride(run.champion.genome, run.settings, ax),
     ),
     Picture(
         "fitness",
         "Fitness over the generations",
-        "The solid line is the best robot of each generation, the dashed line the median: half of the robots are "
-        "better, half are worse. Where the median rises after the best, the genes of the best robot have spread. A "
-        "line that stays flat means that evolution finds nothing better: because the robots no longer differ, or "
+        "The solid line shows the best robot of each generation, the dashed line the median: half of the robots are "
+        "better, half are worse. Where the median follows the best upward, the genes of the best robot have spread. A "
+        "line that stays flat means that evolution finds nothing better, because the robots no longer differ or "
         "because nothing better exists.",
         HIGH,
         lambda run, ax: plots.fitness_curve(run.records, ax),
@@ -121,7 +122,7 @@ PICTURES = (
     Picture(
         "diversity",
         "How different the robots are",
-        "Selection reduces the diversity, and mutation increases it. Once it is low, crossover only combines robots "
+        "Selection reduces diversity, and mutation increases it. Once diversity is low, crossover only combines robots "
         "that are alike, and the fitness no longer rises.",
         HALF_WIDTH,
         lambda run, ax: plots.diversity(run.records, ax),
@@ -130,13 +131,14 @@ PICTURES = (
         "verdicts",
         "Which walks count",
         "Each walk is checked, and a walk that breaks a rule has no fitness. In the first generations, walks that do "
-        "not count are due to chance; many of them later on show that evolution exploits what a rule forbids.",
+        "not count are due to chance. If there are many in later generations, evolution is exploiting something that "
+        "a rule forbids.",
         HALF_WIDTH,
         lambda run, ax: plots.verdicts(run.records, ax),
     ),
     _trait("weight", "Weight", "If it stays at one of the limits in the settings, that limit determines the weight."),
     _trait("body_length", "Body length", "Long bodies take longer steps, but bend and topple more easily."),
-    _trait("n_segments", "Segments", "Where the band of the middle half is a line, these robots have the same number."),
+    _trait("n_segments", "Segments", "If the band is a line, the middle half of the robots have the same number."),
     _trait("n_legs", "Legs", "Legs come in pairs; a segment may have none."),
     Picture(
         "body",
@@ -157,7 +159,7 @@ PICTURES = (
     Picture(
         "distance",
         "The champion's distance over time",
-        "The distance covered by its centre of mass. A straight line is a constant speed, a step is a leap or a "
+        "The distance covered by its centre of mass. A straight line means a constant speed, a step a leap or a "
         "stumble, and a level part means that the robot is stuck.",
         MEDIUM,
         lambda run, ax: plots.distance_over_time(run.rollout, ax),

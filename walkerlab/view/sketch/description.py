@@ -31,7 +31,7 @@ class Force(NamedTuple):
     Attributes:
         kind: ``gravity`` or ``wind``.
         vector: Acceleration [m/s²] or wind velocity [m/s], along x, y and z.
-        description: Description without capital letter and full stop.
+        description: Description without a capital letter or full stop.
     """
 
     kind: str

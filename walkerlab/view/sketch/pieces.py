@@ -89,7 +89,7 @@ def draw_shadow(terrain: Terrain, points: Floats, window: Window) -> Element:
 
 
 def _is_visible(points: Floats, window: Window) -> NDArray[np.bool_]:
-    """Return for each point (n, 3) [m] whether it is on or close to the visible ground, shape (n,)."""
+    """Return whether each point, (n, 3) [m], is on or close to the visible ground, shape (n,)."""
     start, end = window.x_range
     near, far = window.y_range
     x = points[:, 0]

@@ -8,7 +8,7 @@ from walkerlab.ga.genes import Floats
 
 DEPTH_SHIFT = -0.24  # horizontal shift for each metre of depth; shows the far legs and the risers of stairs
 SIDE_VIEW = np.array([(1.0, 0.0), (DEPTH_SHIFT, 0.0), (0.0, 1.0)])
-"""View at ground level, (3, 2): how far right and up a unit along x, y and z is drawn. The ground is a line."""
+"""View at ground level, shape (3, 2): images of the unit vectors along x, y and z. The ground is a line."""
 RAISED_VIEW = np.array([(1.0, 0.0), (DEPTH_SHIFT, 0.21), (0.0, 1.0)])
 """View from slightly above the ground, (3, 2); distant points are also drawn higher."""
 

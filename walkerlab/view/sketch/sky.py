@@ -40,7 +40,7 @@ def draw_sky(terrain: Terrain, window: Window) -> Element:
 
 
 def draw_force_arrows(terrain: Terrain) -> Element:
-    """Draw a labelled arrow for each force that differs from the earth on a calm day."""
+    """Draw a labelled arrow for each force that differs from that on the earth on a calm day."""
     text_colour = "#fff" if max(find_sky(terrain).zenith) < DARK_SKY_BRIGHTNESS else "#1a1a1a"
     drawn: list[Element] = []
     for row, force in enumerate(unusual_forces(terrain)):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from walkerlab.ga.genes import Floats, Indices
 
 TEXT_COLOUR = "currentColor"
-"""Colour of the text around a drawing: lines in it are visible on light and on dark pages."""
+"""Colour of the text around a drawing; lines of this colour are visible on both light and dark pages."""
 
 HASH_FACTORS = (12.9898, 78.233)  # customary shader hash: fract(sin(x · factor) · 43758.5453)
 
@@ -38,7 +38,7 @@ def write_image(size: tuple[float, float], label: str, *content: Element, **attr
         size: Width and height [pixels].
         label: Description for screen readers.
         content: Elements of the image.
-        attributes: Further attributes of the ``svg`` element.
+        attributes: Additional attributes of the ``svg`` element.
     """
     width, height = (f"{side:g}" for side in size)
     attributes = {

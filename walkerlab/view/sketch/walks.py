@@ -168,7 +168,7 @@ def _draw_limb(limb: Limb, window: Window, animate: Any, name: str) -> Element:
 
 
 def _animate(attribute: str, values: list[str], seconds: float, name: str = "animate", **attributes: str) -> Element:
-    """Return an animation that shows each value of an attribute equally long, and repeats indefinitely."""
+    """Return an animation that shows each value of an attribute for the same time, and repeats indefinitely."""
     return make_element(
         name,
         attributeName=attribute,

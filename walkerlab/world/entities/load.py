@@ -27,7 +27,7 @@ class Pack(composer.Entity):
 
     @property
     def mjcf_model(self) -> mjcf.RootElement:
-        """The MJCF model."""
+        """MJCF model of the load."""
         return self._mjcf_root
 
 
@@ -63,7 +63,7 @@ class Sledge(composer.Entity):
 
     @property
     def mjcf_model(self) -> mjcf.RootElement:
-        """The MJCF model."""
+        """MJCF model of the load."""
         return self._mjcf_root
 
 

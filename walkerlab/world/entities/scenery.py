@@ -21,7 +21,7 @@ class Pattern:
 
     Attributes:
         pixels: Width and height of the texture image, which covers two by two squares; few pixels give coarse speckles.
-        square: Length of a square along and across the way, m.
+        square: Length of a square along and across the walking direction, m.
         specular: Strength of highlights, 0 to 1.
         reflectance: Strength of mirror images, 0 to 1.
     """
@@ -71,10 +71,10 @@ SKIES = {
     15.0: Sky((0.30, 0.56, 0.86), (0.92, 0.96, 0.99), (0.74, 0.71, 0.65), 0.33),
     math.inf: Sky((0.62, 0.50, 0.38), (0.93, 0.86, 0.72), (0.68, 0.62, 0.50), 0.38),
 }
-"""Skies of the moon, Mars, the earth and Jupiter, each by the greatest gravity [m/s²] for which it is used."""
+"""Skies of the moon, Mars, the earth and Jupiter, with the greatest gravity [m/s²] for which each is used."""
 
 SUN_DIRECTION = (-0.36, 0.64, -0.68)  # sunlight falls onto the sides that cameras see
-WINDSOCK_POSITIONS = (3.0, 7.0, 11.0)  # m along the way
+WINDSOCK_POSITIONS = (3.0, 7.0, 11.0)  # m from the start
 MAST_HEIGHT = 1.3  # m
 SOCK_LENGTH = 0.9  # m
 SOCK_RINGS = 5
@@ -89,7 +89,7 @@ STRAP_COLOUR = (0.20, 0.16, 0.14, 1)
 
 
 def add_ground_materials(root: Any, terrain: Terrain) -> dict[str, Any]:
-    """Add the MuJoCo materials of the ground and return them by name: ``chequer``, ``light`` and ``dark``."""
+    """Add the MuJoCo materials of the ground and return them, keyed by name: ``chequer``, ``light`` and ``dark``."""
     material = MATERIALS[terrain.texture]
     pattern = GROUND_PATTERNS[terrain.texture]
 
@@ -169,7 +169,7 @@ def _darken_gaps(root: Any) -> None:
 
 
 def _add_windsock(root: Any, terrain: Terrain, x: float) -> None:
-    """Add a striped windsock beside the way; it droops less in stronger wind."""
+    """Add a striped windsock beside the track; it droops less in stronger wind."""
     y = PLACEMENT_AREA[1] / 2 + 0.2
     foot = np.array([x, y, float(ground_height(terrain, np.array([x]), np.array([y]))[0])])
     top = foot + np.array([0, 0, MAST_HEIGHT])

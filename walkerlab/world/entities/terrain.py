@@ -86,7 +86,7 @@ class Ground(composer.Arena):
     def _add_slab(
         self, number: int, start: float, end: float, top: float, thickness: float, material: Material
     ) -> None:
-        """Add a box across the arena, from start to end along the way [m]; neighbouring slabs differ in shade."""
+        """Add a box across the arena, from x = start to x = end [m]; neighbouring slabs differ in shade."""
         shade = "dark" if number % 2 else "light"
         pos = ((start + end) / 2, 0, top - thickness / 2)
         size = ((end - start) / 2, ARENA_WIDTH / 2, thickness / 2)

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.breeding import (
+from walkerlab.evolution.lost_pressure import explain_lost_pressure
+from walkerlab.ga import mutation, selection
+from walkerlab.genome.breeding import (
     OPERATOR_MODULES,
     check_user_operators,
     describe_operators,
     resolve_operators,
 )
-from walkerlab.evolution.lost_pressure import explain_lost_pressure
-from walkerlab.ga import mutation, selection
 from walkerlab.genome.features import build_genes
-from walkerlab.randomness import random_stream
+from walkerlab.system.randomness import random_stream
 
 ROBOT = wl.Robot()
 POPULATION = wl.generate_robot_population(ROBOT, 12, seed=1)

@@ -1,4 +1,4 @@
-"""Random generators by address: a stream is identified by its purpose, not by the order of draws.
+"""Random generators that are identified by purpose and address, not by the order of draws.
 
 Two runs that differ in one operator draw the same numbers everywhere else, and neither the number of workers nor the
 order in which they finish can change a result.

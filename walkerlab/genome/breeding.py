@@ -22,12 +22,12 @@ from walkerlab.ga.slots import unbound_keywords
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.genome import Genome, read_genomes
 from walkerlab.genome.repair import repair
-from walkerlab.randomness import random_stream
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.arguments import require_algorithm, require_count
 from walkerlab.settings.choices import Choice, Crossover, Mutation, Selection
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.values import function_name, short_repr
+from walkerlab.system.randomness import random_stream
 
 GENERATION_MEANING = "the number of the generation being created"
 
@@ -87,8 +87,8 @@ def check_user_operators(algorithm: Algorithm, genes: Genes) -> None:
     """Check each user operator of an algorithm on a trial population, before any simulation.
 
     Raises:
-        OperatorError: If an operator does not work; the message says which one, what is expected, what it did, and how
-            to fix it.
+        OperatorError: If an operator fails; the message says which one, what is expected, what it did, and how to fix
+            it.
     """
     resolved = resolve_operators(algorithm)
     slots: tuple[tuple[Any, tuple[Operator, ...], Callable[[Operator], None]], ...] = (
@@ -150,7 +150,7 @@ def select_from_population(
         fitness: Fitness of each individual, shape (n,); higher is better, -inf for an individual that does not count.
         n_parents: Number of parents to select.
         algorithm: Settings of the algorithm.
-        generation: Number of the generation that is created, which determines the random numbers.
+        generation: Number of the generation being created, which determines the random numbers.
         genomes: Genome of each individual, all of the same length; required by selection
             operators with a keyword ``genomes``.
 
@@ -231,7 +231,7 @@ def mutate_population(genomes: Individuals, robot: Robot, algorithm: Algorithm, 
     """Mutate genomes with the algorithm's mutation operators, and repair them to bring every robot within the limits.
 
     Args:
-        genomes: Genomes.
+        genomes: Genomes to mutate.
         robot: Limits of the robots.
         algorithm: Settings of the algorithm.
         generation: Number of the generation being created; it determines the random numbers.

@@ -3,7 +3,7 @@
 import pytest
 
 import walkerlab as wl
-from walkerlab.errors import WalkerlabError
+from walkerlab.system.errors import WalkerlabError
 
 PUBLIC_ERRORS = (wl.SettingsError, wl.GenomeError, wl.RunFileError, wl.OperatorError)
 CELL = """

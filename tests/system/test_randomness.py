@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from walkerlab.randomness import PURPOSES, random_stream
+from walkerlab.system.randomness import PURPOSES, random_stream
 
 addresses = st.tuples(
     st.integers(0, 2**31 - 1), st.sampled_from(PURPOSES), st.lists(st.integers(0, 2**32 - 1), max_size=4)
