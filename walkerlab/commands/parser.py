@@ -103,13 +103,13 @@ def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.Argu
         "lab",
         lab.run_lab,
         "open JupyterLab on copies of the notebooks",
-        "[--teacher] [--class FILE] [--no-browser] [--port N] [--allow-root]",
-    )
-    lab_command.add_argument(
-        "--teacher", action="store_true", help="also copy the notebooks with answers, the guides and the sheets"
+        "[--class FILE] [--teacher] [--no-browser] [--port N] [--allow-root]",
     )
     lab_command.add_argument(
         "--class", dest="class_file", metavar="FILE", help="settings of a class: fixed settings, budget, shared folder"
+    )
+    lab_command.add_argument(
+        "--teacher", action="store_true", help="also copy the notebooks with answers, the guides and the sheets"
     )
     lab_command.add_argument("--no-browser", action="store_true", help="print the address without opening a browser")
     lab_command.add_argument("--port", type=int, metavar="N", help="port of the server on this computer")

@@ -235,7 +235,7 @@ def _require_within(genome: Genome, robot: Robot) -> Genome:
     is_grown_within = genome.values[0] <= n_parts
     kept = Genome(genome.values[: len(BODY_FEATURES) + n_parts * len(SEGMENT_FEATURES)]) if is_grown_within else genome
     if notes := describe_repairs(kept, robot):
-        shown = [note.rpartition(";")[0] or note for note in notes[:MAX_REASONS]]
+        shown = [note.rpartition(";")[0] or note.rstrip(".") for note in notes[:MAX_REASONS]]
         more = f", and {len(notes) - MAX_REASONS} more" if len(notes) > MAX_REASONS else ""
         raise EntryError(f"it is beyond the limits of the robots: {'; '.join(shown)}{more}")
     return kept.within(robot)
