@@ -228,11 +228,12 @@ def describe_step(step: Step, genes: Genes, max_length: int) -> tuple[str, str]:
     inherited = [one for one in step.changes if one.is_inherited]
     changed = [one for one in step.changes if not one.is_inherited]
     if step.n_births > 1:
-        first = f"{_count(changed)} changed in {step.n_births} births"
+        first = f"changed in {step.n_births} births: {_count(changed)}"
     elif inherited:
-        first = f"{_count(inherited)} from robot {step.other_parent}, {len(changed)} with new values"
+        first = f"from robot {step.other_parent}: {_count(inherited)}"
+        first += f"; mutated: {_count(changed)}" if changed else ""
     else:
-        first = f"{_count(changed)} changed"
+        first = f"mutated: {_count(changed)}"
     visible = [one for one in [*changed, *inherited] if one.is_expressed]
     if not visible:
         return first, "no gene with an effect"

@@ -90,10 +90,10 @@ def pedigree(
     order = "; read down the left column, then down the right one" if n_columns == 2 else ""
     caption = (
         f"The ancestors of {robot}: each row is a robot born in a later generation (gen) than the row above, its "
-        f"fitter parent, which may have lived for several generations{order}. Blue bar: its {fitness_name}; orange "
-        "(darker): trunks and legs whose size or force differs from the row above; black text: the genes that differ, "
-        "as old value → new value, the largest change first; grey text: how many genes differ because they come from "
-        "the other parent, how many of these have no effect on this body, and how many mutated to new values. "
+        f"fitter parent; generations are missing where a parent lived longer{order}. Blue bar: its {fitness_name}; "
+        "orange: trunks and legs whose size or force differs from the row above; black text: genes with an effect that "
+        "differ, as old value → new value, the largest change first; grey text: number of genes from the other parent, "
+        "if there are two, and number of other genes that mutated. "
         f"{len(steps) - 1} of {pluralize(n_births, 'birth')} made a visible difference and are shown."
     )
     genes = explain_genes(_explained_features(steps))
