@@ -231,7 +231,7 @@ def describe_step(step: Step, genes: Genes, max_length: int) -> tuple[str, str]:
         first = f"changed in {step.n_births} births: {_count(changed)}"
     elif inherited:
         first = f"from robot {step.other_parent}: {_count(inherited)}"
-        first += f"; mutated: {_count(changed)}" if changed else ""
+        first += f"; mutated: {len(changed)}" if changed else ""
     else:
         first = f"mutated: {_count(changed)}"
     visible = [one for one in [*changed, *inherited] if one.is_expressed]
