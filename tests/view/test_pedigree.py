@@ -61,7 +61,7 @@ def test_the_text_of_a_step_counts_all_its_genes(records):
         first, second = describe_step(step, genes_of_text(step.genome), 60)
         inherited = sum(change.is_inherited for change in step.changes)
         changed = len(step.changes) - inherited
-        numbers = re.findall(r"(\d+) genes?\b|(\d+) with new", first)
+        numbers = re.findall(r"(\d+) genes?\b|mutated: (\d+)$", first)
         assert sum(int(one or other) for one, other in numbers) == inherited + changed, first
         assert max(len(first), len(second)) < 90
 

@@ -90,10 +90,11 @@ def pedigree(
     order = "; read down the left column, then down the right one" if n_columns == 2 else ""
     caption = (
         f"The ancestors of {robot}: each row is a robot born in a later generation (gen) than the row above, its "
-        f"fitter parent; generations are missing where a parent lived longer{order}. Blue bar: its {fitness_name}; "
-        "orange: trunks and legs whose size or force differs from the row above; black text: genes with an effect that "
-        "differ, as old value → new value, the largest change first; grey text: number of genes from the other parent, "
-        "if there are two, and number of other genes that mutated. "
+        f"fitter parent; generations are missing where a fit parent survived unchanged{order}. Blue bar: its "
+        f"{fitness_name}; orange: trunks and legs whose size or force differs from the row above; black text: genes "
+        "with an effect that differ, as old value → new value, the largest change first; grey text: number of genes "
+        "from the other parent, if there are two, and number of other genes that mutated; a gene has no effect if it "
+        "is of a part that the body does not have, or that repeats the legs in front. "
         f"{len(steps) - 1} of {pluralize(n_births, 'birth')} made a visible difference and are shown."
     )
     genes = explain_genes(_explained_features(steps))
