@@ -247,7 +247,11 @@ def test_a_changed_experiment_is_not_continued(tmp_path):
         ({"a": SETTINGS.terrain}, [1], "settings must be a Settings"),
         ({"a": wl.random_search}, [1], "no condition has settings"),
         ({"a": SETTINGS, "b": SETTINGS.with_(fitness="velocity")}, [1], "different fitness"),
-        ({"a": SETTINGS, "b": SETTINGS.with_(duration=2), "c": wl.random_search}, [1], "unclear which it should have"),
+        (
+            {"a": SETTINGS, "b": SETTINGS.with_(duration=2), "c": wl.random_search},
+            [1],
+            "unclear which of their settings",
+        ),
         ({"a\n": SETTINGS}, [1], "one line of 1 to"),
         ({"a": SETTINGS}, 10, r"seeds=range\(10\)"),
         ({"a": SETTINGS}, [1, 1], "seed 1 occurs twice"),

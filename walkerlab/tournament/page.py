@@ -16,6 +16,7 @@ from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
 from walkerlab.simulation.fitness import name_and_unit
 from walkerlab.simulation.robustness import N_NUDGES
+from walkerlab.text.numbers import format_fixed_column
 from walkerlab.text.templates import Markup, render
 from walkerlab.tournament.entries import SkippedEntry
 from walkerlab.tournament.scores import Standing
@@ -113,7 +114,7 @@ def _row(standing: Standing, largest: float, unit: str) -> dict[str, Any]:
         "medal": MEDALS.get(standing.rank, "") if float(standing.score_text) > 0 else "",
         "name": standing.entry.name,
         "score": f"{standing.score_text} {unit}".rstrip(),
-        "rounds": [f"{result.score:.2f}" for result in standing.rounds],
+        "rounds": format_fixed_column((result.score for result in standing.rounds), 2),
         "walks": svg_image_html(draw_strip(standing, largest, unit)),
         "verdict": describe_verdict(standing),
         "body": svg_image_html(drawing),

@@ -53,8 +53,8 @@ def draw_strip(standing: Standing, largest: float, unit: str) -> str:
         y = middle + ROUND_SHIFT * (number - (len(standing.rounds) - 1) / 2)
         marks += [_draw_result(place(result), y, result, OTHER_COLOUR) for result in one.confirmation.nudged]
         marks.append(_draw_result(place(one.evaluation.fitness), y, one.evaluation.fitness, "none"))
-    x = f"{place(standing.score):.1f}"
-    score = make_element("path", d=f"M{x},2V{height - 2}", stroke=SCORE_COLOUR, stroke_width=2.5)
+    x = place(standing.score)
+    score = make_element("path", d=f"M{x:.1f},2V{height - 2}", stroke=SCORE_COLOUR, stroke_width=2.5)
     return write_image(STRIP_SIZE, _describe(standing, unit), line, *marks, score, fill="none")
 
 
@@ -76,7 +76,7 @@ def _results(one: Round) -> Iterator[float]:
 
 
 def _describe(standing: Standing, unit: str) -> str:
-    """Describe the walks in words, for readers of the screen."""
+    """Describe the walks in words, for screen readers."""
     rounds = [
         f"{_format(one.evaluation.fitness)} from the exact start, {', '.join(map(_format, one.confirmation.nudged))} "
         "from other starts"
