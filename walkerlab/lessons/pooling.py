@@ -54,7 +54,7 @@ def pool(folder: str | Path) -> pd.DataFrame:
 
 
 def _read_runs(folder: Path) -> tuple[dict[Path, Run], list[str]]:
-    """Return the usable runs by path, and a clause for each other file that says why it is left out."""
+    """Return the usable runs, keyed by path, and a clause for each other file that says why it is left out."""
     runs: dict[Path, Run] = {}
     left_out: list[str] = []
     for path in sorted(folder.rglob("*.walk")):
@@ -65,7 +65,7 @@ def _read_runs(folder: Path) -> tuple[dict[Path, Run], list[str]]:
             left_out.append(f"{name}: {error}")
             continue
         if run.n_generations <= run.rated_since:
-            left_out.append(f"{name}: no generation is done")
+            left_out.append(f"{name}: no generation is complete")
         else:
             runs[path] = run
     names = [run.records.attrs["fitness"] for run in runs.values()]
