@@ -45,7 +45,7 @@ def test_files_that_cannot_be_used_are_left_out_and_named(tmp_path):
         "copy.walk: the same run as ada.walk",
         "text.walk: ",
         "velocity.walk: its fitness is velocity, that of the others distance",
-        "unfinished.walk: no generation is done",
+        "unfinished.walk: no generation is complete",
     ):
         assert part in message
 
