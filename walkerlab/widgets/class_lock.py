@@ -41,7 +41,7 @@ class ClassLock:
     Attributes:
         classroom: Settings of the class, with the limits of the panel.
         settings: Initial settings, with the fixed values.
-        fixed: Reason for each setting that cannot be changed, by its name.
+        fixed: Reason for each setting that cannot be changed, keyed by name.
         student: Name of the student; "" if it is unknown.
     """
 

@@ -30,7 +30,7 @@ class Interactive(HasSnapshot, ipywidgets.VBox):
     """Controls of settings, and the output of a function of their values.
 
     Attributes:
-        controls: Control of each setting, by name.
+        controls: Control of each setting, keyed by name.
         output: What the last call printed, displayed and returned.
     """
 
