@@ -55,14 +55,17 @@ def test_only_robots_that_equal_the_one_before_are_left_out(records):
     assert len(trace_line(records, youngest, 10)) == min(10, len(steps))
 
 
-def test_the_text_of_a_step_counts_all_its_genes(records):
+def test_the_text_of_a_step_counts_the_genes_with_an_effect_the_largest_change_first(records):
     steps = trace_line(records, int(records.individual.max()))
     for step in steps[1:]:
         first, second = describe_step(step, genes_of_text(step.genome), 60)
-        inherited = sum(change.is_inherited for change in step.changes)
-        changed = len(step.changes) - inherited
-        numbers = re.findall(r"(\d+) genes?\b|mutated: (\d+)$", first)
-        assert sum(int(one or other) for one, other in numbers) == inherited + changed, first
+        visible = [change for change in step.changes if change.is_expressed]
+        assert sum(int(number) for number in re.findall(r"(\d+) genes?\b", first)) == len(visible), first
+        named = second.count("→")
+        more = re.search(r"and (\d+) more$", second)
+        assert named + (int(more[1]) if more else 0) == len(visible), second
+        assert [abs(change.share) for change in visible] == sorted((abs(c.share) for c in visible), reverse=True)
+        assert not visible or second.startswith(visible[0].gene.replace("_", " ").replace(".", " "))
         assert max(len(first), len(second)) < 90
 
 

@@ -24,6 +24,7 @@ from walkerlab.runfile.records import birth_rows, find_champion, fitter_line, pa
 from walkerlab.runfile.tables import require_table
 from walkerlab.settings.choices import Feature
 from walkerlab.settings.robot import Robot
+from walkerlab.settings.values import pluralize
 from walkerlab.view.inheritance import format_gene
 
 
@@ -218,6 +219,8 @@ def changed_parts(step: Step, genes: Genes) -> frozenset[str]:
 def describe_step(step: Step, genes: Genes, max_length: int) -> tuple[str, str]:
     """Describe how a robot differs from the one before it in the line, in two lines of text.
 
+    Only genes with an effect on one of the two robots are counted and named, the largest change first.
+
     Args:
         step: Step to describe.
         genes: Gene table.
@@ -225,18 +228,17 @@ def describe_step(step: Step, genes: Genes, max_length: int) -> tuple[str, str]:
     """
     if not step.n_generations:
         return "the first robot of the line", ""
-    inherited = [one for one in step.changes if one.is_inherited]
-    changed = [one for one in step.changes if not one.is_inherited]
-    if step.n_births > 1:
-        first = f"changed in {step.n_births} births: {_count(changed)}"
-    elif inherited:
-        first = f"from robot {step.other_parent}: {_count(inherited)}"
-        first += f"; mutated: {len(changed)}" if changed else ""
-    else:
-        first = f"mutated: {_count(changed)}"
-    visible = [one for one in [*changed, *inherited] if one.is_expressed]
+    visible = [one for one in step.changes if one.is_expressed]
     if not visible:
-        return first, "no gene with an effect"
+        return "changed: no gene with an effect", ""
+    inherited = [one for one in visible if one.is_inherited]
+    changed = [one for one in visible if not one.is_inherited]
+    if step.n_births > 1:
+        first = f"changed in {step.n_births} births: {pluralize(len(visible), 'gene')}"
+    else:
+        counts = [f"from robot {step.other_parent}: {pluralize(len(inherited), 'gene')}"] if inherited else []
+        counts += [f"mutated: {pluralize(len(changed), 'gene')}"] if changed else []
+        first = "; ".join(counts)
     second = ""
     for n, one in enumerate(visible):
         j = genes.names.index(one.gene)
@@ -250,11 +252,3 @@ def describe_step(step: Step, genes: Genes, max_length: int) -> tuple[str, str]:
             return first, f"{second}, and {left + 1} more"
         second = joined
     return first, second
-
-
-def _count(changes: Sequence[GeneChange]) -> str:
-    """Count changed genes, and how many of them have no effect: ``12 genes (9 without effect)``."""
-    n = len(changes)
-    hidden = sum(not one.is_expressed for one in changes)
-    genes = f"{n} gene{'' if n == 1 else 's'}"
-    return f"{genes} ({hidden} without effect)" if hidden else genes

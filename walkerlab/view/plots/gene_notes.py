@@ -40,6 +40,7 @@ EXPLAINED_FEATURES = tuple(each for each in GENE_NOTES if each not in PLAIN_FEAT
 
 def explain_genes(features: Iterable[Feature]) -> str:
     """Return a sentence that explains genes: ``Genes: lag = delay …; duty = part …``; "" if there are none."""
-    notes = (f"{each.name.replace('_', ' ')} = {GENE_NOTES[each]}" for each in features)
-    text = "; ".join(notes)
-    return f"Genes: {text}." if text else ""
+    features = tuple(features)
+    notes = [f"{each.name.replace('_', ' ')} = {GENE_NOTES[each]}" for each in features]
+    notes += [STRIDE_ANGLE] if any(each in STRIDE_FEATURES for each in features) else []
+    return f"Genes: {'; '.join(notes)}." if notes else ""

@@ -85,20 +85,11 @@ def pedigree(
     last = steps[-1]
     fitness_name = str(table.attrs.get("fitness", UNKNOWN_FITNESS))
     n_births = sum(step.n_births for step in steps)
-    robot = f"robot {last.individual}" + ("" if individual is not None else ", the fittest of its run")
     n_columns = 1 if len(steps) <= MAX_ROWS_OF_SINGLE_COLUMN else 2
-    order = "; read down the left column, then down the right one" if n_columns == 2 else ""
-    caption = (
-        f"The ancestors of {robot}: each row is a robot born in a later generation (gen) than the row above, its "
-        f"fitter parent; generations are missing where a fit parent survived unchanged{order}. Blue bar: its "
-        f"{fitness_name}; orange: trunks and legs whose size or force differs from the row above; black text: genes "
-        "with an effect that differ, as old value → new value, the largest change first; grey text: number of genes "
-        "from the other parent, if there are two, and number of other genes that mutated; a gene has no effect if it "
-        "is of a part that the body does not have, or that repeats the legs in front. "
-        f"{len(steps) - 1} of {pluralize(n_births, 'birth')} made a visible difference and are shown."
-    )
+    caption = _write_caption(steps, n_columns, last.individual, individual is None, fitness_name)
     genes = explain_genes(_explained_features(steps))
-    lines = "\n".join(textwrap.fill(escape_label(line), LINE_LENGTH * n_columns) for line in (caption, genes) if line)
+    paragraphs = [escape_label(each) for each in (*caption, genes) if each]
+    lines = "\n".join(textwrap.fill(each, LINE_LENGTH * n_columns) for each in paragraphs)
     n_rows = max(math.ceil(len(steps) / n_columns), 4)
     width = COLUMN_WIDTH * n_columns
     height = n_rows * ROW_HEIGHT + CAPTION_LINE_HEIGHT * (lines.count("\n") + 1)
@@ -124,6 +115,29 @@ def pedigree(
     )
     add_description(axes, TITLE, text)
     return axes
+
+
+def _write_caption(
+    steps: list[Step], n_columns: int, robot: int, is_champion: bool, fitness_name: str
+) -> tuple[str, ...]:
+    """Return the paragraphs of the caption: the rows, the drawings, and the text of a row."""
+    n_births = sum(step.n_births for step in steps)
+    champion = ", the fittest of all" if is_champion else ""
+    order = " Read down the left column, then down the right one." if n_columns == 2 else ""
+    left_out = n_births + 1 - len(steps)
+    shown = (
+        f" {left_out} of {pluralize(n_births, 'birth')} made no great difference and are not shown." if left_out else ""
+    )
+    return (
+        f"The ancestors of robot {robot}{champion}. Each row is a robot, and the row above it is its parent; of two "
+        f"parents, the one with the larger {fitness_name}. A robot can survive for several generations (gen), so that "
+        f"some generations have no row.{order}{shown}",
+        f"Bar: {fitness_name}. Orange: a trunk or legs with another size, mass or force than in the row above. Robots "
+        "look to the right, where segment 1 (seg1) is; legs can repeat the pair in front, and then change with it.",
+        "Text: number of genes from the other parent, and number of genes that mutated; below it, these genes with "
+        "old value → new value. The first one changed by the largest part of its allowed range. Genes without an "
+        "effect on the robot, for example of a missing segment, are not counted.",
+    )
 
 
 def _draw_rows(axes: Axes, steps: list[Step], n_rows: int, settings: Settings | None, unit: str, size: float) -> None:
