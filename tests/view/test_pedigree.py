@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 import walkerlab as wl
 from tests.view.test_plots import evolved_table
 from walkerlab.runfile.records import birth_rows, fitter_line, parent_numbers
-from walkerlab.view.pedigree import describe_step, genes_of_text, trace_line
+from walkerlab.view.pedigree import changed_parts, describe_step, genes_of_text, trace_line
 
 SCREEN = (1280, 800)
 
@@ -67,6 +67,18 @@ def test_the_text_of_a_step_counts_the_genes_with_an_effect_the_largest_change_f
         assert [abs(change.share) for change in visible] == sorted((abs(c.share) for c in visible), reverse=True)
         assert not visible or second.startswith(visible[0].gene.replace("_", " ").replace(".", " "))
         assert max(len(first), len(second)) < 90
+
+
+def test_a_changed_part_differs_from_the_parent_or_is_new(records):
+    steps = trace_line(records, int(records.individual.max()))
+    for before, step in pairwise(steps):
+        old, new = (wl.express(wl.Genome.parse(one.genome)).segments for one in (before, step))
+        parts = changed_parts(step, genes_of_text(step.genome))
+        for i in range(len(new)):
+            if i >= len(old):
+                assert f"trunk{i + 1}" in parts
+            elif f"trunk{i + 1}" not in parts:
+                assert (new[i].length, new[i].mass) == (old[i].length, old[i].mass)
 
 
 def test_a_line_of_100_generations_fits_on_one_screen(records):

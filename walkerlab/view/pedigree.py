@@ -205,7 +205,7 @@ def _leave_out(kept: list[int], fitness: Sequence[float], max_robots: int) -> li
 
 
 def changed_parts(step: Step, genes: Genes) -> frozenset[str]:
-    """Return the trunks and legs whose size or force changed, named as in ``PartPaint``."""
+    """Return the trunks and legs that are new, or whose size, mass or force changed, named as in ``PartPaint``."""
     values = Genome.parse(step.genome).values
     sources = find_leg_sources(genes.parts(values[np.newaxis]))[0].tolist()
     visible = [one.gene.partition(".") for one in step.changes if one.is_expressed and "." in one.gene]
@@ -213,7 +213,9 @@ def changed_parts(step: Step, genes: Genes) -> frozenset[str]:
     legs = {
         int(segment.removeprefix("seg")) - 1 for segment, _, name in visible if Feature[name] in BODY & {*LEG_FEATURES}
     }
-    return frozenset(trunks | {f"legs{i + 1}" for i, source in enumerate(sources) if source in legs})
+    n_before = next((int(one.before) for one in step.changes if one.gene == "segments"), len(sources))
+    new = {f"{part}{i + 1}" for i in range(n_before, len(sources)) for part in ("trunk", "legs")}
+    return frozenset(trunks | new | {f"legs{i + 1}" for i, source in enumerate(sources) if source in legs})
 
 
 def describe_step(step: Step, genes: Genes, max_length: int) -> tuple[str, str]:
