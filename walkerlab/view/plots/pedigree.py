@@ -133,8 +133,8 @@ def _write_caption(
         f"parents, the one with the larger {fitness_name}. A robot can survive for several generations (gen), so that "
         f"some generations have no row.{order}{shown}",
         f"Bar: {fitness_name}. Orange: a trunk or legs that are new, or differ in size, mass or force from the row "
-        "above. Robots look to the right, where segment 1 (seg1) is; legs can repeat the pair in front, and then change "
-        "with it.",
+        "above. Robots look to the right, where segment 1 (seg1) is; legs can repeat the pair in front, and then "
+        "change with it.",
         "Text: number of genes from the other parent, and number of genes that mutated; below it, these genes with "
         "old value → new value. The first one changed by the largest part of its allowed range. Genes without an "
         "effect on parent and child, for example of a segment that both do not have, are not counted.",
