@@ -56,6 +56,11 @@ def test_a_formatted_genome_is_parsed_unchanged(genome):
 # --------------------------------------------------------------------------------------------------- limits
 
 
+def sentences_of(genome, robot):
+    """Return the repairs of a genome as sentences."""
+    return [str(repair) for repair in describe_repairs(genome, robot)]
+
+
 @given(robots(), st.integers(0, 99))
 def test_a_genome_within_the_limits_has_no_repairs(robot, seed):
     assert describe_repairs(wl.Genome.random(robot, rng=np.random.default_rng(seed)), robot) == []
@@ -64,7 +69,7 @@ def test_a_genome_within_the_limits_has_no_repairs(robot, seed):
 @given(robots(), genomes())
 def test_every_changed_genome_has_a_description(robot, genome):
     repaired = genome.within(robot)
-    sentences = describe_repairs(genome, robot)
+    sentences = sentences_of(genome, robot)
     assert all("used" in one or "repeated" in one or "ignored" in one for one in sentences)
     if genome.n_parts == repaired.n_parts and np.abs(genome.values[:2] - repaired.values[:2]).max() > 0.001:
         assert sentences
@@ -74,7 +79,7 @@ BEYOND = {
     "Segment 2: leg length 0.9 m is above the limit of 0.6 m; 0.6 m is used.": ("own length=0.42", "own length=0.9", 2),
     "Segment 1: leg force 0.5 N·m is below the limit of 2 N·m; 2 N·m is used.": ("force=14", "force=0.5", 1),
     "segments 9 is above the limit of 4; 4 is used.": ("segments=3", "segments=9", 1),
-    "The robot has 4 segments, and the genome describes 3: the last one is repeated.": ("segments=3", "segments=9", 1),
+    "The robot has 4 segments, and the genome describes 3; the last one is repeated.": ("segments=3", "segments=9", 1),
     "segments 2.4 is not a whole number; 2 is used.": ("segments=3", "segments=2.4", 1),
     "frequency 9 Hz is above the limit of 3 Hz; 3 Hz is used.": ("frequency=1.2", "frequency=9", 1),
     "duty 0.1 is below the limit of 0.3; 0.3 is used.": ("duty=0.5", "duty=0.1", 1),
@@ -90,13 +95,13 @@ def test_each_gene_beyond_the_limits_is_named_with_the_used_value(sentence):
     old, new, nth = BEYOND[sentence]
     pieces = str(G).split(old)
     text = old.join(pieces[:nth]) + new + old.join(pieces[nth:])
-    assert sentence in describe_repairs(wl.Genome.parse(text), wl.Robot())
+    assert sentence in sentences_of(wl.Genome.parse(text), wl.Robot())
 
 
 def test_a_value_beyond_a_limit_says_why_another_than_the_limit_is_used():
     long = GENOME.replace("seg length=0.26", "seg length=1.386", 1)
     limits = wl.Robot(segment_length=(0.2, 0.5), body_length=(0.6, 0.9))
-    (sentence,) = [one for one in describe_repairs(wl.Genome.parse(long), limits) if "1.386" in one]
+    (sentence,) = [one for one in sentences_of(wl.Genome.parse(long), limits) if "1.386" in one]
     used = wl.Genome.parse(long).within(limits).values[4]
     assert used < 0.5, "precondition of this test"
     assert sentence == (
@@ -116,23 +121,23 @@ def test_legs_that_repeat_others_have_no_repairs():
     wrong = GENOME.replace("own length=0.42", "own length=0.9")
     first, *others = wrong.split("own")
     repeating = "own".join([first, "repeat".join(others)])
-    assert describe_repairs(wl.Genome.parse(repeating), wl.Robot()) == [
+    assert sentences_of(wl.Genome.parse(repeating), wl.Robot()) == [
         "Segment 1: leg length 0.9 m is above the limit of 0.6 m; 0.6 m is used."
     ]
 
 
 def test_a_gene_that_does_not_fit_with_the_others_is_reported_with_the_reason():
-    heavy = describe_repairs(wl.Genome.parse(GENOME.replace("mass=2", "mass=9")), wl.Robot())
+    heavy = sentences_of(wl.Genome.parse(GENOME.replace("mass=2", "mass=9")), wl.Robot())
     assert (
         heavy[0] == "Segment 1: mass 9 kg does not fit, because the robot must weigh between 3 and 12 kg; 4 kg is used."
     )
     limits = wl.Robot(weight=(3, 40), legs=(2, 2), body_length=(0.4, 0.6))
-    dense = describe_repairs(wl.Genome.parse(GENOME.replace("mass=2", "mass=9")), limits)
+    dense = sentences_of(wl.Genome.parse(GENOME.replace("mass=2", "mass=9")), limits)
     reason = "because the density of a segment of this size must be between 400 and 2500 kg/m³; 7.372 kg is used."
     assert f"Segment 2: mass 9 kg does not fit, {reason}" in dense
-    bare = describe_repairs(G, wl.Robot(legs=(2, 4)))
+    bare = sentences_of(G, wl.Robot(legs=(2, 4)))
     assert bare == ["Segment 3: legs 1 does not fit, because the robot must have between 2 and 4 legs; 0 is used."]
-    long = describe_repairs(G, wl.Robot(body_length=(0.4, 0.6)))
+    long = sentences_of(G, wl.Robot(body_length=(0.4, 0.6)))
     assert all("because the body must be between 0.4 and 0.6 m long" in one for one in long[-2:])
 
 

@@ -93,5 +93,6 @@ def _notes(condition: Condition) -> list[str]:
         notes.append(f"The optimiser {condition.optimiser} replaces the genetic algorithm.")
     if condition.founders:
         n = len(condition.founders)
-        notes.append(f"Generation 0 begins with {pluralize(n, 'given genome')}: {condition.founders[0].genome:.300}")
+        first = f": {condition.founders[0].genome:.300}" if n == 1 else ", which are in the run file"
+        notes.append(f"Generation 0 begins with {pluralize(n, 'given genome')}{first}.")
     return notes

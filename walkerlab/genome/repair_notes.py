@@ -1,6 +1,7 @@
-"""Descriptions of the changes that bring a genome within the limits, in sentences."""
+"""Descriptions of the changes that bring a genome within the limits."""
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +23,23 @@ FEATURE_UNITS = {feature: unit for feature, unit, kind in _FEATURE_KINDS if kind
 CYCLIC_FEATURES = {feature for feature, _, kind in _FEATURE_KINDS if kind == "cyclic"}
 
 
-def describe_repairs(genome: Genome, robot: Robot) -> list[str]:
-    """Describe how a genome changes when it is brought within the limits, in one sentence for each change.
+class Repair(NamedTuple):
+    """A change that brings a genome within the limits; as text, one sentence.
+
+    Attributes:
+        fault: What is not allowed, and why; without a full stop.
+        remedy: What is used instead; without a full stop.
+    """
+
+    fault: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.fault}; {self.remedy}."
+
+
+def describe_repairs(genome: Genome, robot: Robot) -> list[Repair]:
+    """Describe the changes that bring a genome within the limits.
 
     Genes without effect are ignored; see ``is_expressed``.
 
@@ -37,31 +53,33 @@ def describe_repairs(genome: Genome, robot: Robot) -> list[str]:
     given = genome.values[len(BODY_FEATURES) :].reshape(genome.n_parts, -1)
     lows, highs = (genes.parts(limits[np.newaxis])[0] for limits in (genes.low, genes.high))
     weight = float(used[: int(values[genes.count or 0]), SEGMENT_FEATURES.index(Feature.mass)].sum())
-    sentences = list(_describe_segments(genome, robot))
+    repairs = list(_describe_segments(genome, robot))
     for i, feature in enumerate(BODY_FEATURES):
-        sentences += _describe_gene(feature, genome.values[i], values[i], (genes.low[i], genes.high[i]), robot, weight)
+        repairs += _describe_gene(feature, genome.values[i], values[i], (genes.low[i], genes.high[i]), robot, weight)
     expressed = is_expressed(values[np.newaxis])[0, len(BODY_FEATURES) :].reshape(used.shape)
     for segment, index in np.argwhere(expressed[: genome.n_parts]).tolist():
         at = segment, index
         changes = _describe_gene(SEGMENT_FEATURES[index], given[at], used[at], (lows[at], highs[at]), robot, weight)
-        sentences += [f"Segment {segment + 1}: {sentence}" for sentence in changes]
-    return sentences
+        repairs += [Repair(f"Segment {segment + 1}: {fault}", remedy) for fault, remedy in changes]
+    return repairs
 
 
-def _describe_segments(genome: Genome, robot: Robot) -> Iterator[str]:
-    """Yield a sentence if the genome does not describe as many segments as the robot has."""
+def _describe_segments(genome: Genome, robot: Robot) -> Iterator[Repair]:
+    """Yield a repair if the genome does not describe as many segments as the robot has."""
     most = robot.segments[1]
     wanted = min(genome.values[0], most)
     if genome.n_parts > most:
-        yield f"The genome describes {genome.n_parts} segments, and the limits allow {most}: the others are ignored."
+        fault = f"The genome describes {genome.n_parts} segments, and the limits allow {most}"
+        yield Repair(fault, "the others are ignored")
     if genome.n_parts < wanted:
-        yield f"The robot has {wanted:g} segments, and the genome describes {genome.n_parts}: the last one is repeated."
+        fault = f"The robot has {wanted:g} segments, and the genome describes {genome.n_parts}"
+        yield Repair(fault, "the last one is repeated")
 
 
 def _describe_gene(
     feature: Feature, given: float, used: float, limits: tuple[float, float], robot: Robot, weight: float
-) -> Iterator[str]:
-    """Yield a sentence with the given value of a gene, why it is not allowed, and the used value, if they differ.
+) -> Iterator[Repair]:
+    """Yield a repair if the value of a gene is not allowed.
 
     Args:
         feature: Feature that the gene describes.
@@ -87,7 +105,7 @@ def _describe_gene(
         why = f"does not fit, because {shared_limit}"
     else:
         why = "is not a whole number"
-    yield f"{feature.name.replace('_', ' ')} {given_text} {why}; {used_text} is used."
+    yield Repair(f"{feature.name.replace('_', ' ')} {given_text} {why}", f"{used_text} is used")
 
 
 def _describe_shared_limit(feature: Feature, robot: Robot, weight: float) -> str:

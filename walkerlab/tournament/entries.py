@@ -226,18 +226,20 @@ def _read_champion(path: Path) -> Genome:
 def _require_within(genome: Genome, robot: Robot) -> Genome:
     """Return a genome, rounded as every genome is, if it is within the limits.
 
-    Segments that it describes beyond the limits may be ignored if they are not grown.
+    Segments that it describes beyond the limits may be ignored if they are not expressed.
 
     Raises:
         EntryError: If a value that has an effect is beyond the limits; the message names it.
     """
     n_parts = min(genome.n_parts, robot.segments[1])
-    is_grown_within = genome.values[0] <= n_parts
-    kept = Genome(genome.values[: len(BODY_FEATURES) + n_parts * len(SEGMENT_FEATURES)]) if is_grown_within else genome
-    if notes := describe_repairs(kept, robot):
-        shown = [note.rpartition(";")[0] or note.rstrip(".") for note in notes[:MAX_REASONS]]
-        more = f", and {len(notes) - MAX_REASONS} more" if len(notes) > MAX_REASONS else ""
-        raise EntryError(f"it is beyond the limits of the robots: {'; '.join(shown)}{more}")
+    is_expressed_within = genome.values[0] <= n_parts
+    kept = (
+        Genome(genome.values[: len(BODY_FEATURES) + n_parts * len(SEGMENT_FEATURES)]) if is_expressed_within else genome
+    )
+    if repairs := describe_repairs(kept, robot):
+        shown = "; ".join(each.fault for each in repairs[:MAX_REASONS])
+        more = f", and {len(repairs) - MAX_REASONS} more" if len(repairs) > MAX_REASONS else ""
+        raise EntryError(f"it is beyond the limits of the robots: {shown}{more}")
     return kept.within(robot)
 
 

@@ -161,7 +161,7 @@ class Editor(Component):
                 return
             self.fault = ""
             self.fault_range = []
-            self.notes = _shorten(describe_repairs(parsed, robot))
+            self.notes = _shorten([str(each) for each in describe_repairs(parsed, robot)])
             self.genome = repaired = parsed.within(robot)
             self._unrepaired = unrepaired = parsed if parsed.n_parts == repaired.n_parts else repaired
             self.values = unrepaired.values.tolist()
