@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 import pytest
 
+import walkerlab as wl
 from walkerlab.ga import check_cross, check_mutate, check_select, crossover, mutation, selection
 
 from . import laws
@@ -46,6 +47,14 @@ def test_mutation_is_pure_and_obeys_ranges(mutate):
     for scale in (0.2, 30.0):
         laws.obeys_ranges(partial(mutate, rate=0.7, scale=scale), genomes, table)
     check_mutate(mutate, table)
+
+
+@pytest.mark.parametrize("name", sorted({"favored", *MUTATIONS} & set(vars(mutation))))
+def test_a_mutation_called_directly_has_the_default_rate_and_scale_of_the_settings(name):
+    parameters = inspect.signature(getattr(mutation, name)).parameters
+    algorithm = wl.Algorithm()
+    assert parameters["rate"].default == algorithm.mutation_rate
+    assert parameters["scale"].default == algorithm.mutation_scale
 
 
 @pytest.mark.parametrize("mutate", MUTATIONS.values(), ids=MUTATIONS)

@@ -27,7 +27,7 @@ PART_RATE_FACTOR = 5.0
 """Probability that ``macro`` duplicates or drops a part of a genome, as a multiple of the mutation rate of a gene."""
 
 
-def randomized(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0.2, rng: Generator) -> Floats:
+def randomized(genomes: Floats, genes: Genes, *, rate: float = 0.04, scale: float = 0.1, rng: Generator) -> Floats:
     """Change each gene with the same probability, by an amount relative to its value.
 
     Args:
@@ -51,8 +51,8 @@ def favored(
     genes: Genes,
     *,
     favored: str = "leg_length",
-    rate: float = 0.08,
-    scale: float = 0.2,
+    rate: float = 0.04,
+    scale: float = 0.1,
     rng: Generator,
 ) -> Floats:
     """Change genes as ``randomized`` does, but one feature at ``FAVORED_RATE_FACTOR`` times the rate.
@@ -76,7 +76,7 @@ def favored(
     return _apply_steps(genomes, genes, _relative_step(genomes, genes, scale, rng), rate=rates, rng=rng)
 
 
-def micro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0.2, rng: Generator) -> Floats:
+def micro(genomes: Floats, genes: Genes, *, rate: float = 0.04, scale: float = 0.1, rng: Generator) -> Floats:
     """Change genes as ``randomized`` does, by steps a fifth as large; counts, which have no small steps, do not change.
 
     Args:
@@ -98,7 +98,7 @@ def micro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0
     )
 
 
-def macro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0.2, rng: Generator) -> Floats:
+def macro(genomes: Floats, genes: Genes, *, rate: float = 0.04, scale: float = 0.1, rng: Generator) -> Floats:
     """Give some genes new values drawn from their whole range, and duplicate or drop whole parts.
 
     With a probability of ``PART_RATE_FACTOR`` times the rate, one expressed part of a genome, drawn uniformly, is
@@ -128,7 +128,7 @@ def macro(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0
     return changed
 
 
-def gaussian(genomes: Floats, genes: Genes, *, rate: float = 0.08, scale: float = 0.2, rng: Generator) -> Floats:
+def gaussian(genomes: Floats, genes: Genes, *, rate: float = 0.04, scale: float = 0.1, rng: Generator) -> Floats:
     """Change each gene with the same probability, by an amount relative to its range.
 
     Args:
