@@ -1,6 +1,8 @@
 """The command line, described from its parsers."""
 
 import argparse
+import re
+from textwrap import fill
 
 from docutils import nodes
 from extension.settings import markdown_table
@@ -8,6 +10,9 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 from walkerlab.commands.parser import create_parser
+
+
+USAGE_WIDTH = 80  # characters
 
 
 class Commands(SphinxDirective):
@@ -24,7 +29,7 @@ def _command_text(name: str, parser: argparse.ArgumentParser) -> str:
     formatter = parser._get_formatter()  # the only way to fill in the values in the help of an argument
     arguments = [action for action in parser._actions if "." not in action.dest and action.dest != "help"]
     rows = [[f"`{_usage(action)}`", _escape(formatter._expand_help(action))] for action in arguments]
-    usage = parser.format_usage().removeprefix("usage: ").rstrip()
+    usage = "\n".join(map(_wrap, parser.format_usage().removeprefix("usage: ").rstrip().split("\n")))
     takes_settings = len(arguments) + 1 < len(parser._actions)
     return "\n\n".join(
         [
@@ -35,6 +40,11 @@ def _command_text(name: str, parser: argparse.ArgumentParser) -> str:
             *(["Each [setting](settings.md) has a flag."] if takes_settings else []),
         ]
     )
+
+
+def _wrap(line: str) -> str:
+    """Wrap a line of the usage, but not within brackets."""
+    return fill(re.sub(r" (?=[^\[]*\])", "\0", line.strip()), USAGE_WIDTH, subsequent_indent=" " * 8).replace("\0", " ")
 
 
 def _usage(action: argparse.Action) -> str:

@@ -7,17 +7,20 @@ as ``Floats`` appear by name.
 from collections.abc import Iterable, Iterator
 from itertools import chain, takewhile
 
+from numpy.typing import ArrayLike
 from sphinx.application import Sphinx
 from sphinx.ext.napoleon import Config, GoogleDocstring
 from sphinx.util.typing import stringify_annotation
 
 from walkerlab.ga import genes
 
+MODES = ("fully-qualified-except-typing", "smart")  # of Sphinx, for full and for short names
+
 ALIASES = {
     stringify_annotation(alias, mode): f"~{genes.__name__}.{name}"
     for name, alias in (("Floats", genes.Floats), ("Indices", genes.Indices))
-    for mode in ("fully-qualified-except-typing", "smart")
-}
+    for mode in MODES
+} | {stringify_annotation(ArrayLike, mode): "~numpy.typing.ArrayLike" for mode in MODES}
 """Name of each alias, keyed by the text of its definition."""
 
 RESULT_FIELDS = {"Returns:": ":returns:", "Yields:": ":yields:"}

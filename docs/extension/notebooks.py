@@ -16,14 +16,34 @@ CARD = re.compile(
 """One lesson in the tables of ``notebooks/index.ipynb``."""
 
 
+NOTE = """:::{{note}}
+This page shows the text and the code of a notebook, without results. `walkerlab lab` opens all lessons; or
+{{download}}`download this notebook <{name}>`.
+:::"""
+"""Text below the title of each notebook."""
+
+
 class NotebookParser(MystParser):
     """Parser of notebooks: text cells are Markdown, and code cells become blocks of code; there are no outputs."""
 
     supported = ("notebook",)
 
     def parse(self, inputstring: str, document: nodes.document) -> None:
-        """Parse the text of a notebook file into a document."""
-        super().parse("\n\n".join(map(_cell_text, json.loads(inputstring)["cells"])), document)
+        """Parse the text of a notebook file into a document, with a picture and a note below its title."""
+        path = Path(self.env.doc2path(self.env.docname))
+        title, *cells = _demote_headings(list(map(_cell_text, json.loads(inputstring)["cells"])))
+        heading, _, introduction = title.partition("\n")
+        picture = Path("pictures", f"{path.stem}.png")
+        pictures = [f"![The picture of this lesson]({picture.as_posix()})"] if (path.parent / picture).exists() else []
+        note = NOTE.format(name=path.name)
+        super().parse("\n\n".join([heading, *pictures, introduction, note, *cells]), document)
+
+
+def _demote_headings(cells: list[str]) -> list[str]:
+    """Make all headings but the first one level lower if there are several of the first level."""
+    if sum(cell.startswith("# ") for cell in cells) < 2:
+        return cells
+    return [cells[0], *(re.sub(r"^(?=#+ )", "#", cell) for cell in cells[1:])]
 
 
 class LessonGallery(SphinxDirective):

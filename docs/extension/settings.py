@@ -26,11 +26,15 @@ class SettingsTable(SphinxDirective):
         for row, declared in zip(glossary_rows(domain()), domain.declared().values(), strict=True):
             name = names[domain.__name__.lower(), row.name]
             alias = f"<br>(`{name}` in `with_`)" if name != row.name else ""
-            rows.append(
-                [f"`{row.name}`{alias}", getattr(declared, "unit", ""), _range(declared), row.default, row.about]
-            )
+            unit = getattr(declared, "unit", "")
+            default = row.default.replace(f" {unit}", "") if unit else f"`{row.default}`"
+            rows.append([f"`{row.name}`{alias}", unit, _range(declared), default, row.about])
         table = markdown_table(["setting", "unit", "range", "default", "meaning"], rows)
-        return self.parse_text_to_nodes(_class_text(domain, f"{domain.summary()}\n\n{table}"))
+        described = self.parse_text_to_nodes(_class_text(domain, f"{domain.summary()}\n\n{table}"))
+        for found in described:
+            for node in found.findall(nodes.table):
+                node["classes"].append("settings")
+        return described
 
 
 class ChoiceTable(SphinxDirective):
@@ -66,9 +70,9 @@ def _range(declared: FieldDeclaration) -> str:
         or_function = f", or [your function]({ALTERNATIVES_IN_GUIDE})" if declared.functions else ""
         return f"{some} {{py:class}}`~walkerlab.{name}`{or_function}"
     numbers = declared.range.removesuffix(declared.unit_suffix)
-    components = f" for {', '.join(declared.components)}" if declared.components else ""
+    components = f"{', '.join(declared.components)}: " if declared.components else ""
     presets = f", or {', '.join(f'`{name}`' for name in declared.presets)}" if declared.presets else ""
-    return f"{numbers}{components}{presets}"
+    return f"{components}{numbers}{presets}"
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
