@@ -42,9 +42,8 @@ exclude_patterns = [".*", "*venv*", "build", "site", "tests", "benchmarks", "wal
 nitpicky = True
 nitpick_ignore_regex = [
     # Other packages: links to their documentation would require the network.
-    ("py:.*", r"(anywidget|av|collections|concurrent|dm_control|dm_env|gymnasium|ipywidgets|k3d|matplotlib|mujoco)\..*"),
-    ("py:.*", r"(markupsafe|numpy|os|pandas|pathlib|pydantic|traitlets|types|typing)\..*"),
-    ("py:class", r"t\.Any"),  # traitlets' name for typing.Any
+    ("py:.*", r"(anywidget|av|collections|concurrent|dm_control|dm_env|gymnasium|ipywidgets|k3d)\..*"),
+    ("py:.*", r"(markupsafe|matplotlib|mujoco|numpy|os|pandas|pathlib|pydantic|traitlets|types|typing)\..*"),
     # Results and arguments that only walkerlab creates.
     (
         "py:class",

@@ -5,12 +5,11 @@ import re
 from textwrap import fill
 
 from docutils import nodes
-from extension.settings import markdown_table
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
+from extension.settings import markdown_table
 from walkerlab.commands.parser import create_parser
-
 
 USAGE_WIDTH = 80  # characters
 

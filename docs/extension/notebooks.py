@@ -2,6 +2,7 @@
 
 import json
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 from docutils import nodes
@@ -31,19 +32,12 @@ class NotebookParser(MystParser):
     def parse(self, inputstring: str, document: nodes.document) -> None:
         """Parse the text of a notebook file into a document, with a picture and a note below its title."""
         path = Path(self.env.doc2path(self.env.docname))
-        title, *cells = _demote_headings(list(map(_cell_text, json.loads(inputstring)["cells"])))
+        title, *cells = _read_cells(inputstring)
         heading, _, introduction = title.partition("\n")
         picture = Path("pictures", f"{path.stem}.png")
         pictures = [f"![The picture of this lesson]({picture.as_posix()})"] if (path.parent / picture).exists() else []
         note = NOTE.format(name=path.name)
         super().parse("\n\n".join([heading, *pictures, introduction, note, *cells]), document)
-
-
-def _demote_headings(cells: list[str]) -> list[str]:
-    """Make all headings but the first one level lower if there are several of the first level."""
-    if sum(cell.startswith("# ") for cell in cells) < 2:
-        return cells
-    return [cells[0], *(re.sub(r"^(?=#+ )", "#", cell) for cell in cells[1:])]
 
 
 class LessonGallery(SphinxDirective):
@@ -63,9 +57,24 @@ class LessonGallery(SphinxDirective):
         return self.parse_text_to_nodes("\n".join(lines), allow_section_headings=True)
 
 
-def _cell_text(cell: dict[str, list[str] | str]) -> str:
-    text = "".join(cell["source"])
-    return f"````python\n{text}\n````" if cell["cell_type"] == "code" else text
+def _read_cells(notebook: str) -> Iterator[str]:
+    """Yield the cells of a notebook as Markdown; each heading is at most one level below the one in front of it.
+
+    If several headings have the first level, all but the first are one level lower, because a page has one title.
+    """
+    cells = [("".join(cell["source"]), cell["cell_type"]) for cell in json.loads(notebook)["cells"]]
+    n_titles = sum(len(re.findall("^# ", text, re.MULTILINE)) for text, kind in cells if kind == "markdown")
+    level = 0
+
+    def lower(heading: re.Match[str]) -> str:
+        nonlocal level
+        level = min(len(heading[0]) + (level > 0 and n_titles > 1), level + 1)
+        return "#" * level
+
+    for text, kind in cells:
+        yield (
+            re.sub(r"^#+(?= )", lower, text, flags=re.MULTILINE) if kind == "markdown" else f"````python\n{text}\n````"
+        )
 
 
 def _card_text(card: re.Match[str]) -> str:

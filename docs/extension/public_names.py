@@ -1,4 +1,4 @@
-"""API reference: entries made from docstrings, the list of all public names, and a warning for each name without an entry."""
+"""API reference: entries made from docstrings, a list of all public names, and a warning for each without an entry."""
 
 import inspect
 from pydoc import locate
@@ -6,7 +6,6 @@ from types import ModuleType
 from typing import cast
 
 from docutils import nodes
-from extension.settings import markdown_table
 from sphinx.addnodes import pending_xref
 from sphinx.application import Sphinx
 from sphinx.domains.python import PythonDomain
@@ -16,6 +15,7 @@ from sphinx.util.logging import getLogger
 from sphinx.util.nodes import make_refnode
 
 import walkerlab as wl
+from extension.settings import markdown_table
 
 logger = getLogger(__name__)
 
