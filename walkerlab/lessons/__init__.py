@@ -1,9 +1,9 @@
 """Functions of the lessons: predictions, exercises that check themselves, quizzes, saved runs, and a pooled result.
 
-wl.lessons.predict("03.1", 4, unit="m")
-wl.lessons.compare("03.1", run.champion.fitness)
-wl.lessons.check("03.2", answer)
-wl.lessons.quiz("03")
+    wl.lessons.predict("03.1", 4, unit="m")
+    wl.lessons.compare("03.1", run.champion.fitness)
+    wl.lessons.check("03.2", answer)
+    wl.lessons.quiz("03")
 """
 
 from walkerlab.lessons.checking import check as check

@@ -1,0 +1,1 @@
+"""Sphinx extensions of the documentation site: pages made from the declarations, notebooks and parsers of walkerlab."""
