@@ -27,6 +27,7 @@ _PUBLIC_NAMES = {
         "Guard",
         "Mutation",
         "Obstacle",
+        "Recording",
         "Selection",
         "Structure",
         "Texture",
@@ -137,6 +138,7 @@ if TYPE_CHECKING:
     from walkerlab.settings.choices import Guard as Guard
     from walkerlab.settings.choices import Mutation as Mutation
     from walkerlab.settings.choices import Obstacle as Obstacle
+    from walkerlab.settings.choices import Recording as Recording
     from walkerlab.settings.choices import Selection as Selection
     from walkerlab.settings.choices import Structure as Structure
     from walkerlab.settings.choices import Texture as Texture
