@@ -231,7 +231,9 @@ def _create_made_up_walk(requested: Collection[Recording] = ()) -> Rollout:
         Recording.joint_angles: 0.5 * np.sin(stride),
         Recording.joint_velocities: 0.5 * math.tau * 1.5 * np.cos(stride),
         Recording.orientation: np.tile(np.eye(3), (401, 1, 1)),
-        Recording.contact_forces: np.where(on_ground[:, np.newaxis, np.newaxis], np.tile([1.0, 0.0, 20.0], (401, 2, 1)), 0.0),
+        Recording.contact_forces: np.where(
+            on_ground[:, np.newaxis, np.newaxis], np.tile([1.0, 0.0, 20.0], (401, 2, 1)), 0.0
+        ),
     }
     return Rollout(
         time=time,
