@@ -19,7 +19,7 @@ from statistics import median
 from benchmarks.floor import PIECES_AND_ROCKS
 from walkerlab.system.files import PathError, file_path, write_text
 
-BENCHMARKS = ("floor", "scaling", "worlds", "panel", "first", "growth")
+BENCHMARKS = ("floor", "scaling", "worlds", "recording", "panel", "first", "growth")
 """Names of the benchmarks, each a module of that name."""
 
 AIMS = {

@@ -26,6 +26,10 @@ FIGURES: Mapping[str, Callable[[Variables], dict[str, float]]] = {
         "evolution (m)": found["before"],
         "CMA-ES (m)": found["after"],
     },
+    "deap_operators": lambda found: {
+        "walks": found["problem"].n_evaluations,
+        **{f"{name} (m)": champion.fitness.values[0] for name, (champion, _) in found["found"].items()},
+    },
     "map_elites": lambda found: {
         "walks": found["problem"].n_evaluations,
         "filled cells (%)": 100 * len(found["archive"]) / found["archive"].cells,

@@ -11,9 +11,10 @@ import pytest
 from benchmarks.beyond import FIGURES, FOLDER, run_notebook
 
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
-PACKAGES = {"cma_gait": "cma", "map_elites": "ribs", "speed_and_energy": "pymoo"}
+PACKAGES = {"cma_gait": "cma", "deap_operators": "deap", "map_elites": "ribs", "speed_and_energy": "pymoo"}
 SMALL = {
     "cma_gait": {"generations": 2, "size": 6, "batches": 1},
+    "deap_operators": {"generations": 2, "size": 8},
     "map_elites": {"evaluations": 40, "batch_size": 8},
     "speed_and_energy": {"generations": 2, "size": 12},
 }

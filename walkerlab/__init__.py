@@ -27,6 +27,7 @@ _PUBLIC_NAMES = {
         "Guard",
         "Mutation",
         "Obstacle",
+        "Recording",
         "Selection",
         "Structure",
         "Texture",
@@ -71,6 +72,7 @@ _PUBLIC_NAMES = {
     "view.pedigree": ("lineage_changes",),
     "view.replay": ("Replay", "replay"),
     "view.replay.ancestors": ("race_ancestors",),
+    "view.table_files": ("save_table",),
     "simulation.workers": ("WorkersLostError",),
     "widgets.lab": ("Lab",),
     "widgets.playground": ("Playground", "playground"),
@@ -137,6 +139,7 @@ if TYPE_CHECKING:
     from walkerlab.settings.choices import Guard as Guard
     from walkerlab.settings.choices import Mutation as Mutation
     from walkerlab.settings.choices import Obstacle as Obstacle
+    from walkerlab.settings.choices import Recording as Recording
     from walkerlab.settings.choices import Selection as Selection
     from walkerlab.settings.choices import Structure as Structure
     from walkerlab.settings.choices import Texture as Texture
@@ -170,6 +173,7 @@ if TYPE_CHECKING:
     from walkerlab.view.replay import Replay as Replay
     from walkerlab.view.replay import replay as replay
     from walkerlab.view.replay.ancestors import race_ancestors as race_ancestors
+    from walkerlab.view.table_files import save_table as save_table
     from walkerlab.widgets.lab import Lab as Lab
     from walkerlab.widgets.playground import Playground as Playground
     from walkerlab.widgets.playground import playground as playground

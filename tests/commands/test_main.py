@@ -485,7 +485,8 @@ def test_an_unknown_command_is_reported_with_a_similar_one(capsys):
     assert main(["evovle", "--quiet"]) == 2
     assert capsys.readouterr().err == "There is no command 'evovle'. Did you mean: walkerlab evolve?\n"
     assert main(["dance"]) == 2
-    assert "The commands are evolve, resume, compare, league, show, rescue, doctor, lab." in capsys.readouterr().err
+    known = "The commands are evolve, resume, compare, league, show, table, rescue, doctor, lab."
+    assert known in capsys.readouterr().err
 
 
 def test_the_parser_imports_no_large_package():

@@ -404,3 +404,18 @@ class TestOperatorSlots:
 
         with pytest.raises(wl.OperatorError, match="shrinks"):
             evolve(NoPhysics(), selection=shrinks)
+
+
+def test_a_run_file_contains_what_its_walks_record(tmp_path):
+    def pitch(rollout):
+        return float(rollout.orientation[:, 2, 0].std()) + rollout.distance
+
+    settings = SETTINGS.with_(fitness=pitch, record="orientation", duration=1, population_size=4, generations=2)
+    with ThreadPoolExecutor(1) as pool:
+        whole = wl.evolve(settings, executor=pool, progress=False)
+        wl.evolve(settings.with_(generations=1), tmp_path / "run.walk", executor=pool, progress=False)
+        resumed = wl.resume(tmp_path / "run.walk", 2, fitness=pitch, executor=pool, progress=False)
+        assert wl.load(tmp_path / "run.walk").settings.simulation.record == wl.Recording.orientation
+        pd.testing.assert_frame_equal(resumed.records, whole.records, check_exact=True)
+        with pytest.raises(wl.OperatorError, match=r"no orientation.*record=\['orientation'\]"):
+            wl.evolve(settings.with_(record="joint_angles"), executor=pool, progress=False)

@@ -64,13 +64,16 @@ def test_loky_gives_the_same_results_with_a_fitness_that_cannot_be_sent_to_worke
     def in_a_cell(rollout):
         nonlocal n_calls
         n_calls += 1
-        return float(rollout.com[:, 0].max())
+        return float(rollout.contact_forces[:, :, 2].max() + rollout.joint_velocities.std())
 
+    own = SETTINGS.with_(fitness=in_a_cell, record=["contact_forces", "joint_velocities"])
     plain = wl.evaluate(GENOMES, SETTINGS)
-    with_function = wl.evaluate(GENOMES, SETTINGS.with_(fitness=in_a_cell))
+    with_function = wl.evaluate(GENOMES, own)
     assert table(plain) == EXPECTED
     assert [e.distance for e in with_function] == [e.distance for e in plain]
     assert n_calls == sum(e.verdict == "ok" for e in plain) > 0
+    with ThreadPoolExecutor(1) as pool:
+        assert table(with_function) == table(wl.evaluate(GENOMES, own, pool))
 
 
 def test_genomes_texts_and_arrays_give_the_same_results():

@@ -83,10 +83,14 @@ def test_a_user_function_is_not_called_for_a_walk_that_does_not_count():
     assert fitness.score(replace(ROLLOUT, verdict="too fast"), fail) == -np.inf
 
 
+def check(function):
+    fitness.check_user_function(wl.Settings().with_(fitness=function))
+
+
 class TestCheckBeforeAnySimulation:
     def test_a_correct_function_passes(self):
-        fitness.check_user_function(lambda rollout: rollout.com[:, 2].max() * rollout.phenotype.body_length)
-        fitness.check_user_function(Fitness.velocity)
+        check(lambda rollout: rollout.com[:, 2].max() * rollout.phenotype.body_length)
+        check(Fitness.velocity)
 
     @pytest.mark.parametrize(
         ("function", "message"),
@@ -114,7 +118,7 @@ class TestCheckBeforeAnySimulation:
     )
     def test_the_error_names_the_fault(self, function, message):
         with pytest.raises(OperatorError, match=message) as caught:
-            fitness.check_user_function(function)
+            check(function)
         assert "when tried on a made-up walk" in str(caught.value)
 
     def test_a_function_that_never_returns_exceeds_the_time_limit(self, monkeypatch):
@@ -125,7 +129,7 @@ class TestCheckBeforeAnySimulation:
                 pass
 
         with pytest.raises(OperatorError, match=r"'waits' had not returned after 0\.1 s \(line \d+\), when tried"):
-            fitness.check_user_function(waits)
+            check(waits)
 
 
 def test_a_function_cannot_change_the_walk_even_after_pickling():
@@ -175,12 +179,12 @@ class Tensor:
 )
 def test_any_single_real_number_is_a_fitness(answer, number):
     assert fitness.score(walked(TIME), lambda rollout: answer) == number
-    fitness.check_user_function(lambda rollout: answer)
+    check(lambda rollout: answer)
 
 
 @pytest.mark.parametrize("answer", [None, -np.inf, np.float32("-inf"), Decimal("-Infinity")])
 def test_minus_infinity_and_none_reject_a_robot(answer):
-    fitness.check_user_function(lambda rollout: answer)
+    check(lambda rollout: answer)
     rated, walk = fitness.rate_walk(walked(TIME), lambda rollout: answer)
     assert (rated, walk.verdict, walk.counts) == (-np.inf, REJECTED, False)
     assert walk.reason == f"the fitness function returned {'None' if answer is None else '-inf'}"

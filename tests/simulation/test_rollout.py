@@ -1,5 +1,6 @@
 """A rollout records the walk exactly, and its verdict excludes invalid walks."""
 
+import pickle
 from concurrent.futures import ThreadPoolExecutor
 
 import mujoco
@@ -13,12 +14,14 @@ from walkerlab.simulation.stepping import disable_step_timers
 from walkerlab.system.randomness import random_stream
 
 SETTINGS = wl.Settings().with_(duration=2.0)
+RECORD = ("joint_angles", "joint_velocities", "orientation", "contact_forces")
 GENOMES = [wl.Genome.random(wl.Robot(), rng=random_stream(2, "check", i)) for i in range(8)]
 
 
 def test_the_recorded_walk_equals_a_loop_of_mj_step():
-    scene = wl.compile_scene(GENOMES[0], SETTINGS)
+    scene = wl.compile_scene(GENOMES[0], SETTINGS.with_(record=RECORD))
     rollout = simulate_walk(scene)
+    joints = [scene.model.joint(f"walker/{name}").dofadr.item() for name in rollout.joint_names]
     data = mujoco.MjData(scene.model)
     scene.place(data)
     data.ctrl[:] = scene.rest
@@ -29,6 +32,7 @@ def test_the_recorded_walk_equals_a_loop_of_mj_step():
         if i % 4 == 0:
             assert data.time - start == pytest.approx(rollout.time[i // 4], abs=1e-9)
             np.testing.assert_array_equal(data.qpos, rollout.poses[i // 4])
+            np.testing.assert_array_equal(data.qvel[joints], rollout.joint_velocities[i // 4])
         data.ctrl[:] = control
         mujoco.mj_step(scene.model, data)
         if i % 4 == 0:
@@ -138,3 +142,66 @@ def test_work_hardly_depends_on_the_timestep():
     )
     assert np.median(coarse / fine) == pytest.approx(1, abs=0.04)
     assert np.quantile(np.abs(coarse / fine - 1), 0.75) < 0.1, "some walks are chaotic"
+
+
+# ---------------------------------------------------------------------------------------- recorded on request
+
+LOADED = wl.Settings().with_(duration=1, structure="stairs", obstacle="ball", drag_weight=1, carry_weight=1)
+
+
+@pytest.fixture(scope="module")
+def recorded_walk():
+    return wl.simulate(GENOMES[3], SETTINGS, record=RECORD)
+
+
+@pytest.mark.parametrize("settings", [SETTINGS, LOADED])
+def test_recording_more_does_not_change_the_walk(settings):
+    plain, recorded = wl.simulate(GENOMES[0], settings), wl.simulate(GENOMES[0], settings, record=RECORD)
+    for name in ("time", "com", "up", "on_ground", "sink", "work", "load", "rope", "poses"):
+        np.testing.assert_array_equal(getattr(plain, name), getattr(recorded, name))
+    assert plain.verdict == recorded.verdict
+    assert not plain.recorded
+
+
+def test_the_recorded_joints_are_those_of_the_model(recorded_walk):
+    model = wl.compile_scene(GENOMES[3], SETTINGS).model
+    assert recorded_walk.joint_names == tuple(model.joint(i).name.removeprefix("walker/") for i in range(1, model.njnt))
+    addresses = [model.joint(f"walker/{name}").qposadr.item() for name in recorded_walk.joint_names]
+    np.testing.assert_array_equal(recorded_walk.joint_angles, recorded_walk.poses[:, addresses])
+
+
+def test_the_orientation_is_a_rotation_from_the_segment_to_the_world(recorded_walk):
+    scene = wl.compile_scene(GENOMES[3], SETTINGS)
+    data = mujoco.MjData(scene.model)
+    for orientation, pose in zip(recorded_walk.orientation[::25], recorded_walk.poses[::25], strict=True):
+        data.qpos[:] = pose
+        mujoco.mj_kinematics(scene.model, data)
+        np.testing.assert_allclose(orientation, data.body("walker/").xmat.reshape(3, 3), atol=1e-9)
+
+
+def test_the_ground_carries_a_robot_that_stands_on_its_legs(recorded_walk):
+    assert recorded_walk.contact_forces.shape == (101, len(recorded_walk.leg_names), 3)
+    weight = recorded_walk.phenotype.weight * 9.81
+    assert recorded_walk.contact_forces[0].sum(axis=0) == pytest.approx([0, 0, weight], abs=0.01 * weight)
+    assert recorded_walk.contact_forces[:, :, 2].min() >= -1e-9
+
+
+def test_recordings_are_read_only_even_after_pickling(recorded_walk):
+    for walk in (recorded_walk, pickle.loads(pickle.dumps(recorded_walk))):
+        for name in RECORD:
+            with pytest.raises(ValueError, match="read-only"):
+                getattr(walk, name)[:] = 0
+
+
+def test_unknown_and_missing_recordings_are_errors_that_name_the_fix():
+    with pytest.raises(wl.SettingsError, match=r"joint_angles \(1\).*contact_forces \(4\)"):
+        wl.simulate(GENOMES[0], SETTINGS, record=["torques"])
+    with pytest.raises(AttributeError, match=r"record=\['joint_angles'\]"):
+        _ = wl.simulate(GENOMES[0], SETTINGS.with_(duration=1)).joint_angles
+
+
+def test_scenes_with_scenery_record_the_same():
+    settings = SETTINGS.with_(record=RECORD, duration=1)
+    plain, displayed = (simulate_walk(wl.compile_scene(GENOMES[0], settings, scenery=s)) for s in (False, True))
+    for name in RECORD:
+        np.testing.assert_array_equal(getattr(plain, name), getattr(displayed, name))

@@ -395,8 +395,9 @@ def test_settings_that_are_hidden_if_unused_are_used_by_some_option():
         *({"structure": structure} for structure in Structure),
         {"obstacle": "box"},
         {"mutation": "favored"},
+        {"fitness": lambda rollout: rollout.distance},
     ]
-    unused = [unused_settings(Settings().with_(**option).model_dump()).keys() for option in options]
+    unused = [Form(Settings().with_(**option)).unused.keys() for option in options]
     assert hidden <= set.union(*map(set, unused))
     assert not hidden & set.intersection(*map(set, unused))
 

@@ -10,6 +10,7 @@ import ipywidgets
 import nbclient
 import nbformat
 import pytest
+from matplotlib.figure import Figure
 
 import walkerlab as wl
 from tests.frontends import book
@@ -18,11 +19,11 @@ from walkerlab import widgets
 from walkerlab.view import snapshots
 from walkerlab.view.replay.page import Frame
 from walkerlab.view.snapshots import HasSnapshot, snapshot_html
+from walkerlab.widgets.clickable_plot import PlotPicture
 from walkerlab.widgets.component import Component
 from walkerlab.widgets.drawer import Drawer
 from walkerlab.widgets.drawing_thread import DrawingThread
 from walkerlab.widgets.generation_slider import GenerationSlider
-from walkerlab.widgets.landscape import LandscapePicture
 from walkerlab.widgets.playground import Playground
 from walkerlab.widgets.questions import Item, Questions, Reply
 from walkerlab.widgets.robot import RobotArea
@@ -108,6 +109,11 @@ def landscape(run):
     return widgets.Landscape(table, run.settings)
 
 
+def clickable_plot(champion):
+    axes = Figure().add_subplot(title=EVIL, xlabel=EVIL)
+    return widgets.ClickablePlot(axes, [(0, 0)], [champion], wl.Settings(), [EVIL])
+
+
 def questions(_run):
     made = Questions([Item(EVIL, (EVIL, "no"))], lambda _, choice: Reply("right", choice), title="quiz")
     made.answers = [EVIL]
@@ -125,7 +131,8 @@ MAKE = {
     widgets.Interactive: lambda run: widgets.Interactive(print_height, ["step_height"]),
     widgets.Lab: panel,
     widgets.Landscape: landscape,
-    LandscapePicture: lambda run: landscape(run).plot,
+    PlotPicture: lambda run: landscape(run).plot,
+    widgets.ClickablePlot: lambda run: clickable_plot(run.champion),
     widgets.Microscope: lambda run: widgets.Microscope(run),
     Playground: lambda run: Playground({EVIL: run.champion}, run.settings),
     widgets.Population: lambda run: widgets.Population(run),

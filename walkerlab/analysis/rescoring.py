@@ -69,7 +69,7 @@ def rescore(
     records = require_table(run.records, "individual", "born", "fitness", "verdict", "distance", "velocity", "genome")
     settings = run.settings.with_(fitness=fitness)
     other: Any = settings.algorithm.fitness
-    check_user_function(other)
+    check_user_function(settings)
     since = max(records.attrs.get("rated_since", 0), *records.attrs.get("stages", {}), 0)
     table = records.loc[records.generation >= since, :].drop_duplicates("individual", keep="last")
     if table.empty:

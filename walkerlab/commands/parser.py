@@ -89,6 +89,21 @@ def create_parser() -> tuple[argparse.ArgumentParser, Mapping[str, argparse.Argu
     show = add_command("show", runs.show_command, "print a summary of a run", "PATH")
     show.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")
 
+    table = add_command(
+        "table",
+        runs.table_command,
+        "write the table of a run for a spreadsheet",
+        'PATH FILE.xlsx\n       walkerlab table PATH FILE.csv [--decimal ","]',
+    )
+    table.add_argument("path", type=flags.parse_path, metavar="PATH", help="run file or its folder")
+    table.add_argument("file", type=flags.parse_path, metavar="FILE", help="file to write, ending in .xlsx or .csv")
+    table.add_argument(
+        "--decimal",
+        choices=(".", ","),
+        default=".",
+        help='decimal mark of a .csv file; "," for a German or French spreadsheet [.]',
+    )
+
     rescue = add_command(
         "rescue", runs.rescue_command, "save the intact generations of a damaged run", "PATH [--out FOLDER]"
     )

@@ -1,4 +1,4 @@
-"""Commands ``evolve``, ``resume``, ``show`` and ``rescue``."""
+"""Commands ``evolve``, ``resume``, ``show``, ``table`` and ``rescue``."""
 
 from __future__ import annotations  # Run is imported for type checking only
 
@@ -202,6 +202,27 @@ def show_command(arguments: argparse.Namespace) -> int:
         summary.tabulate_descent(records, champion.individual),
     ):
         print_safely(f"\n{section}")
+    return 0
+
+
+def table_command(arguments: argparse.Namespace) -> int:
+    """Write the table of a run or an experiment for a spreadsheet; return the exit code."""
+    from walkerlab.evolution.loading import load
+    from walkerlab.runfile import experiments, paths
+    from walkerlab.view.table_files import save_table
+
+    path = paths.locate_run_file(arguments.path)
+    if path.is_file() and experiments.is_experiment(path):
+        from walkerlab.experiment.experiment import load_experiment
+
+        records = load_experiment(path).records
+    else:
+        records = load(arguments.path).records
+    try:
+        file = save_table(records, arguments.file, decimal=arguments.decimal)
+    except (ValueError, ModuleNotFoundError, OSError) as error:
+        raise OutputError(f"{error}.") from error
+    print_safely(f"{len(records):,} rows, one for each robot and generation, are in {display_path(file)}")
     return 0
 
 

@@ -104,7 +104,7 @@ class Evolution(RunProperties):
         reject_unknown_arguments("Evolution", unknown)
         require_settings(settings)
         check_user_operators(settings.algorithm, build_genes(settings.robot))
-        fitness.check_user_function(settings.algorithm.fitness)
+        fitness.check_user_function(settings)
         workers.check_executor(executor)
         workers.check_open(executor)
         effective_limit(1.0)  # fails before the file is created if WALKERLAB_PATIENCE is invalid

@@ -121,7 +121,7 @@ def read_conditions(given: object, population: object = None) -> list[Condition]
             Evolution(condition.settings, population=condition.founders or None)  # checks the user functions
         else:
             check_storable(condition.settings)
-            check_user_function(condition.settings.algorithm.fitness)
+            check_user_function(condition.settings)
     first = conditions[0].settings.algorithm.fitness
     for condition in conditions:
         if (other := condition.settings.algorithm.fitness) != first:

@@ -5,7 +5,6 @@ from typing import Any
 
 from walkerlab.experiment.conditions import Condition
 from walkerlab.runfile import provenance
-from walkerlab.runfile.records import RECORD_COLUMNS
 from walkerlab.settings.values import pluralize
 from walkerlab.system.file_sets import replacing_files
 from walkerlab.system.files import folder_path, write_text
@@ -13,6 +12,7 @@ from walkerlab.text.escape import escape_cell
 from walkerlab.text.templates import render
 from walkerlab.view import plots
 from walkerlab.view.plots.comparison import draw_experiment, figure_html
+from walkerlab.view.table_files import save_table
 
 TERMS = (
     ("median", "half of the runs are better, half are worse"),
@@ -57,11 +57,9 @@ def save_report(experiment: Any, folder: str | Path) -> Path:
     if not summary.n_seeds:
         raise ValueError(f"there is nothing to report yet: {summary.text}")
     records = experiment.records
-    texts = ["condition", *(name for name, (kind, *_) in RECORD_COLUMNS.items() if kind is str)]
     with replacing_files(folder) as new:
         with new.write_part("records.csv"):
-            escaped = records.assign(**{name: records[name].map(escape_cell) for name in texts})
-            escaped.to_csv(new.folder / "records.csv", index=False)
+            save_table(records, new.folder / "records.csv")
         with new.write_part("tables/conditions.csv", "tables/comparisons.csv"):
             conditions = summary.conditions.assign(condition=summary.conditions.condition.map(escape_cell))
             conditions.to_csv(new.folder / "tables/conditions.csv", index=False)

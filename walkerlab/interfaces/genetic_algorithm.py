@@ -69,7 +69,7 @@ class GeneticAlgorithm:
         """
         self.settings = require_settings(settings)
         check_user_operators(settings.algorithm, build_genes(settings.robot))
-        fitness.check_user_function(settings.algorithm.fitness)
+        fitness.check_user_function(settings)
         self._founders = read_founders(population, settings)
         self._evaluate = partial(evaluate, settings=settings, executor=executor)
         self._population: Population[EvaluationRow] | None = None

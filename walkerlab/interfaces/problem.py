@@ -92,7 +92,7 @@ class Problem:
             ValueError: If there is no such descriptor, no gene is free, or ``uncounted`` is NaN or +inf.
         """
         self.settings = require_settings(settings)
-        check_user_function(settings.algorithm.fitness)
+        check_user_function(settings)
         self.uncounted = float(uncounted)
         if not self.uncounted < math.inf:
             raise ValueError(f"uncounted is {uncounted}; it must be a finite number or -inf")

@@ -11,7 +11,7 @@ import pandas as pd
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings.binding import arguments_as_python
-from walkerlab.settings.choices import Camera
+from walkerlab.settings.choices import Camera, Recording
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name
 from walkerlab.simulation.rollout import Rollout
@@ -89,9 +89,13 @@ def remember_walks(settings: Settings, table: pd.DataFrame) -> None:
         function.conditions = _walk_conditions(settings)
 
 
+_UNRELATED = {"camera": Camera.side, "record": Recording.none}
+"""Settings of the simulation on which walks do not depend."""
+
+
 def _walk_conditions(settings: Settings) -> object:
     """Return all settings that a walk depends on."""
-    return settings.terrain, settings.robot, settings.simulation.model_copy(update={"camera": Camera.side})
+    return settings.terrain, settings.robot, settings.simulation.model_copy(update=_UNRELATED)
 
 
 def function_as_python(function: Callable[..., Any]) -> str:

@@ -159,6 +159,16 @@ class Guard(Choice):
     fragile = 13, "it was among the best, but from a slightly different start its fitness was much lower"
 
 
+class Recording(Choice):
+    """Quantity that is recorded during a walk on request, for a user function or for analysis."""
+
+    none = 0, "only what every walk records"
+    joint_angles = 1, "angle of each joint, in rad, shape (n, n_joints)"
+    joint_velocities = 2, "angular velocity of each joint, in rad/s, shape (n, n_joints)"
+    orientation = 3, "rotation matrix of the first segment, shape (n, 3, 3)"
+    contact_forces = 4, "force of the ground on each leg, in N, shape (n, n_legs, 3)"
+
+
 class Camera(Choice):
     """Viewpoint from which a walk is shown."""
 

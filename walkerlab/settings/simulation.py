@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any
 
-from walkerlab.settings.choices import Camera, Guard
+from walkerlab.settings.choices import Camera, Guard, Recording
 from walkerlab.settings.fields import OneOf, Quantity
 from walkerlab.settings.glossary import DisplayedDomain
 
@@ -38,3 +38,12 @@ class Simulation(DisplayedDomain, frozen=True):
             several=True,
         ),
     ] = Guard.none
+    record: Annotated[
+        Any,
+        OneOf(
+            Recording,
+            about="the list of what walks record in addition, for your own fitness function or descriptors; by default "
+            "none",
+            several=True,
+        ),
+    ] = Recording.none

@@ -1,13 +1,14 @@
 """Fitness functions: each rates one rollout with a single number; higher is better."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
+from walkerlab.ga.genes import Floats
 from walkerlab.ga.population import NOT_COUNTED
 from walkerlab.ga.user_functions import (
     CHECK_TIME_LIMIT,
@@ -19,9 +20,10 @@ from walkerlab.ga.user_functions import (
 )
 from walkerlab.genome.genome import Genome
 from walkerlab.genome.phenotype import Legs, Phenotype, Segment, Swing
-from walkerlab.settings.choices import Fitness
+from walkerlab.settings.choices import Fitness, Recording
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import function_name, short_repr
+from walkerlab.simulation.recordings import requested_quantities
 from walkerlab.simulation.rollout import Rollout, walk_from_every_start
 from walkerlab.simulation.validity import REJECTED
 from walkerlab.world.scene import compile_scene
@@ -33,7 +35,8 @@ FITNESS_SLOT = Slot(
     "fitness(rollout)",
     "com = rollout.com.copy()",
     advice="It is called with one Rollout: .distance in m, .velocity in m/s, .time (n,) in s, .com (n, 3) in m, "
-    ".up (n, 3), .on_ground (n,), .work (n,) in J, .phenotype; .poses are not recorded during evolution.",
+    ".up (n, 3), .on_ground (n,), .work (n,) in J, .phenotype; .poses are not recorded during evolution. "
+    "Request others with the setting record, such as record=['joint_angles'].",
     repeatability_advice="It must depend only on the walk.",
 )
 
@@ -184,17 +187,22 @@ def find_poorest(rated: Sequence[tuple[float, Rollout]]) -> tuple[float, Rollout
     return min(rated, key=lambda pair: pair[0])
 
 
-def check_user_function(fitness: Fitness | Callable[..., Any]) -> None:
+def check_user_function(settings: Settings) -> None:
     """Call a user function with a made-up walk, before any simulation; do nothing for a built-in fitness.
+
+    Args:
+        settings: Settings with the fitness and the quantities that walks record on request.
 
     Raises:
         OperatorError: If it fails, returns anything but a finite number, -inf or None, or returns different numbers for
             the same walk.
     """
+    fitness = settings.algorithm.fitness
     if isinstance(fitness, Fitness):
         return
+    requested = requested_quantities(settings)
     try:
-        first, second = (score(_create_made_up_walk(), fitness, seconds=CHECK_TIME_LIMIT) for _ in range(2))
+        first, second = (score(_create_made_up_walk(requested), fitness, seconds=CHECK_TIME_LIMIT) for _ in range(2))
         if first != second:
             raise OperatorError(
                 f"{FITNESS_SLOT.label(fitness)} returned {first} and then {second} for the same walk, so "
@@ -206,14 +214,27 @@ def check_user_function(fitness: Fitness | Callable[..., Any]) -> None:
         raise
 
 
-def _create_made_up_walk() -> Rollout:
-    """Create a regular walk of 8 s at 0.5 m/s, with a foot on the ground for three quarters of the time."""
+def _create_made_up_walk(requested: Collection[Recording] = ()) -> Rollout:
+    """Create a regular walk of 8 s at 0.5 m/s, with a foot on the ground for three quarters of the time.
+
+    Args:
+        requested: Quantities that are recorded in addition.
+    """
     time = np.arange(401) / 50
     com = np.stack([0.5 * time, 0.01 * np.sin(time), 0.2 + 0.01 * np.cos(9 * time)], axis=1)
     swing = Swing(amplitude=0.5, phase=0.0, offset=0.0)
     legs = Legs(length=0.3, force=8.0, phase=0.0, stride=math.pi, hip=swing, knee=swing)
     segment = Segment(length=0.4, mass=4.0, legs=legs)
     on_ground = np.arange(401) % 4 > 0
+    stride = math.tau * 1.5 * time[:, np.newaxis] + [0.0, 0.5, math.pi, math.pi + 0.5]
+    quantities: dict[Recording, Floats] = {
+        Recording.joint_angles: 0.5 * np.sin(stride),
+        Recording.joint_velocities: 0.5 * math.tau * 1.5 * np.cos(stride),
+        Recording.orientation: np.tile(np.eye(3), (401, 1, 1)),
+        Recording.contact_forces: np.where(
+            on_ground[:, np.newaxis, np.newaxis], np.tile([1.0, 0.0, 20.0], (401, 2, 1)), 0.0
+        ),
+    }
     return Rollout(
         time=time,
         com=com,
@@ -233,4 +254,5 @@ def _create_made_up_walk() -> Rollout:
         verdict="ok",
         reason="",
         poses=np.empty((0, 11)),
+        recorded={quantity.name: quantities[quantity] for quantity in requested},
     )

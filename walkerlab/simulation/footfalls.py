@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from walkerlab.ga.genes import Floats
-from walkerlab.world.entities.walker import SIDES
+from walkerlab.world.entities.walker import list_legs
 from walkerlab.world.scene import Scene
 
 FOOT_LENGTH = 0.25  # share of a shank's length, at its end, that counts as its foot
@@ -16,7 +16,7 @@ FOOT_LENGTH = 0.25  # share of a shank's length, at its end, that counts as its 
 
 def foot_names(scene: Scene) -> tuple[str, ...]:
     """Return the name of each foot, such as ``"left 1"``: its side, and its segment counted from the front."""
-    return tuple(f"{side} {number}" for number, side in _legs_in_actuator_order(scene))
+    return tuple(f"{side} {number}" for number, side in list_legs(scene.phenotype.plan))
 
 
 def find_footfalls(scene: Scene, poses: Floats) -> NDArray[np.bool_]:
@@ -71,7 +71,7 @@ def foot_share(scene: Scene, poses: Floats) -> float:
 
 def shank_geoms(scene: Scene) -> list[int]:
     """Return the geom of each shank, in the order of ``foot_names``."""
-    return [scene.model.geom(f"walker/{side}_shank{number}").id for number, side in _legs_in_actuator_order(scene)]
+    return [scene.model.geom(f"walker/{side}_shank{number}").id for number, side in list_legs(scene.phenotype.plan)]
 
 
 def _find_contacts(scene: Scene, poses: Floats) -> Iterator[tuple[NDArray[np.intc], Floats]]:
@@ -107,9 +107,3 @@ def _find_contacts(scene: Scene, poses: Floats) -> Iterator[tuple[NDArray[np.int
         bone = -data.xmat[bodies].reshape(-1, 3, 3)[:, :, 2]  # legs point down in the frames of their bodies
         along = ((data.contact.pos[is_outer] - data.xpos[bodies]) * bone).sum(axis=1) / length[geoms]
         yield geoms, along
-
-
-def _legs_in_actuator_order(scene: Scene) -> list[tuple[int, str]]:
-    """Return segment number, counted from 1, and side of each leg, in the order of the actuators."""
-    plan = enumerate(scene.phenotype.plan, start=1)
-    return [(number, side) for number, has_legs in plan if has_legs for side in SIDES]

@@ -1,8 +1,8 @@
 """Rollouts: simulation of one walk, with everything recorded that a fitness or a verdict requires."""
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import mujoco
@@ -10,10 +10,12 @@ import numpy as np
 
 from walkerlab.ga.genes import Floats, Indices
 from walkerlab.genome.genome import Genome
-from walkerlab.settings.choices import Guard
+from walkerlab.settings.arguments import require_settings
+from walkerlab.settings.choices import Guard, Recording
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.values import pluralize
 from walkerlab.simulation.pushes import is_pushed_forward, remove_pushes
+from walkerlab.simulation.recordings import RecordedQuantities, record_quantities
 from walkerlab.simulation.starts import draw_nudge, settle, start_overlap
 from walkerlab.simulation.stepping import positions_in, simulate_steps, velocities_in, warnings_counted_not_printed
 from walkerlab.simulation.validity import MAX_REST_SPEED, UNSTABLE, VERDICTS, Trace, forgiven_guards, judge
@@ -26,18 +28,28 @@ from walkerlab.world.scene import Scene, compile_scene, control_steps
 
 
 @dataclass(frozen=True, eq=False)
-class Rollout(ReadOnlyArrays, Trace):
+class Rollout(ReadOnlyArrays, RecordedQuantities, Trace):
     """One recorded walk: its trace and its verdict.
+
+    On request, it also has ``joint_angles``, ``joint_velocities``, ``orientation`` and ``contact_forces``.
 
     Attributes:
         verdict: ``ok``, or why the walk does not count: a key of ``VERDICTS``.
         reason: Explanation of the verdict with the measured value and the limit; "" if the verdict is ``ok``.
         poses: Generalised positions as in ``mjData.qpos``, shape (n, nq); (0, nq) if they were not recorded.
+        recorded: Quantities recorded on request, by name.
     """
 
     verdict: str
     reason: str
     poses: Floats
+    recorded: Mapping[str, Floats] = field(default_factory=dict[str, Floats])
+
+    def __post_init__(self) -> None:
+        """Make each array read-only."""
+        super().__post_init__()
+        for array in self.recorded.values():
+            array.setflags(write=False)
 
     @property
     def counts(self) -> bool:
@@ -82,17 +94,28 @@ class Rollout(ReadOnlyArrays, Trace):
         )
 
 
-def simulate(genome: Genome | str, settings: Settings, *, poses: bool = True) -> Rollout:
+def simulate(
+    genome: Genome | str,
+    settings: Settings,
+    *,
+    poses: bool = True,
+    record: str | Recording | Sequence[str | Recording] | None = None,
+) -> Rollout:
     """Simulate the walk of one individual and record it.
 
     Args:
         genome: Genome or its text; repaired to be within the robot limits.
         settings: Settings of terrain, robot and simulation.
         poses: Whether to record poses, which replays and films require, but fitness functions do not.
+        record: What to record in addition: any of ``joint_angles``, ``joint_velocities``, ``orientation`` and
+            ``contact_forces``; if None, what the setting ``record`` lists.
 
     Raises:
         GenomeError: If the text is not a valid genome.
+        SettingsError: If there is no such quantity to record.
     """
+    if record is not None:
+        settings = require_settings(settings).with_(record=record)
     return simulate_walk(compile_scene(genome, settings), poses=poses)
 
 
@@ -144,12 +167,14 @@ def simulate_walk(
         warnings=int(sum(data.warning.number)),
         level_speed=math.nan,
     )
-    record = positions_in(model, recorded_states) if poses else np.empty((0, model.nq))
+    positions = positions_in(model, recorded_states)
+    recordings = record_quantities(scene, positions, velocities_in(model, recorded_states), readings)
     verdict, reason = judge(trace, scene.settings)
     if verdict == "ok" and _requires_level_walk(trace, scene.settings):
         trace = replace(trace, level_speed=_measure_level_speed(scene, nudge))
         verdict, reason = judge(trace, scene.settings)
-    return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=record)
+    kept = positions if poses else np.empty((0, model.nq))
+    return Rollout(**vars(trace), verdict=verdict, reason=reason, poses=kept, recorded=recordings)
 
 
 def _requires_level_walk(trace: Trace, settings: Settings) -> bool:

@@ -1,5 +1,6 @@
 """The panel and its components, each of which can also be used alone in a notebook cell."""
 
+from walkerlab.widgets.clickable_plot import ClickablePlot as ClickablePlot
 from walkerlab.widgets.curve import Curve as Curve
 from walkerlab.widgets.editor import Editor as Editor
 from walkerlab.widgets.form import Form as Form
@@ -15,6 +16,7 @@ from walkerlab.widgets.selection_wheel import SelectionWheel as SelectionWheel
 from walkerlab.widgets.world import World as World
 
 __all__ = [
+    "ClickablePlot",
     "Curve",
     "Editor",
     "Form",

@@ -32,7 +32,7 @@ MAX_SLIDER_RANGE = 100_000  # difference of the limits, above which whole number
 MIN_LOG_RATIO = 100  # ratio of the limits, from which the stops of a slider are logarithmic
 HIDDEN_IF_UNUSED = {
     *("incline", "step_height", "step_depth", "hill_height", "hill_length", "gap_width", "gap_distance"),
-    *("obstacle_size", "obstacle_density", "favored_gene"),
+    *("obstacle_size", "obstacle_density", "favored_gene", "record"),
 }
 """Settings that apply to one option only; they are hidden while another one is selected."""
 
@@ -205,6 +205,7 @@ _USE_CONDITIONS: dict[str, tuple[str, Callable[[Values], bool]]] = {
     "terrain.seed": ("nothing is random", _has_random_terrain),
     "algorithm.mutation_scale": ("unused by macro", _not_only("algorithm.mutation", "macro")),
     "algorithm.favored_gene": ("only for favored", _if_chosen("algorithm.mutation", "favored")),
+    "simulation.record": ("only for functions", _if_chosen("algorithm.fitness")),
     "simulation.max_speed": ("too fast forgiven", _unless_chosen("simulation.forgive", "too_fast")),
     "simulation.max_airborne": ("airborne forgiven", _unless_chosen("simulation.forgive", "airborne")),
 }

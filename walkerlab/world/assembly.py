@@ -13,6 +13,7 @@ import mujoco
 import numpy as np
 
 from walkerlab.genome.phenotype import Legs, Phenotype, Segment
+from walkerlab.settings.choices import Recording
 from walkerlab.settings.proportions import (
     SHANK_RADIUS_RATIO,
     compute_legs_mass,
@@ -24,7 +25,7 @@ from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.terrain import Terrain
 from walkerlab.world.entities import Ground, Pack, Sledge, add_rope, generate_robot, generate_terrain
-from walkerlab.world.entities.walker import SIDES, BodyPlan
+from walkerlab.world.entities.walker import SIDES, BodyPlan, list_legs
 from walkerlab.world.materials import MATERIALS
 from walkerlab.world.placement import compute_layout, dome_sphere
 
@@ -37,6 +38,7 @@ ROPE_LENGTH = 0.6  # m, in addition to the length of a leg, the greatest height 
 
 MAX_CACHED_WORLDS = 64  # per thread; with thousands of texture pieces each takes some megabytes
 
+NET_FORCE = 3  # reduction of a contact sensor: the sum of all contacts, in the frame of the world
 ROBOT_BODY = 1  # MuJoCo's index of the robot's root body; 0 is the world
 
 
@@ -51,14 +53,22 @@ class Sensor:
     UP = slice(7, 10)  # unit vector that points up from the back of the middle segment
     SLEDGE = slice(10, 13)  # position of the sledge [m]; only if there is one
     ROPE = 13  # distance between the ends of the rope [m]; only if there is one
+    # If contact forces are recorded, the force of each leg on the ground [N] follows, three numbers for each leg.
 
 
 def describe_world(phenotype: Phenotype, settings: Settings, *, scenery: bool) -> mujoco.MjSpec:
     """Return the specification of an individual's world; it is valid until the next call in the same thread."""
-    spec = _cached_spec(*composer_arguments(phenotype, settings.robot), settings.terrain, scenery)
+    arguments = composer_arguments(phenotype, settings.robot)
+    spec = _cached_spec(*arguments, settings.terrain, scenery, measures_forces(settings))
     write_individual(spec, phenotype, settings.robot)
     spec.option.timestep = settings.simulation.timestep
     return spec
+
+
+def measures_forces(settings: Settings) -> bool:
+    """Return whether worlds have sensors of the contact forces."""
+    record = settings.simulation.record
+    return Recording.contact_forces in (record if isinstance(record, tuple) else (record,))
 
 
 def composer_arguments(phenotype: Phenotype, robot: Robot) -> tuple[BodyPlan, float, float]:
@@ -120,16 +130,38 @@ def build_ground(plan: BodyPlan, carry_weight: float, drag_weight: float, terrai
 
 
 def nominal_spec(
-    plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain, scenery: bool = False
+    plan: BodyPlan,
+    carry_weight: float,
+    drag_weight: float,
+    terrain: Terrain,
+    scenery: bool = False,
+    forces: bool = False,
 ) -> mujoco.MjSpec:
-    """Return a new specification of a world, with nominal sizes."""
+    """Return a new specification of a world, with nominal sizes and, on request, sensors of the contact forces."""
     spec = mujoco.MjSpec.from_string(_world_xml(plan, carry_weight, drag_weight, terrain, scenery))
     _add_pieces(spec, terrain)
+    if forces:
+        _add_force_sensors(spec, plan)
     return spec
 
 
 _cached_spec = cache_per_thread(nominal_spec)
 """Like ``nominal_spec``, but returns the same object for equal arguments; each individual overwrites the sizes."""
+
+
+def _add_force_sensors(spec: mujoco.MjSpec, plan: BodyPlan) -> None:
+    """Add a sensor of the net force of each leg on the ground, after all other sensors."""
+    data = 1 << mujoco.mjtConDataField.mjCONDATA_FORCE.value
+    for number, side in list_legs(plan):
+        spec.add_sensor(
+            name=f"force of {side} leg {number}",
+            type=mujoco.mjtSensor.mjSENS_CONTACT,
+            objtype=mujoco.mjtObj.mjOBJ_XBODY,  # the thigh with its shank
+            objname=f"walker/{side}_thigh{number}",
+            reftype=mujoco.mjtObj.mjOBJ_BODY,
+            refname="world",
+            intprm=[data, NET_FORCE, 1],
+        )
 
 
 def _add_pieces(spec: mujoco.MjSpec, terrain: Terrain) -> None:

@@ -17,7 +17,14 @@ from walkerlab.ga.genes import Floats
 from walkerlab.genome.phenotype import Phenotype
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.terrain import Terrain
-from walkerlab.world.assembly import ROBOT_BODY, cache_per_thread, composer_arguments, nominal_spec, write_individual
+from walkerlab.world.assembly import (
+    ROBOT_BODY,
+    cache_per_thread,
+    composer_arguments,
+    measures_forces,
+    nominal_spec,
+    write_individual,
+)
 from walkerlab.world.entities.walker import BodyPlan
 
 
@@ -33,7 +40,7 @@ def assemble_in_place(phenotype: Phenotype, settings: Settings) -> tuple[mujoco.
         The model, and data that must be reset before use. Both are overwritten by the next call in the same thread
         for a robot with the same body plan.
     """
-    world = _compiled_world(*composer_arguments(phenotype, settings.robot), settings.terrain)
+    world = _compiled_world(*composer_arguments(phenotype, settings.robot), settings.terrain, measures_forces(settings))
     write_individual(world.robot_spec, phenotype, settings.robot)
     world.model.opt.timestep = settings.simulation.timestep
     _copy_robot(world.robot_spec.compile(), world)
@@ -88,14 +95,16 @@ class _CompiledWorld:
 
 
 @cache_per_thread
-def _compiled_world(plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain) -> _CompiledWorld:
+def _compiled_world(
+    plan: BodyPlan, carry_weight: float, drag_weight: float, terrain: Terrain, forces: bool
+) -> _CompiledWorld:
     """Compile the world of a body plan, with the robot in nominal sizes.
 
     In every array the robot's rows come after the rows of the world body and before the rows of the obstacles.
     """
     robot_spec = nominal_spec(plan, carry_weight, drag_weight, Terrain())
     robot = robot_spec.compile()
-    model = nominal_spec(plan, carry_weight, drag_weight, terrain).compile()
+    model = nominal_spec(plan, carry_weight, drag_weight, terrain, forces=forces).compile()
     robot_start = _first_robot_rows(robot)
     model_start = _first_robot_rows(model)
     rows: list[tuple[str, int, Floats]] = []

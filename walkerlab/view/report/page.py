@@ -6,17 +6,17 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.runfile import provenance, store
-from walkerlab.runfile.records import RECORD_COLUMNS, find_champion
+from walkerlab.runfile.records import find_champion
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.rollout import Rollout
 from walkerlab.system.file_sets import NewFiles, replacing_files
 from walkerlab.system.files import folder_path, replace_atomically, write_text
-from walkerlab.text.escape import escape_cell
 from walkerlab.text.templates import render
 from walkerlab.view import summary
 from walkerlab.view.replay import replay
 from walkerlab.view.report.content import report_values
 from walkerlab.view.report.pictures import FOLDER, FORMATS, PICTURES, Subject, draw_all
+from walkerlab.view.table_files import save_table
 
 REPORT_FILE = "report.html"
 REPLAY_FILE = "replay.html"
@@ -59,7 +59,7 @@ def write_report(
 ) -> None:
     """Write the report as part of a set of new files; for the other arguments see ``save_report``."""
     with new.write_part(RECORDS_FILE):
-        _write_csv(_escape_formulas(records), new.folder / RECORDS_FILE)
+        save_table(records, new.folder / RECORDS_FILE)
     if files:
         with new.write_part(GENERATIONS_FILE):
             _write_csv(summary.generation_statistics(records), new.folder / GENERATIONS_FILE)
@@ -94,12 +94,6 @@ def _page(run: Subject, folder: Path, path: Path | None, files: bool) -> str:
         records_file=RECORDS_FILE,
         generations_file=GENERATIONS_FILE,
     )
-
-
-def _escape_formulas(records: pd.DataFrame) -> pd.DataFrame:
-    """Escape all strings that a spreadsheet would execute as formulas; the table may come from another person."""
-    text_columns = [name for name, (kind, *_) in RECORD_COLUMNS.items() if kind is str]
-    return records.assign(**{name: records[name].map(escape_cell, na_action="ignore") for name in text_columns})
 
 
 def _versions(path: Path | None) -> dict[str, str]:

@@ -77,6 +77,20 @@ class Walker(composer.Entity):
             self._mjcf_root.actuator.add("position", name=f"{side}_{joint}{number}", joint=hinge, forcerange=(-1, 1))
 
 
+def list_legs(plan: BodyPlan) -> list[tuple[int, str]]:
+    """Return the number of its segment, counted from 1, and the side of each leg, in the order of the actuators."""
+    return [(number, side) for number, has_legs in enumerate(plan, start=1) if has_legs for side in SIDES]
+
+
+def list_joints(plan: BodyPlan) -> list[str]:
+    """Return the name of each joint, in the order of the model: ``left_hip1``, …, ``pitch2``, ``yaw2``, …."""
+    names: list[str] = []
+    for number, has_legs in enumerate(plan, start=1):
+        names += [f"pitch{number}", f"yaw{number}"] if number > 1 else []
+        names += [f"{side}_{joint}{number}" for side in SIDES if has_legs for joint in ("hip", "knee")]
+    return names
+
+
 def generate_robot(plan: BodyPlan) -> Walker:
     """Build the robot of a body plan, with nominal sizes."""
     if not isinstance(plan, tuple | list):  # pyright: ignore[reportUnnecessaryIsInstance]

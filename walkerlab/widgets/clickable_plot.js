@@ -1,16 +1,16 @@
-// The plot of a fitness landscape; a click, or Enter, plays the walk of the selected point.
+// A plot with points; a click, or Enter, plays the walk of the selected point.
 function render({ model, el }) {
   const image = make("img", { alt: model.get("alt"), src: model.get("picture"), draggable: false });
   const ring = make("div", { className: "ring", ariaHidden: "true" });
   const field = make("div", { className: "field", tabIndex: 0, attributes: { role: "group",
-    "aria-label": "Fitness landscape. The arrow keys select a walk, and Enter plays it." } }, image, ring);
+    "aria-label": `${model.get("name")}. The arrow keys select a walk, and Enter plays it.` } }, image, ring);
   const label = make("output", { className: "label" });
   const play = (textContent, index) => make("button", { type: "button", textContent, onclick: () => start(index()) });
   const buttons = make("div", { className: "buttons" },
-    play("Play the selected walk", () => model.get("selected")), play("Play the fittest walk", () => model.get("best")),
-    play("Play the walk of the genome itself", () => 0));
+    play("Play the selected walk", () => model.get("selected")),
+    ...model.get("buttons").map(([text, index]) => play(text, () => index)));
   buttons.firstChild.classList.add("main");
-  el.classList.add("wl-component", "wl-landscape");
+  el.classList.add("wl-component", "wl-clickable-plot");
   el.append(field, label, buttons);
 
   function start(index) {
@@ -47,7 +47,7 @@ function render({ model, el }) {
     const moves = { ArrowLeft: -rows, ArrowRight: rows, ArrowUp: 1, ArrowDown: -1 };
     const move = moves[event.key];
     if (event.key === "Enter") start(model.get("selected"));
-    else if (move) select(Math.min(Math.max(1, model.get("selected") + move), model.get("points").length - 1));
+    else if (move) select(Math.min(Math.max(model.get("first"), model.get("selected") + move), model.get("points").length - 1));
     else return;
     event.preventDefault();
   };
