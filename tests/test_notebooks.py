@@ -27,6 +27,7 @@ NOTEBOOKS = sorted(FOLDER.rglob("*.ipynb"))
 """Those of the teacher, which contain the answers, and the copies for students, which do not."""
 TEACHERS = [path for path in NOTEBOOKS if path.parent.name == "teacher"]
 STUDENTS = [path for path in NOTEBOOKS if path.parent == FOLDER]
+LESSONS = [path for path in STUDENTS if path.stem != "index"]
 SHORT_RUN = "generations = 2"
 LOG_OF_DASK = re.compile(r"\S+ \S+ - distributed\.")  # lesson 12 kills a worker, which Dask sometimes logs
 SCREENSHOT_FOLDER = os.environ.get("WALKERLAB_SCREENSHOTS")
@@ -76,6 +77,28 @@ def test_a_question_precedes_every_code_cell(path):
         if cell.cell_type == "code":
             assert previous.cell_type == "markdown"
             assert "?" in previous.source
+
+
+def headings(notebook: nbformat.NotebookNode) -> list[str]:
+    texts = [cell.source for cell in notebook.cells if cell.cell_type == "markdown"]
+    return re.findall(r"^#+ .+$", "\n".join(texts), re.MULTILINE)
+
+
+@each_of(LESSONS)
+def test_every_lesson_has_the_same_form(path):
+    """Title with one question, marked predictions, numbered exercises, a quiz, three lines and what comes next."""
+    notebook = read_notebook(path)
+    title, *others = headings(notebook)
+    assert re.match(rf"{re.escape(title)}\n\n\*\*[^*]+\?\*\*\n\n", notebook.cells[0].source)
+    assert title.startswith(f"# {path.stem[:2]} · ")
+    assert all(re.match("###? ", heading) for heading in others)
+    assert others[-3:] == ["## Quiz", "## In three lines", "## What next?"]
+    assert len(re.findall(r"^\* ", notebook.cells[-1].source.partition("## What next?")[0], re.MULTILINE)) == 3
+    checks = [number for cell in code_cells(notebook) for number in re.findall(r'\.check\("([\d.]+)"', cell.source)]
+    assert re.findall(r"^###? Exercise ([\d.]+)(?:: .+)?$", "\n".join(others), re.MULTILINE) == checks
+    for previous, cell in itertools.pairwise(notebook.cells):
+        if re.search(r"^wl\.lessons\.(predict|choose)\(", cell.source, re.MULTILINE):
+            assert re.search(r"\*\*Predict:\*\*\s", previous.source), cell.source
 
 
 def shorten(path: Path) -> nbformat.NotebookNode:

@@ -24,6 +24,7 @@ from walkerlab.view.replay.animation import build_animation, lateral_extent
 from walkerlab.view.replay.footprints import make_footprints
 from walkerlab.view.replay.meshes import DISC_CORNERS
 from walkerlab.view.replay.page import Frame
+from walkerlab.view.replay.preview import AXES_SIZE, LABEL_HEIGHT, _row_heights
 from walkerlab.view.replay.shadows import SHADOW_SHIFT, bone_ends, shadow_transforms
 from walkerlab.view.replay.tracks import frame_times, pack_channels, track_bodies
 from walkerlab.view.replay.walkers import _racer_colour
@@ -282,6 +283,12 @@ class TestThePage:
         assert picture["src"].startswith("data:image/png;base64,")
         assert "<b>Ada</b>" in picture["alt"]
         assert len(picture["src"]) < 100_000
+
+    def test_each_row_of_a_race_has_room_for_its_label(self):
+        flat_bodies = [[(np.array([[0, 0, 0], [distance, 0, 0.2]]), np.zeros(4))] for distance in range(-3, 5)]
+        rows = _row_heights(flat_bodies)
+        inches_per_metre = AXES_SIZE / max(sum(rows), 7)
+        assert min(rows) * inches_per_metre >= LABEL_HEIGHT * 0.99
 
     def test_a_page_made_after_another_offer_is_discarded(self):
         class Slow:

@@ -22,12 +22,16 @@ def _check_score(answer: Any) -> bool | str:
 
 def _check_ties(answer: Any) -> bool | str:
     ranks = [int(rank) for rank in answer]
+    if len(ranks) != len(TIED):
+        return f"There are four robots, so that the list needs four ranks; it has {len(ranks)}."
     if ranks == [1, 2, 2, 3]:
         return "Three robots are better than the last one. Which rank has a robot with three better ones?"
     return ranks == TIED
 
 
 def _check_luck(answer: Any) -> bool | str:
+    if not all(isinstance(winner, str) for winner in answer.values()):
+        return 'Write the name of the winner in quotes, "steady" or "lucky", for each rule.'
     wrong = [rule for rule, winner in WINNERS.items() if str(answer[rule]).strip().lower() != winner]
     if not wrong:
         return True
@@ -60,7 +64,7 @@ EXERCISES: dict[str, Exercise] = {
         check=_check_ties,
         hints=(
             "Write a list of four numbers, in the order of the scores.",
-            "The rank is 1 plus the number of robots with a higher printed score.",
+            "The rank is 1 plus the number of robots with a higher score.",
         ),
         right="Nobody profits from a difference that is smaller than the precision of the score.",
     ),
