@@ -246,7 +246,7 @@ def test_after_an_edit_the_walk_is_compared_with_that_before_it():
     assert editor.result["distance"] in editor.snapshot()
     editor.accept(Outcome(9.0, "ok", "", ""))
     editor._handle_custom_msg({"press": "try"}, [])
-    assert editor.result["before"] == "before: 9 m"
+    assert editor.result["before"] == "before: 9.00 m"
     assert not editor.result["is_better"]
     editor.settings = settings.with_(gravity="moon")
     assert editor.result == {}
@@ -362,7 +362,7 @@ def test_in_a_browser_a_dragged_slider_is_sent_and_the_result_is_shown(shown):
     result = compare_outcomes(better, Outcome(2.68, "ok", "", ""))
     shown.evaluate("changes => model.update(changes)", {"text": edited.text, "values": edited.values, "result": result})
     assert shown.get_by_label("Genome", exact=True).input_value() == edited.text
-    assert shown.locator(".result").inner_text().split("\n")[:2] == ["2.9 m forward +0.22 m", "before: 2.68 m"]
+    assert shown.locator(".result").inner_text().split("\n")[:2] == ["2.90 m forward +0.22 m", "before: 2.68 m"]
     assert shown.locator(".row.changed").inner_text().split("\n")[-1] == f"was {G.values[4]:g}"
     assert shown.get_by_text("No run is in progress.").count() == 1
     assert shown.locator(".row.unused").count() == 1, "only the first legs cannot repeat others"

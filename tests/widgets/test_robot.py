@@ -112,12 +112,14 @@ def test_continuing_is_offered_only_with_a_function(done):
     assert "continue" not in RobotArea(done.settings, lambda _: "").editor.buttons
     area = RobotArea(done.settings, lambda _: "", lambda genome: f"Continued with {genome.n_parts}.")
     area.editor._handle_custom_msg({"press": "continue"}, [])
-    assert area.editor.notes == [f"Continued with {area.editor.genome.n_parts}."]
+    assert area.editor.report == f"Continued with {area.editor.genome.n_parts}."
 
 
-def test_the_result_of_an_insertion_is_shown_below_the_gene(area):
+def test_the_result_of_an_insertion_is_shown_until_the_genome_changes(area):
     area.editor._handle_custom_msg({"press": "insert"}, [])
-    assert area.editor.notes == ["Inserted."]
+    assert area.editor.report == "Inserted."
+    area.editor._set_gene(1, 1.25)
+    assert area.editor.report == ""
 
 
 def test_before_a_run_a_random_robot_can_be_watched(area):
@@ -144,3 +146,14 @@ def test_a_live_robot_and_the_editor_are_synchronised_until_another_robot_is_sho
     area.show(done, int(done.records.individual.iloc[0]))
     assert not area.live.children
     assert live.comm is None
+
+
+def test_a_live_robot_has_the_name_of_the_edited_robot_and_is_removed_when_it_is_closed(area, done):
+    area.show(done, -1)
+    area.editor._set_gene(1, 1.25)
+    area.editor._handle_message(None, {"press": "live"}, [])
+    [live] = area.live.children
+    assert "edited robot" in live.alt
+    live.is_open = True
+    live.is_open = False
+    assert not area.live.children

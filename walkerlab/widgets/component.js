@@ -15,6 +15,36 @@ function captureKeys(root) { // keeps plain keys from the notebook, except Shift
   return () => window.removeEventListener("keydown", capture, true);
 }
 
+// Shift Enter selects the cell below and keeps it in view, so that a tall widget grows beyond the upper edge of the window.
+// This scrolls to the start of the widget's cell, unless the user scrolls first.
+function startInView(el) {
+  const WAIT = 300; // ms without a change of height until the widget is complete
+  const START_TIME = 20000; // ms after which the position remains, even if the widget is not complete
+  const inputs = ["wheel", "keydown", "pointerdown", "touchstart"];
+  let timer = 0;
+  const reveal = () => {
+    end();
+    const cell = el.closest(".jp-Cell");
+    const next = cell?.nextElementSibling;
+    if (next?.classList.contains("jp-mod-active")) cell.scrollIntoView({ block: "start" });
+  };
+  const observer = new ResizeObserver(() => {
+    const cell = el.closest(".jp-Cell"); // null before the widget is attached to the page
+    if (cell) observer.observe(cell);
+    clearTimeout(timer);
+    timer = setTimeout(reveal, WAIT);
+  });
+  const deadline = setTimeout(() => end(), START_TIME);
+  function end() {
+    for (const one of [timer, deadline]) clearTimeout(one);
+    observer.disconnect();
+    for (const input of inputs) window.removeEventListener(input, end, true);
+  }
+  observer.observe(el);
+  for (const input of inputs) window.addEventListener(input, end, true);
+  return end;
+}
+
 function parseSvg(svg) { // converts the text of an SVG to an element
   return document.importNode(new DOMParser().parseFromString(svg, "image/svg+xml").documentElement, true);
 }

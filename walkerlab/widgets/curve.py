@@ -9,19 +9,21 @@ from typing import Any
 
 import ipywidgets
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from walkerlab.text.html import inline_svg
 from walkerlab.text.templates import Markup, render
 from walkerlab.view import plots
-from walkerlab.view.plots.style import MAX_LEGEND_COLUMNS
+from walkerlab.view.plots.style import MAX_LEGEND_COLUMNS, add_legend
 from walkerlab.view.plots.tables import fitness_label
 from walkerlab.view.snapshots import HasSnapshot, image_html
 
 PICTURE_SIZE = (6.4, 3.5)  # inches
 FIGURE_MARGINS = {"left": 0.14, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
-MAX_LABEL_LENGTH = 18  # maximum length of a name in the legend, in characters
+MAX_LABEL_LENGTH = 16  # maximum length of a name in the legend, in characters
 LEGEND_LINE_HEIGHT = 0.055  # height of a line of the legend, as a fraction of the picture's height
+BEST = ": best"  # end of the label of the line of the best robots
 _GREY_COLOUR = re.compile(r"#([0-9a-f]{2})\1\1")
 _curve_ids = count()  # shared by all drawings, because IDs must be unique on a page
 
@@ -65,11 +67,13 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         n_runs = sum(map(len, groups.values()))
         alternative_texts: list[str] = []
         for panel, group in zip(panels, groups.values(), strict=True):
-            n_lines = 2 * math.ceil(len(group) / MAX_LEGEND_COLUMNS) if n_runs > 1 else 1
+            n_lines = math.ceil((len(group) + 1) / MAX_LEGEND_COLUMNS) if n_runs > 1 else 1
             panel.subplots_adjust(**FIGURE_MARGINS, top=0.97 - LEGEND_LINE_HEIGHT * n_lines)
             axes = panel.add_subplot()
             for look, name, table in group:
                 plots.fitness_curve(table, axes, label=name if n_runs > 1 else "", look=look)
+            if n_runs > 1:
+                _shorten_legend(axes)
             axes.set_xlim(-0.02 * n_generations, 1.02 * max(1, n_generations - 1))
             alternative_texts.append(plots.alt_text(axes))
         file = io.StringIO()
@@ -101,6 +105,14 @@ def _use_text_colour(svg: str) -> str:
 
 def _mix_text_colour(grey: int) -> str:
     return f"color-mix(in srgb, currentColor {100 * (255 - grey) / 255:.0f}%, transparent)"
+
+
+def _shorten_legend(axes: Axes) -> None:
+    """Replace the two entries of each run in a legend with its name, and explain once how medians are drawn."""
+    for line, label in zip(*axes.get_legend_handles_labels(), strict=True):
+        line.set_label(label.removesuffix(BEST) if label.endswith(BEST) else "_")
+    axes.plot([], [], color="0.5", linestyle="--", label="dashed: median")
+    add_legend(axes, MAX_LEGEND_COLUMNS)
 
 
 def _shorten_text(name: str) -> str:

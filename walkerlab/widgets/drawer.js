@@ -25,11 +25,11 @@ function render({ model, el }) {
   // continue
   const more = make("input", { type: "number", min: 1, max: 10000, step: 1, ariaLabel: "number of further generations" });
   const source = make("select", { ariaLabel: "settings of the further generations" },
-    make("option", { value: "run", textContent: "with its own settings" }),
-    make("option", { value: "form", textContent: "with the settings of the form" }));
+    make("option", { value: "run", textContent: "its own settings" }),
+    make("option", { value: "form", textContent: "the settings of the form" }));
   const further = button("Continue this run", "evolve further generations of the selected run, in the same file",
     () => model.send({ further: Math.max(1, Math.round(more.valueAsNumber) || 1), with_form: source.value === "form" }));
-  const continuation = make("div", { className: "row" }, further, make("label", {}, "for ", more, " generations"), source);
+  const continuation = make("div", { className: "row" }, further, make("label", {}, "for ", more, " generations"), make("label", {}, "with ", source));
 
   // load
   const files = make("select", { id: `${id}-files`, ariaLabel: "run file to load" });
@@ -62,7 +62,7 @@ function render({ model, el }) {
     const before = files.value;
     files.replaceChildren(
       ...names.map(({ path: value, name }) => make("option", { value, textContent: name })),
-      make("option", { value: OTHER, textContent: names.length ? "other file …" : "no run in the folder; other file …" }));
+      make("option", { value: OTHER, textContent: names.length ? "other file …" : "no other run in the folder; choose a file …" }));
     if (isChosen && [...files.options].some(({ value }) => value === before)) files.value = before;
     path.hidden = files.value !== OTHER;
     out.disabled = use.disabled = handIn.disabled = !model.get("can_export");

@@ -96,13 +96,14 @@ function render({ model, el }) {
   const resume = press("continue", "Continue with this robot", "continue the selected run; this robot replaces a child in its next generation");
   const undo = press("undo", "Undo all changes", "");
   const hint = make("p", { className: "quiet hint" });
+  const report = make("p", { className: "hint", attributes: { role: "status" } });
   const tabs = make("div", { className: "groups", role: "group", ariaLabel: "groups of genes" });
   const sections = make("div", { className: "sections" });
   const helpLine = make("p", { className: "quiet help" });
   el.classList.add("wl-component", "wl-editor");
   el.append(
     make("div", { className: "genes" }, tabs, sections, helpLine),
-    make("div", { className: "robot" }, picture, result, make("div", { className: "buttons" }, walk, live, undo, insert, resume), hint),
+    make("div", { className: "robot" }, picture, result, make("div", { className: "buttons" }, walk, live, undo, insert, resume), report, hint),
     make("div", { className: "genome" }, label, make("div", { className: "sheet" }, behind, area), messages));
 
   // --------------------------------------------------------------------------------------------------------- sliders
@@ -234,7 +235,9 @@ function render({ model, el }) {
     walk.disabled = live.disabled = resume.disabled = wrong;
     insert.disabled = wrong || !canInsert;
     insert.title = hint.textContent = insert.hidden || canInsert ? "" : model.get("insert_hint");
+    report.textContent = model.get("report");
     picture.classList.toggle("outdated", wrong);
+    if (wrong) result.classList.remove("busy");
     mark();
     if (wrong && document.activeElement !== area) scrollToError();
     updateGenes();
@@ -257,7 +260,7 @@ function render({ model, el }) {
   };
   area.onscroll = () => { behind.scrollTop = area.scrollTop; };
   model.on("change:text", write);
-  for (const name of ["fault", "fault_range", "notes", "can_insert", "insert_hint", "buttons", "original", "used", "values"]) model.on(`change:${name}`, update);
+  for (const name of ["fault", "fault_range", "notes", "can_insert", "insert_hint", "report", "buttons", "original", "used", "values"]) model.on(`change:${name}`, update);
   model.on("change:values", handleAnswer);
   model.on("change:genes", buildRows);
   model.on("change:result", showResult);

@@ -50,6 +50,7 @@ class Editor(Component):
         result: Result of the last walk, as plain data for the browser: ``distance``, ``change``, ``before``,
             ``verdict``, ``counts``, ``is_better`` and ``others``, a list of additional lines; or ``fault``.
         can_insert: Whether the genome can be inserted into a later generation.
+        report: Result of the last button that inserted the genome; empty if there is none, or after a change.
         insert_hint: Why the genome cannot be inserted, and what to do.
         buttons: Names of the visible buttons: those with a callback.
     """
@@ -70,6 +71,7 @@ class Editor(Component):
     original = traitlets.List(traitlets.Float()).tag(sync=True)
     result = traitlets.Dict().tag(sync=True)
     can_insert = traitlets.Bool(False).tag(sync=True)
+    report = traitlets.Unicode("").tag(sync=True)
     insert_hint = traitlets.Unicode(NO_RUN).tag(sync=True)
     buttons = traitlets.List(traitlets.Unicode()).tag(sync=True)
 
@@ -149,6 +151,7 @@ class Editor(Component):
     def _parse(self, _: object = None) -> None:
         """Update the genome, the sliders and the picture from the text, or report why the text is not valid."""
         with self._lock, self.hold_sync():
+            self.report = ""
             robot = self.settings.robot
             self.genes = describe_genes(robot)
             try:

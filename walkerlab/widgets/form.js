@@ -57,7 +57,7 @@ function render({ model, el }) {
     const fixedReason = make("small", { className: "fixed-reason" }, control.fixed);
     const element = make("div", { className: `row ${kind}`, role: "group",
       attributes: { "aria-labelledby": nameId, "aria-describedby": descriptionId, "data-setting": setting } },
-      make("span", { className: "name", title: control.term }, make("span", { id: nameId }, control.label), fixedReason, unusedReason), ...elements, reset,
+      make("span", { className: "name", title: description }, make("span", { id: nameId }, control.label), fixedReason, unusedReason), ...elements, reset,
       fault, make("span", { className: "screen-reader-only", id: descriptionId }, description));
     const unit = element.querySelector(".unit");
     if (unit) unit.title = control.unit_term;
@@ -175,6 +175,7 @@ function render({ model, el }) {
 
   function build() {
     const domains = model.get("tabs");
+    if (!domains.length) return; // on a slow computer, the form is shown before its tabs have arrived
     const tabbed = domains.length > 1 && domains.flatMap(({ controls }) => controls).length > MAX_ROWS_WITHOUT_TABS;
     rows.clear();
     tabs = [];

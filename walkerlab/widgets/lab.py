@@ -109,7 +109,10 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         self.runs.generation.observe(self._generation_selected, "selected")
         for panel in register_in_cell(self):  # or its run would continue without a panel
             panel.close()
-            self.transport.words = "The earlier panel of this cell was closed. Its runs are saved: open them with Load."
+            if panel.runs.entries:
+                self.transport.words = (
+                    "The earlier panel of this cell was closed. Its runs are saved: open them with Load."
+                )
         self._form_changed()
         self._run_selected()
 

@@ -17,6 +17,7 @@ def open_live_robot(editor: Editor, name: str, settings: Settings) -> Playground
         settings: Settings of the world.
     """
     genome: Any = editor.genome
+    name = f"edited {name}" if editor.is_edited else name
     playground = Playground({name: genome}, settings)
     playground.opens_at_once = True
 

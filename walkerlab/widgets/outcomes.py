@@ -10,7 +10,6 @@ from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import name_and_unit, poorest_walk, score
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.numbers import with_unit
-from walkerlab.view.plots.tables import format_value
 
 MINUS_SIGN = "\N{MINUS SIGN}"
 
@@ -64,9 +63,9 @@ def compare_outcomes(after: Outcome, before: Outcome) -> dict[str, Any]:
     details = f" Details: {after.reason}." if after.reason else ""
     counted = "" if before.verdict == "ok" else f" (did not count: {before.verdict})"
     return {
-        "distance": format_value(after.distance, "m"),
+        "distance": with_unit(after.distance, "m"),
         "change": f"{sign}{abs(change):.2f} m" if np.isfinite(change) else "",
-        "before": f"before: {format_value(before.distance, 'm')}{counted}",
+        "before": f"before: {with_unit(before.distance, 'm')}{counted}",
         "verdict": verdict if counts else f"Does not count: {after.verdict}. {verdict}{details}",
         "counts": counts,
         "is_better": bool(counts and change > 0),

@@ -178,7 +178,14 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         """Open a playground of the robot in the editor; the sliders of the editor change it while it walks."""
         self._close_live_robot()
         self.frame.stop()  # an edit would play an open replay again, which pauses the live robot
-        self.live.children = [open_live_robot(self.editor, self._original.name, self._settings)]
+        live = open_live_robot(self.editor, self._original.name, self._settings)
+        live.observe(self._live_robot_changed, "is_open")
+        self.live.children = [live]
+
+    def _live_robot_changed(self, change: Any) -> None:
+        """Remove the playground when its page is closed."""
+        if not change.new and change.owner in self.live.children:
+            self._close_live_robot()
 
     def _close_live_robot(self) -> None:
         for playground in self.live.children:
@@ -189,7 +196,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._report(self._on_insert(genome))
 
     def _report(self, message: str) -> None:
-        self.editor.notes = [message]
+        self.editor.report = message
 
 
 def _champion_name(run: Run) -> str:

@@ -23,6 +23,7 @@ from walkerlab.settings.glossary import glossary_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import name_and_unit
 from walkerlab.text.numbers import with_unit
+from walkerlab.widgets.controls import unused_settings
 
 TIMESTAMP_FORMAT = "%Y-%m-%d-%H%M%S"
 _TIMESTAMP = re.compile(r"(\d{4}-\d\d-\d\d-\d{6})(-\d+)?")
@@ -167,7 +168,7 @@ def best_result(run: Run) -> str:
 
 
 def describe_differences(all_settings: Sequence[Settings]) -> list[str]:
-    """Describe each of several settings by the values in which they differ.
+    """Describe each of several settings by the values in which they differ, except those that have no effect.
 
     Args:
         all_settings: Settings of each run; a single one is compared with the defaults.
@@ -179,7 +180,11 @@ def describe_differences(all_settings: Sequence[Settings]) -> list[str]:
         differing = [place for place, row in tables[0].items() if row.changed]
     else:
         differing = [place for place in tables[0] if len({rows[place].value for rows in tables}) > 1]
-    return [_shorten([f"{place[1]} {rows[place].value}" for place in differing]) for rows in tables]
+    unused = [unused_settings(one.model_dump(mode="json")) for one in all_settings]
+    return [
+        _shorten([f"{place[1]} {rows[place].value}" for place in differing if ".".join(place) not in without])
+        for rows, without in zip(tables, unused, strict=True)
+    ]
 
 
 def _shorten(differences: list[str]) -> str:

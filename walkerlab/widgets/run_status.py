@@ -79,8 +79,8 @@ def best_walker(entry: ListedRun | None, generation: int | None) -> ShownWalker:
         walker = load_pre_evolved_walker()
         seconds = walker.settings.simulation.duration
         words = (
-            f"Evolved in {walker.n_trials:,} trials, this robot walks {with_unit(walker.distance, 'm')} in "
-            f"{seconds:g} s. Evolve your own: press Start."
+            f"Evolved in {walker.n_trials:,} trials: {with_unit(walker.distance, 'm')} in {seconds:g} s. "
+            f"Press Start to evolve your own."
         )
         if entry and entry.live and not entry.live.is_over:
             words = "The first robots are walking. Until one of them has finished, a pre-evolved walker is shown."

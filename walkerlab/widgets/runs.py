@@ -149,6 +149,9 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         self.drawer.code = _code(run) if run and has_generations else ""
 
     def _selection_changed(self, _change: object) -> None:
+        if self.drawer.exported:  # the files of another run
+            self.drawer.exported = []
+            self.drawer.words = ""
         self._drawing.request("run list", self._update_list)
         self._on_selected()
 
@@ -164,13 +167,16 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
             if live := self.entries[key].live:
                 live.stop()
         self.entries = {key: entry for key, entry in self.entries.items() if key in keys}
+        self._list_files()
         self._drawing.request("curve", self._draw_curve)
 
     # ---------------------------------------------------------------------------------------- load and export
 
     def _list_files(self) -> None:
-        """Update the list of run files that can be loaded."""
-        self._files = {display_path(Path(path)): path for path in find_run_files(self._folder)}
+        """Update the list of run files that can be loaded: those whose runs are not in the list of runs."""
+        listed = {str(path.resolve()) for entry in self.entries.values() if (path := entry.run.path)}
+        files = (Path(path) for path in find_run_files(self._folder))
+        self._files = {display_path(path): str(path) for path in files if str(path.resolve()) not in listed}
         self.drawer.files = [
             {"path": path, "name": f"{run_name(Path(file))} ({path})"} for path, file in self._files.items()
         ]
@@ -185,6 +191,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         file = run.path or absolute_path(path)
         self.add(ListedRun(str(file.resolve()), run.settings, run), run_name(file))
         hint = "" if run.n_generations else " No generation is complete yet. Press Continue this run to evolve it."
+        self.drawer.exported = []
         self.drawer.words = f"Loaded {display_path(file)}.{hint}"
 
     def _export(self) -> None:

@@ -73,6 +73,11 @@ function render({ model, el }) {
   }
   for (const name of ["state", "share", "words", "forecast", "fault"]) model.on(`change:${name}`, update);
   update();
-  return captureKeys(el);
+  const releaseKeys = captureKeys(el);
+  const endScroll = startInView(el);
+  return () => {
+    releaseKeys();
+    endScroll();
+  };
 }
 export default { render };

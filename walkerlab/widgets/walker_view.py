@@ -42,6 +42,7 @@ class WalkerCaption(Component):
     Attributes:
         words: Text of the caption.
         moves: Whether the picture moves.
+        news: Text about a better robot that was found while the replay of another one is open; empty if there is none.
     """
 
     title = "caption"
@@ -49,6 +50,7 @@ class WalkerCaption(Component):
     _css = load_style("walker_view")
     words = traitlets.Unicode("").tag(sync=True)
     moves = traitlets.Bool(True).tag(sync=True)
+    news = traitlets.Unicode("").tag(sync=True)
 
     def snapshot(self) -> Markup:
         """Return the caption as static HTML."""
@@ -79,12 +81,15 @@ class WalkerView(HasSnapshot, ipywidgets.Box):
         answer_on_requested_thread(self.frame)
         self.frame.observe(self._is_open_changed, "is_open")
         self.caption.observe(self._motion_changed, "moves")
+        self.caption.on_msg(self._handle_message)
 
     def show(self, walker: ShownWalker) -> None:
-        """Show a robot at once, or when an open replay is closed; this can be called from any thread."""
+        """Show a robot, after an open replay is closed; this can be called from any thread."""
         with self._lock:
             self._wanted = walker
-            if not self.frame.is_open and walker != self._shown:
+            is_new = walker != self._shown
+            self.caption.news = walker.words if is_new and self.frame.is_open else ""
+            if is_new and not self.frame.is_watched:
                 self._shown = walker
                 self._draw()
 
@@ -96,6 +101,16 @@ class WalkerView(HasSnapshot, ipywidgets.Box):
     def _is_open_changed(self, _change: object) -> None:
         if self._wanted:
             self.show(self._wanted)
+
+    def _handle_message(self, _widget: object, message: object, _buffers: object) -> None:
+        """Play the new robot if the user requests it."""
+        if message == "play" and self._wanted:
+            self.frame.stop()
+            with self._lock:
+                self._shown = self._wanted
+                self.caption.news = ""
+                self._draw()
+            self.frame.play()
 
     def _motion_changed(self, _change: object) -> None:
         with self._lock:

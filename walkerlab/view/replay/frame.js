@@ -55,6 +55,7 @@ function render({ model, el }) {
   let isLoading = false;
   let moving = null; // the animated picture, if there is one
   let isVisible = false;
+  let wasPlaying = false; // whether the replay was playing when it was scrolled away
 
   const updateRate = () => moving?.setRate(isVisible && !frame ? RATES[renderer()][model.get("is_busy") ? "busy" : "idle"] : 0);
 
@@ -72,7 +73,9 @@ function render({ model, el }) {
     openPages.splice(openPages.findIndex((page) => page.close === close), 1);
   }
 
-  function pause() { frame?.contentWindow?.walkerlab?.pause(); }
+  const player = () => frame?.contentWindow?.walkerlab;
+
+  function pause() { player()?.pause(); }
 
   function show(page) {
     if (frame) return;
@@ -85,7 +88,7 @@ function render({ model, el }) {
     box.replaceChildren(frame, closeButton);
     setIsOpen(true);
     openPages.forEach((page) => page.pause()); // only one plays at a time, for slow computers
-    openPages.push({ close, pause });
+    openPages.push({ close, pause: () => { wasPlaying = false; pause(); } });
     updateRate();
     while (openPages.length > MAX_OPEN_PAGES) openPages[0].close();
   }
@@ -117,10 +120,11 @@ function render({ model, el }) {
   });
   model.on("change:preview", showPreview);
   model.on("msg:custom", ({ play, stop }) => { if (play || stop) close(); if (play) open(); });
-  const observer = new IntersectionObserver((entries) => { // pause when scrolled away
+  const observer = new IntersectionObserver((entries) => { // pause while scrolled away
     isVisible = entries.at(-1).isIntersecting;
     updateRate();
-    if (!isVisible) pause();
+    if (isVisible && wasPlaying) player()?.play();
+    if (!isVisible) { wasPlaying = Boolean(player()?.state.playing); pause(); }
   });
   model.on("change:is_busy", updateRate);
   observer.observe(box);

@@ -261,6 +261,11 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
         make = self._make
         if make and message == {"request": "page"}:
-            page = make().page.encode("utf-8")
+            self._is_opening = True
+            try:
+                page = make().page.encode("utf-8")
+            except Exception:
+                self._is_opening = False
+                raise
             if make is self._make:  # no other replay was set in the meantime
                 self.page = page
