@@ -9,8 +9,9 @@ from collections.abc import Iterable, Iterator
 from itertools import chain, takewhile
 from typing import Any
 
+import numpy as np
 from docutils import nodes
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from sphinx.addnodes import desc_annotation
 from sphinx.application import Sphinx
 from sphinx.ext.napoleon import Config, GoogleDocstring
@@ -25,6 +26,7 @@ MODES = ("fully-qualified-except-typing", "smart")  # of Sphinx, for full and fo
 ALIASES: dict[str, Any] = {
     f"~{genes.__name__}.Floats": genes.Floats,
     f"~{genes.__name__}.Indices": genes.Indices,
+    "~numpy.typing.NDArray[bool]": NDArray[np.bool_],
     "str | ~numpy.typing.ArrayLike": str | ArrayLike,  # the union without the repetition of str
     "~numpy.typing.ArrayLike": ArrayLike,
 }

@@ -18,8 +18,8 @@ CARD = re.compile(
 
 
 NOTE = """:::{{note}}
-This page shows the text and the code of a notebook, without results. `walkerlab lab` opens all lessons; or
-{{download}}`download this notebook <{name}>`.
+This page shows the text and the code of a notebook, without results. `walkerlab lab` opens the lessons in
+JupyterLab. {{download}}`Download this notebook <{name}>`
 :::"""
 """Text below the title of each notebook."""
 

@@ -24,7 +24,8 @@ from tests.settings.cases import (
 )
 from tests.strategies import all_settings
 from walkerlab.settings.algorithm import Algorithm
-from walkerlab.settings.choices import Crossover, Selection
+from walkerlab.settings.choices import Choice, Crossover, Selection
+from walkerlab.settings.fields import OneOf
 from walkerlab.settings.robot import Robot
 from walkerlab.settings.settings import Settings
 from walkerlab.settings.terrain import Terrain
@@ -37,10 +38,18 @@ def test_help_lists_each_setting_with_default_meaning_and_range_without_pydantic
     one_line = re.sub(r"[\s|]+", " ", text)
     for name, declared in domain.declared().items():
         about = declared.about[0].upper() + declared.about[1:]
-        assert f" {name} = {code_text(default(domain, name))} {about}. Allowed: {declared.range}." in one_line
+        own = ", or your own function" if getattr(declared, "functions", False) else ""
+        see = f"; see help(wl.{declared.choices.__name__})" if isinstance(declared, OneOf) else ""
+        assert f" {name} = {code_text(default(domain, name))} {about}. Allowed: {declared.range}{own}{see}." in one_line
         assert f"{name}: typing.Annotated" not in text
     assert "model_dump" not in text
     assert len(text.splitlines()) < 100
+
+
+def test_help_of_a_choice_lists_each_member_with_its_code_and_meaning():
+    for choices in Choice.__subclasses__():
+        text = pydoc.plain(pydoc.render_doc(choices))
+        assert all(f" {choice.name} ({choice.value}): {choice.about}" in text for choice in choices)
 
 
 def test_all_errors_of_one_call_are_reported_together():

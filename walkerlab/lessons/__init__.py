@@ -1,5 +1,7 @@
 """Functions of the lessons: predictions, exercises that check themselves, quizzes, saved runs, and a pooled result.
 
+Exercises and predictions have the number of their lesson in front:
+
     wl.lessons.predict("03.1", 4, unit="m")
     wl.lessons.compare("03.1", run.champion.fitness)
     wl.lessons.check("03.2", answer)

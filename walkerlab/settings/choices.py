@@ -9,6 +9,11 @@ class Choice(IntEnum):
 
     about: str
 
+    def __init_subclass__(cls) -> None:
+        """Write the docstring for ``help``: each member with its code and its meaning."""
+        members = [f"    {choice.name} ({choice.value}): {choice.about}" for choice in cls]
+        cls.__doc__ = "\n".join([cls.__doc__ or "", "", "Members:", *members])
+
     def __new__(cls, code: int, about: str) -> Self:
         """Return the member with an integer code."""
         member = int.__new__(cls, code)

@@ -196,8 +196,11 @@ class Domain(SettingsModel, frozen=True):
 
 def _help_text(declared: FieldDeclaration) -> str:
     """Write meaning and range as an indented paragraph."""
-    sentences = f"{declared.about[0].upper()}{declared.about[1:]}. Allowed: {declared.range}."
-    return indent(fill(sentences, HELP_WIDTH), " " * 8)
+    sentences = f"{declared.about[0].upper()}{declared.about[1:]}. Allowed: {declared.range}"
+    if isinstance(declared, OneOf):
+        sentences += ", or your own function" if declared.functions else ""
+        sentences += f"; see help(wl.{declared.choices.__name__})"
+    return indent(fill(f"{sentences}.", HELP_WIDTH), " " * 8)
 
 
 def _qualified_name(function: object) -> str:
