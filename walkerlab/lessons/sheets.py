@@ -8,7 +8,8 @@ It requires Playwright and Chromium. Without names, all sheets in ``notebooks/te
 import argparse
 import shutil
 import sys
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -31,11 +32,18 @@ def print_sheets(sources: Sequence[Path], folder: Path) -> list[Path]:
     """
     if not sources:
         raise LessonError("there is no sheet to print; write the path of a Markdown file.")
+    folder.mkdir(parents=True, exist_ok=True)
+    with _open_page() as page:
+        return [_print_sheet(page, source, folder / f"{source.stem}.pdf") for source in sources]
+
+
+@contextmanager
+def _open_page() -> Generator[Any]:
+    """Open a page in a new Chromium without a window."""
     try:
         from playwright.sync_api import Error, sync_playwright
     except ImportError:
         raise LessonError(f'Playwright is missing. Install it: "{sys.executable}" -m pip install playwright') from None
-    folder.mkdir(parents=True, exist_ok=True)
     with sync_playwright() as playwright:
         try:
             browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
@@ -43,10 +51,8 @@ def print_sheets(sources: Sequence[Path], folder: Path) -> list[Path]:
             raise LessonError(
                 f'Chromium is missing. Install it: "{sys.executable}" -m playwright install chromium'
             ) from None
-        page = browser.new_page()
-        files = [_print_sheet(page, source, folder / f"{source.stem}.pdf") for source in sources]
+        yield browser.new_page()
         browser.close()
-    return files
 
 
 def _print_sheet(page: Any, source: Path, file: Path) -> Path:
