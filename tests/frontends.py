@@ -156,7 +156,7 @@ def is_voila(address: str) -> bool:
 
 def open_notebook(page, address):
     """Open a notebook and wait until its kernel is idle; Voila runs the cells before it shows the page."""
-    page.goto(address)
+    page.goto(address, timeout=60_000)
     if not is_voila(address):
         page.wait_for_function(READY, timeout=60_000)
 
@@ -175,11 +175,16 @@ def finish_all(page, timeout=120):
     return [TERMINAL_COLOURS.sub("", error) for error in errors]
 
 
+def find_errors(page):
+    """Return the error texts on a page of Voila."""
+    return page.locator('[data-mime-type$="stderr"]', has_text="Traceback").all_inner_texts()
+
+
 def run_all(page, address, timeout=120):
     """Open a notebook in any front end and run all cells; return the error texts. ``timeout`` is in seconds."""
     open_notebook(page, address)
     if is_voila(address):
-        return page.locator('[data-mime-type$="stderr"]', has_text="Traceback").all_inner_texts()
+        return find_errors(page)
     start_all(page)
     return finish_all(page, timeout)
 

@@ -1,4 +1,7 @@
-"""A replay shows what was simulated, plays offline in any browser, and releases its widgets and WebGL contexts."""
+"""A replay shows what was simulated, plays offline in any browser, and releases its widgets and WebGL contexts.
+
+Its test in JupyterLab also contains a playground, because both share a maximum number of open pages.
+"""
 
 import io
 import math
@@ -15,7 +18,7 @@ import pytest
 from PIL import Image
 
 import walkerlab as wl
-from tests.frontends import MAX_CONTEXTS, book, open_notebook, start_all
+from tests.frontends import book, open_notebook, start_all
 from tests.text.test_html import assert_harmless
 from walkerlab.commands.worlds import WALKER_GENOME as GENOME
 from walkerlab.settings.choices import Camera
@@ -343,11 +346,6 @@ def pixels(picture):
     return np.asarray(Image.open(io.BytesIO(picture)).convert("RGB"), dtype=int)
 
 
-@pytest.fixture(scope="module")
-def crowded(tmp_path_factory):
-    return wl.replay(GENOME, CROWDED).to_html(tmp_path_factory.mktemp("replay") / "replay.html")
-
-
 def assert_it_plays(page):
     page.wait_for_function("walkerlab.state.time > 0.05", timeout=30_000)
     first = page.locator("#canvasTarget").screenshot()
@@ -374,12 +372,6 @@ def assert_every_camera_shows_the_robot(page, time, later):
     assert len(pictures) == len(Camera), "each camera has another view"
 
 
-def test_a_file_plays_and_every_camera_shows_the_robot(page, crowded):
-    open_file(page, crowded)
-    assert_it_plays(page)
-    assert_every_camera_shows_the_robot(page, 3, 5.5)
-
-
 MESH_MATRICES = """() => {
     const world = walkerlab.K3D.getWorld(), matrices = {};
     for (const [id, mesh] of Object.entries(world.ObjectsById)) {
@@ -391,14 +383,14 @@ MESH_MATRICES = """() => {
 }"""
 
 
-def test_bodies_are_within_a_millimetre_and_a_degree_of_the_rollout(page, crowded):
-    open_file(page, crowded)
+def assert_bodies_are_within_a_millimetre_and_a_degree_of_the_rollout(page):
     scene = compile_scene(GENOME, CROWDED)
     rollout = wl.simulate(GENOME, CROWDED)
     data = mujoco.MjData(scene.model)
     bodies = [i for i in range(1, scene.model.nbody) if scene.model.body_geomnum[i]]
     for row in np.linspace(0, len(rollout.time) - 1, 10).astype(int):
-        take_picture(page, rollout.time[row], "side")
+        page.evaluate(f"walkerlab.seek({rollout.time[row]})")
+        page.evaluate(TWO_FRAMES)
         shown = page.evaluate(MESH_MATRICES)
         data.qpos[:] = rollout.poses[row]
         mujoco.mj_kinematics(scene.model, data)
@@ -409,8 +401,7 @@ def test_bodies_are_within_a_millimetre_and_a_degree_of_the_rollout(page, crowde
             assert np.degrees(np.arccos(np.clip((np.trace(rotation) - 1) / 2, -1, 1))) < 1
 
 
-def test_controls_change_the_state_of_the_player(page, crowded):
-    open_file(page, crowded)
+def assert_controls_change_the_state_of_the_player(page):
     assert page.evaluate("walkerlab.state.playing")
     page.get_by_role("button", name="Pause (space)").click()
     assert not page.evaluate("walkerlab.state.playing")
@@ -432,20 +423,63 @@ def test_controls_change_the_state_of_the_player(page, crowded):
     assert page.evaluate("walkerlab.state.camera") == "free"
 
 
+def test_a_file_plays_shows_the_rollout_from_every_camera_and_obeys_its_controls(page, tmp_path):
+    open_file(page, wl.replay(GENOME, CROWDED).to_html(tmp_path / "replay.html"))
+    assert_it_plays(page)
+    assert_controls_change_the_state_of_the_player(page)
+    assert_every_camera_shows_the_robot(page, 3, 5.5)
+    assert_bodies_are_within_a_millimetre_and_a_degree_of_the_rollout(page)
+
+
 # ------------------------------------------------------------------------------------------- in JupyterLab
 
-N_REPLAYS = MAX_CONTEXTS + 1
+REPLAYS = """
+import walkerlab as wl
+from walkerlab.commands.worlds import WALKER_GENOME as GENOME
+s = wl.Settings().with_(duration=2)
+"""
+MAX_OPEN_PAGES = 4  # as in frame.js and playground.js
+OPEN_OTHERS = f"""() => {{ // stands for open replays of other cells, which take seconds to open
+    window.nClosed = 0;
+    const close = () => {{ window.nClosed += 1; walkerlabOpenPages.shift(); }};
+    for (let i = 1; i < {MAX_OPEN_PAGES}; i++) walkerlabOpenPages.push({{ close, pause() {{}} }});
+}}"""
 
 
-def many_replays():
-    setting = (
-        "import walkerlab as wl\nfrom walkerlab.commands.worlds import WALKER_GENOME as GENOME\n"
-        "s = wl.Settings().with_(duration=2)"
-    )
-    return book(setting, *(f"wl.replay({{'walk {i}': GENOME}}, s)" for i in range(N_REPLAYS)))
+def play_in_cell(page, number):
+    """Play the replay of a cell; return its page, which is checked."""
+    cell = page.locator(f'.jp-Cell[data-windowed-list-index="{number}"]')
+    cell.scroll_into_view_if_needed(timeout=60_000)
+    cell.locator('button[title="Play"]').click(timeout=60_000)
+    frame = cell.locator("iframe").element_handle(timeout=30_000).content_frame()
+    frame.wait_for_function("window.walkerlab && walkerlab.state.time > 0.1", timeout=30_000)
+    assert f"walk {number}" in frame.locator(".walks").inner_text()
+    assert not frame.evaluate("walkerlab.K3D.getWorld().renderer.getContext().isContextLost()")
+    return frame
 
 
-def test_more_replays_than_webgl_contexts_can_all_be_played_in_one_notebook(page, jupyter):
+PLAYGROUND = (
+    f"live = wl.playground({GENOME!r}, s)\nlive",
+    "print('frequency', live.genome.values[1])",
+    f"live.gene_text = {GENOME.replace('frequency=1.2', 'frequency=0.9')!r}",
+)
+
+
+def assert_a_playground_and_python_change_the_same_genome(page, first_cell):
+    """Check the playground whose cells begin with this one."""
+    page.locator('.wl-playground button[title="Walk live"]').click(timeout=60_000)
+    frame = page.locator(".wl-playground iframe").element_handle(timeout=30_000).content_frame()
+    frame.wait_for_function("window.walkerlab && walkerlab.walks[0].time > 0.1", timeout=60_000)
+    frame.wait_for_function("walkerlab.listeners.length === 1 && walkerlab.genome.includes('frequency=0.9')")
+    frame.get_by_label("frequency").fill("1.7")
+    page.locator(f'.jp-Cell[data-windowed-list-index="{first_cell + 1}"]').click()
+    page.keyboard.press("Control+Enter")
+    page.get_by_text("frequency 1.7").wait_for()
+    page.get_by_role("button", name="Close", exact=True).click()
+    assert page.locator(".wl-playground iframe").count() == 0
+
+
+def test_the_oldest_of_many_open_pages_is_closed_and_can_be_played_again(page, jupyter):
     external_requests = []
 
     def allow_local(route):
@@ -457,22 +491,18 @@ def test_more_replays_than_webgl_contexts_can_all_be_played_in_one_notebook(page
 
     page.route("**/*", allow_local)
     page.set_viewport_size({"width": 1280, "height": 900})
-    open_notebook(page, jupyter.put(many_replays()))
+    replays = [f"wl.replay({{'walk {i}': GENOME}}, s)" for i in (1, 2)]
+    open_notebook(page, jupyter.put(book(REPLAYS, *replays, *PLAYGROUND)))
     start_all(page)
-    for number in range(N_REPLAYS):
-        cell = page.locator(f'.jp-Cell[data-windowed-list-index="{number + 1}"]')
-        play = cell.locator('button[title="Play"]')
-        cell.scroll_into_view_if_needed(timeout=60_000)
-        play.wait_for(timeout=60_000)
-        play.click()
-        frame = cell.locator("iframe").element_handle(timeout=20_000).content_frame()
-        frame.wait_for_function("window.walkerlab && walkerlab.state.time > 0.1", timeout=30_000)
-        assert f"walk {number}" in frame.locator(".walks").inner_text()
-        assert not frame.evaluate("walkerlab.K3D.getWorld().renderer.getContext().isContextLost()")
-        assert page.locator("iframe").count() <= 4
-        if number == 0:
-            assert_it_plays(frame)
+    assert_it_plays(play_in_cell(page, 1))
+    page.evaluate(OPEN_OTHERS)
+    play_in_cell(page, 2)
+    assert page.locator("iframe").count() == 1, "the first is closed, so that its WebGL context is free"
+    play_in_cell(page, 1)
+    assert (page.locator("iframe").count(), page.evaluate("window.nClosed")) == (2, 1)
     page.locator('button[title="Close the replay"]').last.click()
+    assert page.locator("iframe").count() == 1
+    assert_a_playground_and_python_change_the_same_genome(page, 3)
     assert external_requests == []
 
 

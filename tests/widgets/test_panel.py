@@ -7,9 +7,9 @@ from pathlib import Path
 import pandas as pd
 
 import walkerlab as wl
-from tests.frontends import book, finish_all, open_notebook, run_all, start_all
+from tests.frontends import book, find_errors, finish_all, open_notebook, run_all, start_all
 from tests.reach import beyond_keyboard, unnamed_controls
-from tests.widgets.test_frontends import LONG
+from tests.widgets.test_frontends import ECHO, LONG, check_component, press
 
 PANEL = """
 from concurrent.futures import ThreadPoolExecutor
@@ -160,9 +160,12 @@ def test_every_control_has_a_name_and_works_by_keyboard_and_while_a_cell_is_runn
     page.set_viewport_size({"width": 1280, "height": 800})
     over = jupyter.folder / "over"
     in_notebook = frontend != "Voila"
-    open_notebook(page, jupyter.put(book(PANEL, *([LONG] if in_notebook else [])), frontend))
+    cells = (LONG, "1 / 0", "2 + 2") if in_notebook else ("1 / 0",)
+    open_notebook(page, jupyter.put(book(PANEL, ECHO, *cells), frontend))
     if in_notebook:
         start_all(page)
+        assert press(page) < 1
+        assert page.locator(".wl-echo output").inner_text() == "on another thread"
     button(page, "One generation").click(timeout=60_000)
     says(page, "Paused: 1 of")
     button(page, "Continue").click()
@@ -175,7 +178,9 @@ def test_every_control_has_a_name_and_works_by_keyboard_and_while_a_cell_is_runn
     if in_notebook:
         assert page.locator(".jp-InputPrompt", has_text="[*]").count() >= 1, "the cell is still running"
         over.touch()
-        assert finish_all(page) == []
+    [error] = finish_all(page) if in_notebook else find_errors(page)
+    assert "ZeroDivisionError: division by zero" in error
+    check_component(page, in_notebook)
     # All tabs have the same kinds of control, so they are checked in one front end.
     for tab in ("terrain", "robot", "algorithm") if frontend == "JupyterLab" else ():
         page.get_by_role("tab", name=tab).click()
@@ -187,6 +192,10 @@ def test_every_control_has_a_name_and_works_by_keyboard_and_while_a_cell_is_runn
     picture(page, frontend.replace(" ", "-"))
 
 
+ONE_WORKER = """
+import os
+os.environ["LOKY_MAX_CPU_COUNT"] = "1"
+"""
 N_WORKERS = """
 from pathlib import Path
 import os, time
@@ -206,7 +215,7 @@ def test_a_panel_is_closed_by_its_cell_or_by_code_while_it_runs(page, jupyter):
         "assert workers() > 0, 'the panel has workers'",
         f"{end}assert not workers()",
     )
-    panel = PANEL.replace(", executor=ThreadPoolExecutor(1)", "") + N_WORKERS.replace("\n\n", "\n") + "lab"
+    panel = ONE_WORKER + PANEL.replace(", executor=ThreadPoolExecutor(1)", "") + N_WORKERS.replace("\n\n", "\n") + "lab"
     page.set_viewport_size({"width": 1280, "height": 800})
     open_notebook(page, jupyter.put(book(panel, *cells)))
     page.locator(".jp-Cell .jp-InputArea-editor").first.click()
@@ -234,9 +243,18 @@ def test_a_panel_is_closed_by_its_cell_or_by_code_while_it_runs(page, jupyter):
     page.locator(".wl-transport").wait_for(state="detached")
 
 
-def test_two_panels_in_one_notebook_are_independent(page, jupyter):
-    other = "other = wl.Lab(s.with_(seed=3), executor=ThreadPoolExecutor(1))\nother"
-    open_panel(page, jupyter, "JupyterLab", other)
+FAULTY = """
+calls = []
+def bad(genomes, genes, *, rng):
+    calls.append(1)
+    return genomes + (undefined if len(calls) > 4 else 0)
+other = wl.Lab(s.with_(seed=3, mutation=bad, generations=6), executor=ThreadPoolExecutor(1))
+other
+"""
+
+
+def test_two_panels_in_one_notebook_are_independent_even_if_a_user_function_fails(page, jupyter):
+    open_panel(page, jupyter, "JupyterLab", FAULTY.strip())
     first, second = (page.locator(".wl-lab").nth(i) for i in (0, 1))
 
     # invalid settings disable the start button of their panel
@@ -263,32 +281,14 @@ def test_two_panels_in_one_notebook_are_independent(page, jupyter):
     assert second.locator(".wl-transport", has_text="Paused: 1 of").count() == 1  # although it is not visible
     button(first, "Stop").click()
     first.locator(".wl-transport", has_text="Stopped").wait_for()
-    assert button(second, "Continue").is_enabled()
 
-
-FAULTY = """
-from concurrent.futures import ThreadPoolExecutor
-import walkerlab as wl
-calls = []
-def bad(genomes, genes, *, rng):
-    calls.append(1)
-    return genomes + (undefined if len(calls) > 4 else 0)
-s = wl.Settings().with_(mutation=bad, population_size=8, generations=6, duration=1)
-lab = wl.Lab(s, executor=ThreadPoolExecutor(1))
-lab
-"""
-
-
-def test_an_error_in_a_user_function_is_reported_with_how_to_resume(page, jupyter):
-    page.set_viewport_size({"width": 1280, "height": 800})
-    assert run_all(page, jupyter.put(book(FAULTY), "JupyterLab")) == []
-    page.locator(".wl-lab .wl-transport").first.scroll_into_view_if_needed()
-    button(page, "Start").click()
-    says(page, "mutation 'bad' raised NameError")
-    says(page, "(line 6), while making generation 3")
-    path = only_run(jupyter).relative_to(jupyter.folder)
-    says(page, f"run = wl.resume('{path}', mutation=bad)", ".wl-drawer")
-    drawer = page.locator(".wl-drawer").first
+    # an error in a user function is reported with how to resume
+    button(second, "Continue").click()
+    second.locator(".wl-transport", has_text="mutation 'bad' raised NameError").wait_for(timeout=60_000)
+    assert "(line 4), while making generation 3" in second.locator(".wl-transport").inner_text()
+    drawer = second.locator(".wl-drawer")
+    drawer.get_by_text(re.compile(r"run = wl.resume\('lab.+run.walk', mutation=bad\)")).wait_for()
     drawer.scroll_into_view_if_needed()
     assert drawer.evaluate("one => one.scrollHeight <= one.clientHeight"), "the message is not cut off"
+    assert "Stopped" in first.locator(".wl-transport").inner_text()
     picture(page, "fault")
