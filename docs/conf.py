@@ -70,6 +70,7 @@ html_additional_pages = {"index": "redirect.html"}
 templates_path = ["templates"]
 html_copy_source = False
 html_show_sphinx = False
+html_show_search_summary = False  # browsers do not let a page that was opened from a file read other files
 html_theme_options = {"navigation_with_keys": True}
 pygments_style = "a11y-light"
 pygments_dark_style = "a11y-dark"

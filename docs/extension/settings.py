@@ -1,7 +1,10 @@
 """Tables of the settings and of their choices, made from the declarations of the fields."""
 
+from typing import cast
+
 from docutils import nodes
 from sphinx.application import Sphinx
+from sphinx.domains.python import PythonDomain
 from sphinx.util.docutils import SphinxDirective
 
 import walkerlab as wl
@@ -31,9 +34,12 @@ class SettingsTable(SphinxDirective):
             rows.append([f"`{row.name}`{alias}", unit, _range(declared), default, row.about])
         table = markdown_table(["setting", "unit", "range", "default", "meaning"], rows)
         described = self.parse_text_to_nodes(_class_text(domain, f"{domain.summary()}\n\n{table}"))
-        for found in described:
-            for node in found.findall(nodes.table):
-                node["classes"].append("settings")
+        (found,) = (node for part in described for node in part.findall(nodes.table))
+        found["classes"].append("settings")
+        for setting, line in zip(domain.declared(), list(found.findall(nodes.row))[1:], strict=True):
+            name = f"walkerlab.{domain.__name__}.{setting}"  # so that links and the search find each setting
+            line["ids"].append(name)
+            cast(PythonDomain, self.env.get_domain("py")).note_object(name, "attribute", name, location=line)
         return described
 
 
