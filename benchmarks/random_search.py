@@ -1,6 +1,6 @@
 """Compare the default genetic algorithm with random search at equal evaluations, on four kinds of ground.
 
-    python -m benchmarks.random_search --folder FOLDER [--seeds 10] [--generations 15] [--population 30]
+    python -m benchmarks.random_search --folder FOLDER [--seeds 10] [--population 28]
 
 The whole experiment is one call of ``wl.compare``; its file is ``FOLDER/random_search.walk``, and the same command
 continues it. The report and the tables of docs/experiments.md are written next to it.
@@ -16,22 +16,24 @@ from walkerlab.experiment.optimisers import Optimiser
 from walkerlab.experiment.summary import Summary
 from walkerlab.system.files import write_text
 
+BUDGETS = {
+    "flat": {"generations": 30, "duration": 5.0},
+    "incline": {"generations": 30, "duration": 5.0},
+    "stairs": {"generations": 80, "duration": 8.0},
+    "gravel": {"generations": 30, "duration": 5.0},
+}
+"""Generations and duration of a walk [s] on each ground; walkers need longer to learn to climb stairs."""
 
-def create_conditions(
-    generations: int, population: int, duration: float
-) -> dict[str, wl.Settings | tuple[Optimiser, wl.Settings]]:
+
+def create_conditions(population: int) -> dict[str, wl.Settings | tuple[Optimiser, wl.Settings]]:
     """Return the conditions for ``wl.compare``: both searches on each ground.
 
     Args:
-        generations: Number of generations of the genetic algorithm.
         population: Number of robots of a generation.
-        duration: Duration of a walk [s].
     """
     conditions: dict[str, wl.Settings | tuple[Optimiser, wl.Settings]] = {}
     for ground in GROUNDS:
-        settings = create_settings(ground, {}).with_(
-            generations=generations, population_size=population, duration=duration
-        )
+        settings = create_settings(ground, {}).with_(population_size=population, **BUDGETS[ground])
         conditions[f"{ground}: evolution"] = settings
         conditions[f"{ground}: random search"] = (wl.random_search, settings)
     return conditions
@@ -51,12 +53,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--folder", type=Path, required=True)
     parser.add_argument("--seeds", type=int, default=10)
-    parser.add_argument("--generations", type=int, default=15)
-    parser.add_argument("--population", type=int, default=30)
-    parser.add_argument("--duration", type=float, default=8.0)
+    parser.add_argument("--population", type=int, default=28)
     arguments = parser.parse_args()
     arguments.folder.mkdir(parents=True, exist_ok=True)
-    conditions = create_conditions(arguments.generations, arguments.population, arguments.duration)
+    conditions = create_conditions(arguments.population)
     start = time.perf_counter()
     result = wl.compare(conditions, range(arguments.seeds), arguments.folder / "random_search.walk")
     minutes = (time.perf_counter() - start) / 60
