@@ -226,6 +226,7 @@ def test_a_python_without_permission_to_install_needs_a_new_environment(monkeypa
     monkeypatch.setattr(fixes.os, "access", lambda *_: False)
     monkeypatch.setattr(fixes.sysconfig, "get_path", lambda _: str(tmp_path))
     (tmp_path / "EXTERNALLY-MANAGED").touch()
+    monkeypatch.setattr(fixes, "FIRST_PYTHON_WITHOUT_LABMAZE", (4,))
     *_, create, install = fixes.install_commands("numpy>=2").splitlines()
     assert create.endswith(f"-m venv {fixes.ENVIRONMENT_FOLDER}")
     assert install.endswith(f"-m pip install {fixes.find_source()}")
@@ -237,8 +238,17 @@ def test_a_python_without_permission_to_install_needs_a_new_environment(monkeypa
 def test_debian_needs_a_package_for_venv(monkeypatch):
     monkeypatch.setattr(fixes.platform, "system", lambda: "Linux")
     monkeypatch.setattr(fixes, "find_spec", lambda name: None)
+    monkeypatch.setattr(fixes, "FIRST_PYTHON_WITHOUT_LABMAZE", (4,))
     assert "python3-venv" in fixes.create_environment("python3").splitlines()[0]
     assert len(fixes.create_environment("python3").splitlines()) == 3
+
+
+def test_where_labmaze_cannot_be_installed_dm_control_is_installed_first(monkeypatch):
+    monkeypatch.setattr(fixes, "FIRST_PYTHON_WITHOUT_LABMAZE", (3,))
+    for commands in (fixes.install_commands(fixes.find_source()), fixes.create_environment("python3")):
+        dm_control, walkerlab = commands.splitlines()[-2:]
+        assert dm_control.endswith("-m pip install --no-deps dm-control")
+        assert walkerlab.endswith(f"-m pip install {fixes.find_source()}")
 
 
 def test_the_source_is_the_folder_from_which_walkerlab_was_installed(monkeypatch):

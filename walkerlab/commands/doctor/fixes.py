@@ -17,6 +17,8 @@ from walkerlab.view.opengl import adapt_sudo
 
 ENVIRONMENT_FOLDER = "walkers"  # folder of the virtual environment that is suggested
 
+FIRST_PYTHON_WITHOUT_LABMAZE = (3, 13)  # dm_control requires labmaze, which walkerlab does not use
+
 
 def unset_variable(name: str) -> str:
     """Return the command that removes an environment variable."""
@@ -45,7 +47,17 @@ def install_commands(*requirements: str) -> str:
     quoted = " ".join(f'"{one}"' if set(one) & set("<>;*[ ") else one for one in requirements)
     python = quote_path(Path(sys.executable))
     get_pip = "" if find_spec("pip") else f"{python} -m ensurepip\n"
-    return f"{get_pip}{python} -m pip install {quoted}"
+    dm_control = install_dm_control(python) if find_source() in requirements else ""
+    return f"{get_pip}{dm_control}{python} -m pip install {quoted}"
+
+
+def install_dm_control(python: str) -> str:
+    """Return the command that must precede the installation of walkerlab with this version of Python; "" if none must.
+
+    Args:
+        python: Command of the Python into which walkerlab is installed.
+    """
+    return f"{python} -m pip install --no-deps dm-control\n" if sys.version_info >= FIRST_PYTHON_WITHOUT_LABMAZE else ""
 
 
 def allows_packages() -> bool:
@@ -64,7 +76,8 @@ def create_environment(python: str) -> str:
     inside = rf"{ENVIRONMENT_FOLDER}\Scripts\python" if os.name == "nt" else f"{ENVIRONMENT_FOLDER}/bin/python"
     is_split = platform.system() == "Linux" and not find_spec("ensurepip")  # a separate package on Debian
     install_venv = f"{adapt_sudo('sudo apt-get update && sudo apt-get install python3-venv')}\n" if is_split else ""
-    return f"{install_venv}{python} -m venv {ENVIRONMENT_FOLDER}\n{inside} -m pip install {find_source()}"
+    create = f"{install_venv}{python} -m venv {ENVIRONMENT_FOLDER}\n"
+    return f"{create}{install_dm_control(inside)}{inside} -m pip install {find_source()}"
 
 
 def install_python(needed: str) -> str:

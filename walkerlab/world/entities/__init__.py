@@ -5,12 +5,21 @@ dm_control is imported only here and in ``export``. Entities depend only on thei
 
 import warnings
 
-with warnings.catch_warnings():  # dm_control looks for a display when it is imported, and warns if there is none
-    warnings.simplefilter("ignore")
-    from dm_control import composer as composer
-    from dm_control import mjcf as mjcf
-    from dm_control.composer.observation import observable as observable
-    from dm_control.mujoco.wrapper import MjModel as WrappedModel
+try:
+    with warnings.catch_warnings():  # dm_control looks for a display when it is imported, and warns if there is none
+        warnings.simplefilter("ignore")
+        from dm_control import composer as composer
+        from dm_control import mjcf as mjcf
+        from dm_control.composer.observation import observable as observable
+        from dm_control.mujoco.wrapper import MjModel as WrappedModel
+except ModuleNotFoundError as error:
+    if error.name != "dm_control":
+        raise
+    raise ModuleNotFoundError(
+        "walkerlab requires dm_control, which pip does not install with it on Python 3.13 and newer. Install it with: "
+        "python -m pip install --no-deps dm-control",
+        name="dm_control",
+    ) from None
 
 from walkerlab.world.entities.load import Pack, Sledge, add_rope
 from walkerlab.world.entities.terrain import Ground, generate_terrain
