@@ -10,6 +10,8 @@ from myst_parser.parsers.sphinx_ import MystParser
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
+INDEX = "notebooks/index.ipynb"  # path in the repository
+
 CARD = re.compile(
     r'<a href="(?P<notebook>[^"]+)"><img src="(?P<picture>[^"]+)" width="\d+" alt="(?P<alt>[^"]+)"></a><br>\s*'
     r"<a [^>]+><b>(?P<title>[^<]+)</b></a><br>\s*(?P<question>[^<]+)</td>"
@@ -34,8 +36,8 @@ class NotebookParser(MystParser):
         path = Path(self.env.doc2path(self.env.docname))
         title, *cells = _read_cells(inputstring)
         heading, _, introduction = title.partition("\n")
-        picture = Path("pictures", f"{path.stem}.png")
-        pictures = [f"![The picture of this lesson]({picture.as_posix()})"] if (path.parent / picture).exists() else []
+        cards = [card for _, cards in _read_gallery(Path(self.env.srcdir)) for card in cards]
+        pictures = [f"![{card['alt']}]({card['picture']})" for card in cards if card["notebook"] == path.name]
         note = NOTE.format(name=path.name)
         super().parse("\n\n".join([heading, *pictures, introduction, note, *cells]), document)
 
@@ -45,16 +47,20 @@ class LessonGallery(SphinxDirective):
 
     def run(self) -> list[nodes.Node]:
         """Return the headings and the cards."""
-        path = Path(self.env.srcdir, "notebooks", "index.ipynb")
-        self.env.note_dependency(path)
-        cells = ["".join(cell["source"]) for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]]
-        sections = [(text.partition("\n")[0], list(CARD.finditer(text))) for text in cells if "<table>" in text]
+        self.env.note_dependency(INDEX)
         lines: list[str] = []
-        for heading, cards in sections:
+        for heading, cards in _read_gallery(Path(self.env.srcdir)):
             if not cards:
-                raise self.error(f"there is no lesson under {heading!r} in {path.name}")
+                raise self.error(f"there is no lesson under {heading!r} in {INDEX}")
             lines += [heading, "", ":::::{container} gallery", *map(_card_text, cards), ":::::", ""]
         return self.parse_text_to_nodes("\n".join(lines), allow_section_headings=True)
+
+
+def _read_gallery(root: Path) -> list[tuple[str, list[re.Match[str]]]]:
+    """Return each heading of the index notebook with the lessons below it."""
+    notebook = json.loads((root / INDEX).read_text(encoding="utf-8"))
+    cells = ["".join(cell["source"]) for cell in notebook["cells"]]
+    return [(text.partition("\n")[0], list(CARD.finditer(text))) for text in cells if "<table>" in text]
 
 
 def _read_cells(notebook: str) -> Iterator[str]:
