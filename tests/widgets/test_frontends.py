@@ -1,6 +1,7 @@
 """What a component must do in JupyterLab, Notebook 7 and Voila; ``test_panel`` checks it beside a panel."""
 
 from tests.reach import beyond_keyboard, reached_by_keyboard, unnamed_controls
+from walkerlab.widgets.component import load_script
 
 # A component with a button that Python answers and one of each kind of control.
 ECHO = '''
@@ -104,3 +105,28 @@ def test_unreachable_and_unnamed_controls_are_found(page):
         '<button tabindex="-1"></button>',
         '<div role="slider" aria-label="by mouse only"></div>',
     ]
+
+
+CELLS = """<div class="jp-Cell" id="above"><div class="widget"></div></div>
+<div class="jp-Cell" id="panel"><div class="widget"></div></div><div class="jp-Cell jp-mod-active">next</div>"""
+SHOW = """id => {
+    const widget = document.querySelector(`#${id} .widget`);
+    startInView(widget);
+    widget.style.height = "900px";
+}"""
+
+
+def test_the_start_of_a_widget_is_shown_after_shift_enter_unless_the_user_scrolls(page):
+    page.set_content(CELLS)
+    page.add_script_tag(content=load_script())
+    page.evaluate(
+        "() => { window.shown = []; Element.prototype.scrollIntoView = function () { shown.push(this.id); }; }"
+    )
+    page.evaluate(SHOW, "above")  # the cell below is not active
+    page.evaluate(SHOW, "panel")
+    page.wait_for_function("shown.length")
+    page.evaluate(SHOW, "panel")
+    page.evaluate("window.dispatchEvent(new Event('wheel'))")
+    page.evaluate(SHOW, "panel")
+    page.wait_for_function("shown.length > 1")
+    assert page.evaluate("shown") == ["panel", "panel"]
