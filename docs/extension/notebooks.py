@@ -33,10 +33,11 @@ class NotebookParser(MystParser):
 
     def parse(self, inputstring: str, document: nodes.document) -> None:
         """Parse the text of a notebook file into a document, with a picture and a note below its title."""
-        path = Path(self.env.doc2path(self.env.docname))
+        environment = document.settings.env
+        path = Path(environment.doc2path(environment.docname))
         title, *cells = _read_cells(inputstring)
         heading, _, introduction = title.partition("\n")
-        cards = [card for _, cards in _read_gallery(Path(self.env.srcdir)) for card in cards]
+        cards = [card for _, cards in _read_gallery(Path(environment.srcdir)) for card in cards]
         pictures = [f"![{card['alt']}]({card['picture']})" for card in cards if card["notebook"] == path.name]
         note = NOTE.format(name=path.name)
         super().parse("\n\n".join([heading, *pictures, introduction, note, *cells]), document)
