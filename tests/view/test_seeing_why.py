@@ -13,7 +13,7 @@ import walkerlab as wl
 from walkerlab.analysis.price import TERMS
 from walkerlab.ga.selection import tournament
 from walkerlab.settings.choices import Crossover, Feature, Mutation, Selection
-from walkerlab.view.plots.gene_notes import GENE_NOTES, explain_genes
+from walkerlab.view.plots.gene_notes import GENE_NOTES, STRIDE_ANGLE, explain_genes
 from walkerlab.view.plots.operator_words import explain_operator, explain_operators
 
 MAX_SENTENCES = 3  # of a caption
@@ -85,7 +85,8 @@ def test_a_caption_says_in_one_clause_what_each_operator_does(name, clause):
 
 def test_every_gene_has_a_note():
     assert GENE_NOTES.keys() == set(Feature)
-    assert explain_genes([Feature.lag]) == f"Genes: lag = {GENE_NOTES[Feature.lag]}."
+    assert explain_genes([Feature.duty]) == f"Genes: duty = {GENE_NOTES[Feature.duty]}."
+    assert explain_genes([Feature.lag]) == f"Genes: lag = {GENE_NOTES[Feature.lag]}; {STRIDE_ANGLE}."
     assert explain_genes([]) == ""
 
 
