@@ -46,15 +46,6 @@ def test_a_text_file_has_the_same_values_with_either_decimal_mark(run, tmp_path,
     pd.testing.assert_frame_equal(again.drop(columns=TEXTS), run.records.drop(columns=TEXTS), **SAME)
 
 
-def test_parquet_of_pandas_keeps_values_and_units(run, tmp_path):
-    pytest.importorskip("pyarrow", reason="pyarrow is not installed")
-    records = wl.load(run.path).records
-    records.to_parquet(tmp_path / "robots.parquet")
-    again = pd.read_parquet(tmp_path / "robots.parquet")
-    pd.testing.assert_frame_equal(again, records, check_exact=True)
-    assert again.attrs["units"] == records.attrs["units"]
-
-
 @pytest.mark.parametrize("name", ["robots.csv", "robots.xlsx"])
 def test_no_text_is_a_formula(run, tmp_path, name):
     if name.endswith("xlsx"):
