@@ -16,7 +16,7 @@ from walkerlab.evolution.run import Run
 from walkerlab.text.escape import escape_cell, printable
 from walkerlab.view.plots import fitness_curve, save
 from walkerlab.view.report.code import user_functions
-from walkerlab.view.report.page import _escape_formulas
+from walkerlab.view.table_files import escape_formulas
 
 SMALL = wl.Settings().with_(population_size=4, generations=2, duration=1)
 STRANGE = "=x\x1b]0;pwned\x07\x1b[2J\x00\u202e\ud800</script><img src=x onerror=alert(1)>\nimport this"
@@ -77,7 +77,7 @@ def test_the_table_contains_no_formulas(report):
 
 def test_a_table_without_formulas_is_unchanged():
     records = evolved().records
-    pd.testing.assert_frame_equal(_escape_formulas(records), records)
+    pd.testing.assert_frame_equal(escape_formulas(records), records)
 
 
 def test_a_report_contains_no_scripts_and_valid_pictures(report):
