@@ -50,7 +50,7 @@ class Editor(Component):
         result: Result of the last walk, as plain data for the browser: ``distance``, ``change``, ``before``,
             ``verdict``, ``counts``, ``is_better`` and ``others``, a list of additional lines; or ``fault``.
         can_insert: Whether the genome can be inserted into a later generation.
-        report: Result of the last button that inserted the genome; empty if there is none, or after a change.
+        report: Result of the last button that inserted the genome; empty before the first one and after a change.
         insert_hint: Why the genome cannot be inserted, and what to do.
         buttons: Names of the visible buttons: those with a callback.
     """

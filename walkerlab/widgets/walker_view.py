@@ -42,7 +42,7 @@ class WalkerCaption(Component):
     Attributes:
         words: Text of the caption.
         moves: Whether the picture moves.
-        news: Text about a better robot that was found while the replay of another one is open; empty if there is none.
+        news: Text about a better robot that was found while the replay of another one is open; otherwise empty.
     """
 
     title = "caption"

@@ -86,7 +86,9 @@ def pedigree(
     fitness_name = str(table.attrs.get("fitness", UNKNOWN_FITNESS))
     n_births = sum(step.n_births for step in steps)
     n_columns = 1 if len(steps) <= MAX_ROWS_OF_SINGLE_COLUMN else 2
-    caption = _write_caption(steps, n_columns, last.individual, individual is None, fitness_name)
+    caption = _write_caption(
+        steps, n_columns, last.individual, is_champion=individual is None, fitness_name=fitness_name
+    )
     genes = explain_genes(_explained_features(steps))
     paragraphs = [escape_label(each) for each in (*caption, genes) if each]
     lines = "\n".join(textwrap.fill(each, LINE_LENGTH * n_columns) for each in paragraphs)

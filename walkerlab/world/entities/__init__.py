@@ -6,7 +6,7 @@ dm_control is imported only here and in ``export``. Entities depend only on thei
 import warnings
 
 try:
-    with warnings.catch_warnings():  # dm_control looks for a display when it is imported, and warns if there is none
+    with warnings.catch_warnings():  # dm_control warns on import if the computer has no display
         warnings.simplefilter("ignore")
         from dm_control import composer as composer
         from dm_control import mjcf as mjcf
