@@ -8,6 +8,7 @@ from walkerlab.runfile.history import EarlierStage, Founder, History
 from walkerlab.runfile.missing_functions import MissingFunction
 from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.simulation import NO_EFFECT_ON_WALKS
 from walkerlab.settings.values import code_text
 
 LOADS = ("carry_weight", "drag_weight")
@@ -90,7 +91,9 @@ def find_changes(before: Settings, after: Settings) -> dict[str, Any]:
 def changes_walks(changes: Mapping[str, Any]) -> bool:
     """Return whether robots walk or are rated differently with changed settings."""
     locations = Settings.field_locations()
-    return any(name == "fitness" or (locations[name][0] != "algorithm" and name not in _UNRELATED) for name in changes)
+    return any(
+        name == "fitness" or (locations[name][0] != "algorithm" and name not in NO_EFFECT_ON_WALKS) for name in changes
+    )
 
 
 def check_changes(before: Settings, after: Settings) -> None:
@@ -117,9 +120,6 @@ def check_changes(before: Settings, after: Settings) -> None:
     if errors:
         raise SettingsError("\n".join(errors))
 
-
-_UNRELATED = ("camera", "record")
-"""Settings of the simulation that change neither walks nor ratings."""
 
 _FIXED = {
     "population_size": "every generation of a run has the same size",

@@ -11,8 +11,8 @@ import pandas as pd
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile.opening import RunFileError
 from walkerlab.settings.binding import arguments_as_python
-from walkerlab.settings.choices import Camera, Recording
 from walkerlab.settings.settings import Settings
+from walkerlab.settings.simulation import NO_EFFECT_ON_WALKS
 from walkerlab.settings.values import function_name
 from walkerlab.simulation.rollout import Rollout
 from walkerlab.simulation.validity import REJECTED
@@ -89,13 +89,9 @@ def remember_walks(settings: Settings, table: pd.DataFrame) -> None:
         function.conditions = _walk_conditions(settings)
 
 
-_UNRELATED = {"camera": Camera.side, "record": Recording.none}
-"""Settings of the simulation on which walks do not depend."""
-
-
 def _walk_conditions(settings: Settings) -> object:
     """Return all settings that a walk depends on."""
-    return settings.terrain, settings.robot, settings.simulation.model_copy(update=_UNRELATED)
+    return settings.terrain, settings.robot, settings.simulation.model_copy(update=NO_EFFECT_ON_WALKS)
 
 
 def function_as_python(function: Callable[..., Any]) -> str:

@@ -47,3 +47,7 @@ class Simulation(DisplayedDomain, frozen=True):
             several=True,
         ),
     ] = Recording.none
+
+
+NO_EFFECT_ON_WALKS = {"camera": Camera.side, "record": Recording.none}
+"""Defaults of the settings that change neither walks nor their fitness."""
