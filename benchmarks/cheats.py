@@ -1,9 +1,9 @@
 """Attack the verdicts: look for robots that get far without walking.
 
-    python benchmarks/cheats.py [--evaluations 400] [--seeds 1] [--world NAME] [--folder cheats]
+    python -m benchmarks.cheats [--evaluations 400] [--seeds 1] [--world NAME] [--cheat NAME] [--folder F] [--jobs 2]
 
-Four parts, each a line of ``results.jsonl`` in the folder. Lines that are there already are not computed again, so the
-benchmark can be stopped at any time and resumed by the same command.
+Four parts with several trials each. The result of a trial is a line of ``results.jsonl`` in the folder. Trials that are
+there already are not computed again, so the benchmark can be stopped at any time and resumed by the same command.
 
 known    robots that got far on their back, rolling or trembling, in worlds where that must not count
 weak     50 tall, weak robots on slopes: how many stay down for over 0.5 s, and how many of these count all the same
@@ -16,15 +16,21 @@ walker   a robot that walks on its feet, on every ground: its walk must count, e
 import argparse
 import json
 import math
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 import walkerlab as wl
+from walkerlab.ga.genes import Floats
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.repair import repair
 from walkerlab.simulation.footfalls import foot_share
-from walkerlab.simulation.rollout import simulate_walk
+from walkerlab.simulation.rollout import Rollout, simulate_walk
 from walkerlab.world.scene import Scene, compile_scene
 
 LIMITS = wl.Robot(segments=(1, 4), legs=(2, 8))
@@ -52,12 +58,12 @@ WALKER = (  # found by evolution on flat ground; all but 2 % of its contacts are
 )
 
 
-def slope(incline, **changes):
+def slope(incline: float, **changes: Any) -> dict[str, Any]:
     """Return the changes of a terrain that make it a slope."""
     return {"structure": "incline", "incline": incline, **changes}
 
 
-WORLDS = {
+WORLDS: dict[str, dict[str, Any]] = {
     "flat": {},
     "descent of 5°": slope(-5),
     "descent of 20°": slope(-20),
@@ -71,7 +77,7 @@ WORLDS = {
     "rough": {"structure": "rough"},
     "gaps": {"structure": "gaps"},
 }
-KNOWN = [
+KNOWN: list[tuple[str, dict[str, Any]]] = [
     (ON_ITS_BACK, slope(-20)),
     (FLAILING, slope(-5, texture="ice")),
     (FLAILING, slope(-10)),
@@ -93,23 +99,23 @@ MUTATION_SCALE = 0.2  # of the range of a gene
 class HeldScene(Scene):
     """Scene in which the robot holds its rest pose instead of walking."""
 
-    def controls(self, n_steps):
+    def controls(self, n_steps: int) -> Floats:
         """Return the servo targets of the rest pose."""
         return np.tile(self.rest, (n_steps, 1))
 
 
-def walk_on_back(genome, settings):
+def walk_on_back(genome: wl.Genome, settings: wl.Settings) -> tuple[Rollout, float]:
     """Return a walk and the share of it that is spent on the back."""
     rollout = wl.simulate(genome, settings, poses=False)
     return rollout, float((rollout.up[:, 2] < 0).mean())
 
 
-def stand_still(genome, settings):
+def stand_still(genome: wl.Genome, settings: wl.Settings) -> tuple[Rollout, float]:
     """Return the walk of a robot that is not driven, and 1."""
     return simulate_walk(HeldScene(**vars(compile_scene(genome, settings))), poses=False), 1.0
 
 
-def scrape(genome, settings):
+def scrape(genome: wl.Genome, settings: wl.Settings) -> tuple[Rollout, float]:
     """Return a walk and the share of the contacts with the ground that are not by feet."""
     scene = compile_scene(genome, settings)
     rollout = simulate_walk(scene)
@@ -117,7 +123,7 @@ def scrape(genome, settings):
     return rollout, 0.0 if math.isnan(share) else 1 - share
 
 
-def be_carried(genome, settings):
+def be_carried(genome: wl.Genome, settings: wl.Settings) -> tuple[Rollout, float]:
     """Return a walk and the share of its speed that is due to a push."""
     rollout = wl.simulate(genome, settings, poses=False)
     speed = rollout.distance / rollout.time[-1]
@@ -128,12 +134,12 @@ def be_carried(genome, settings):
 CHEATS = {"on its back": walk_on_back, "not driven": stand_still, "not on feet": scrape, "carried": be_carried}
 
 
-def search(cheat, world, seed, n_evaluations):
+def search(cheat: str, world: str, seed: int, n_evaluations: int) -> dict[str, Any]:
     """Evolve cheats and return the best: counted distance times the share of it that is cheated."""
     settings = wl.Settings(robot=LIMITS).with_(**WORLDS[world])
     genes = build_genes(settings.robot)
     rng = np.random.default_rng([seed, *map(ord, cheat + world)])
-    found = []
+    found: list[tuple[float, int, wl.Genome, float, float]] = []
     for number in range(n_evaluations):
         if number < 2 * POPULATION:
             genome = wl.Genome.random(settings.robot, rng=rng)
@@ -152,14 +158,14 @@ def search(cheat, world, seed, n_evaluations):
     return {"gain": gain, "distance": distance, "share": share, "genome": str(genome)}
 
 
-def draw_weak(rng):
+def draw_weak(rng: np.random.Generator) -> str:
     """Draw a robot with two segments and long legs that can hardly carry it."""
     body = WEAK_LEG.format(mass=rng.uniform(3, 6), force=rng.uniform(5, 15))
     steps = "".join(WEAK_STEP.format(*rng.uniform([0.2, 0, -0.3] * 2, [1, 6, 0.3] * 2)) for _ in range(2))
     return f"wl1 segments=2 {2 * body}| gait frequency={rng.uniform(0.5, 2):.3f} {steps}"
 
 
-def check_weak(incline):
+def check_weak(incline: float) -> dict[str, Any]:
     """Count the tall, weak robots that stay down on a slope, and those of them whose walk counts."""
     settings = wl.Settings(robot=LIMITS).with_(**slope(incline))
     pitch = math.radians(incline)
@@ -176,49 +182,53 @@ def check_weak(incline):
     return {"down": n_down, "counted": n_counted}
 
 
-def tasks(arguments):
-    """Yield the name and the function of each part."""
+def trials(arguments: argparse.Namespace) -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
+    """Yield the name of each trial and the function that returns its figures."""
     for number, (genome, changes) in enumerate(KNOWN):
-        yield f"known {number}", lambda genome=genome, changes=changes: judge(genome, changes)
+        yield f"known {number}", partial(judge, genome, changes)
     for incline in SLOPES:
-        yield f"weak at {incline}°", lambda incline=incline: check_weak(incline)
+        yield f"weak at {incline}°", partial(check_weak, incline)
     for world in arguments.world or WORLDS:
-        yield f"walker on {world}", lambda world=world: judge(WALKER, WORLDS[world])
+        yield f"walker on {world}", partial(judge, WALKER, WORLDS[world])
     for seed in range(arguments.seeds):
-        for cheat in CHEATS:
+        for cheat in arguments.cheat or CHEATS:
             for world in arguments.world or WORLDS:
-                n = arguments.evaluations
-                name = f"search {cheat}, {world}, seed {seed}, {n} evaluations"
-                yield name, lambda cheat=cheat, world=world, seed=seed, n=n: search(cheat, world, seed, n)
+                name = f"search {cheat}, {world}, seed {seed}, {arguments.evaluations} evaluations"
+                yield name, partial(search, cheat, world, seed, arguments.evaluations)
 
 
-def judge(genome, changes):
+def judge(genome: str, changes: dict[str, Any]) -> dict[str, Any]:
     """Return distance and verdict of a walk."""
     rollout = wl.simulate(genome, wl.Settings(robot=LIMITS).with_(**changes), poses=False)
     return {"changes": changes, "distance": rollout.distance, "verdict": rollout.verdict, "reason": rollout.reason}
 
 
-def main():
+def main() -> None:
+    """Parse the arguments, run the trials that have no result yet, and print all results."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--evaluations", type=int, default=400, help="number of walks of each search")
     parser.add_argument("--seeds", type=int, default=1)
     parser.add_argument("--world", action="append", choices=list(WORLDS), help="only this world; may be repeated")
+    parser.add_argument("--cheat", action="append", choices=list(CHEATS), help="only this cheat; may be repeated")
     parser.add_argument("--folder", type=Path, default=Path("cheats"))
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="number of processes")
     arguments = parser.parse_args()
     arguments.folder.mkdir(parents=True, exist_ok=True)
     path = arguments.folder / "results.jsonl"
-    lines = path.read_text().splitlines() if path.exists() else []
+    lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
     done = {record.pop("name"): record for record in map(json.loads, lines)}
-    for name, compute in tasks(arguments):
-        if name not in done:
-            done[name] = compute()
-            with path.open("a") as file:
-                file.write(json.dumps({"name": name, **done[name]}, default=str) + "\n")
-        print(f"{name}: " + ", ".join(f"{key} {shorten(value)}" for key, value in done[name].items()), flush=True)
+    with ProcessPoolExecutor(arguments.jobs) as executor, path.open("a", encoding="utf-8") as file:
+        names = {executor.submit(compute): name for name, compute in trials(arguments) if name not in done}
+        for future in as_completed(names):
+            done[names[future]] = future.result()
+            file.write(json.dumps({"name": names[future], **future.result()}, ensure_ascii=False, default=str) + "\n")
+            file.flush()
+    for name, _ in trials(arguments):
+        print(f"{name}: " + ", ".join(f"{key} {shorten(value)}" for key, value in done[name].items()))
 
 
-def shorten(value):
-    """Write a number with two decimals, and a genome by its first words."""
+def shorten(value: object) -> str:
+    """Write a number with two decimals, and the first words of a genome."""
     return f"{value:.2f}" if isinstance(value, float) else str(value)[:60]
 
 
