@@ -48,7 +48,7 @@ def test_a_mutated_child_lists_the_changed_genes_with_old_and_new_value():
     length = next(change for change in shown["changes"] if change.name == "segment 1, length")
     assert float(length.before) == parent.values[4]
     assert length.after == "0.333 m"
-    assert "2 were changed" in shown["summary"]
+    assert "2 have new values" in shown["summary"]
     assert [one["caption"] for one in shown["parents"]] == ["A: robot 0"]
     assert describe_origins(births, 0) == {}, "the first generation has no parents"
     assert describe_origins(births.drop(index=0), 9) == {}, "the parents are not in the table"

@@ -360,10 +360,14 @@ def test_in_a_browser_a_dragged_slider_is_sent_and_the_result_is_shown(shown):
     edited._handle_custom_msg({"gene": 4, "value": 0.3}, [])
     better = Outcome(2.9, "ok", "", "")
     result = compare_outcomes(better, Outcome(2.68, "ok", "", ""))
-    shown.evaluate("changes => model.update(changes)", {"text": edited.text, "values": edited.values, "result": result})
+    shown.evaluate("changes => model.update(changes)", {
+        "text": edited.text, "values": edited.values, "repaired": edited.values, "result": result,
+    })  # fmt: skip
     assert shown.get_by_label("Genome", exact=True).input_value() == edited.text
     assert shown.locator(".result").inner_text().split("\n")[:2] == ["2.90 m forward +0.22 m", "before: 2.68 m"]
     assert shown.locator(".row.changed").inner_text().split("\n")[-1] == f"was {G.values[4]:g}"
+    shown.evaluate("values => model.update({ repaired: values })", [*edited.values[:4], 0.28, *edited.values[5:]])
+    assert shown.locator(".row.beyond").inner_text().split("\n")[-1] == "used: 0.28"
     assert shown.get_by_text("No run is in progress.").count() == 1
     assert shown.locator(".row.unused").count() == 1, "only the first legs cannot repeat others"
     shown.get_by_role("button", name="whole robot").click()

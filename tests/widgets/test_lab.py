@@ -364,6 +364,40 @@ def test_a_gene_inserted_during_a_generation_is_in_the_reported_later_one(lab):
     assert messages[0].startswith("The genome will be in generation 2,")
 
 
+def test_finish_waits_for_the_run_in_progress_or_evolves_one(lab):
+    first = lab.finish()
+    assert first.n_generations == SMALL.algorithm.generations
+    assert not lab.runs.entries
+    step(lab)
+    assert lab.finish().records.equals(first.records)
+    assert lab.transport.state == "finished"
+    assert lab.finish().path == lab.run.path
+
+
+def test_a_robot_can_be_continued_with_only_if_a_run_has_ended(lab):
+    editor = lab.robot.editor
+    assert not editor.can_continue
+    step(lab)
+    assert not editor.can_continue
+    press(lab, "stop")
+    wait_until(lambda: editor.can_continue)
+
+
+def test_a_name_given_by_the_user_is_stored_with_the_run(lab):
+    step(lab)
+    lab.runs.run_list._handle_message(None, {"name": "mine", "of": "run 1"}, [])
+    assert run_name(lab.run.path) == "mine"
+
+
+def test_settings_that_are_changed_during_a_run_are_said_to_be_for_a_new_one(lab):
+    step(lab)
+    assert lab.transport.note == ""
+    lab.settings = SMALL.with_(generations=9)
+    assert "a new run" in lab.transport.note
+    lab.settings = SMALL
+    assert lab.transport.note == ""
+
+
 def test_a_failed_run_reports_the_error(lab):
     def fail_later(rollout):
         if lab.run:
@@ -536,7 +570,7 @@ def test_a_setting_that_cannot_change_is_named_and_the_run_is_unchanged(lab):
     press(lab, "stop")
     lab.settings = SMALL.with_(population_size=7)
     lab.runs.drawer._handle_message(None, {"further": 2, "with_form": True}, [])
-    assert lab.runs.drawer.words.startswith("Population size cannot change")
+    assert lab.runs.drawer.words.startswith("⚠ Population size cannot change")
     assert lab.transport.state == "stopped"
 
 

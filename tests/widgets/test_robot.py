@@ -78,7 +78,7 @@ def test_an_edited_gene_is_played(area, monkeypatch):
     sent = []
     monkeypatch.setattr(Frame, "send", lambda _, message: sent.append(message))
     area.editor._handle_custom_msg({"press": "walk"}, [])
-    assert sent == [{"play": True}]
+    assert sent == [{"play": True, "reveal": True}]
     assert "the random robot" in area.frame.alt
 
 
@@ -106,6 +106,25 @@ def test_a_watched_replay_is_replaced_after_an_edit(area, done, monkeypatch):
         area.frame.is_open = is_open
         area.editor._handle_custom_msg({"press": "try"}, [])
         assert len(sent) == n_plays
+
+
+def test_an_edited_robot_that_is_replaced_can_be_shown_again(area, done):
+    first, second = done.records.individual.iloc[:2].tolist()
+    area.show(done, first)
+    area.editor._set_gene(1, 0.75)
+    edited = area.editor.text
+    area.show(done, second)
+    assert area.editor.replaced == f"robot {first}"
+    area.editor._handle_message(None, {"press": "restore"}, [])
+    assert (area.editor.text, area.editor.replaced) == (edited, "")
+    assert f"Robot {first}" in area.card.value
+    area.show(done, -1)
+    assert area.editor.text == edited, "the champion does not replace an edited robot"
+    other = wl.Run(done.settings.with_(wind=(1, 0, 0)), done.records)
+    area.show(other, -1)
+    assert area.editor.replaced == f"robot {first}", "but another run does"
+    area.editor._undo()
+    assert not area.editor.is_edited
 
 
 def test_continuing_is_offered_only_with_a_function(done):

@@ -176,7 +176,7 @@ def test_a_snapshot_is_self_contained_named_and_small(kind, done, monkeypatch, t
     widget = MAKE[kind](done)
     html = snapshot_html(widget)
     seen = assert_harmless(html)
-    assert f"Static picture of the {widget.title}. Run the cell for the interactive version." in seen.text
+    assert f"Static picture of the {widget.title}. Run the cells again for the interactive version." in seen.text
     assert "could not be drawn" not in seen.text
     assert widget.snapshot()
     assert len(html) < MAX_SIZE

@@ -32,6 +32,7 @@ class State(StrEnum):
     failed = "failed"
 
 
+JOIN_TIME = 0.1  # s between two checks whether the thread has ended; without them, Ctrl-C has no effect on Windows
 END_STATES = {State.stopped, State.finished, State.failed}
 
 _live_runs = WeakSet["LiveRun"]()
@@ -148,6 +149,19 @@ class LiveRun(ReadOnlyProperties):
             if not self._thread.ident:
                 self._thread.start()
         self._on_change(self)
+
+    def finish(self) -> Run:
+        """Continue the run, wait until it is over, and return it.
+
+        Raises:
+            BaseException: The error that made the run fail.
+        """
+        self.resume()
+        while self._thread.is_alive():
+            self._thread.join(JOIN_TIME)
+        if self.error:
+            raise self.error
+        return self.run
 
     def pause(self) -> None:
         """Let the current walks finish, and start no others."""

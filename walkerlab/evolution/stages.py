@@ -112,9 +112,11 @@ def check_changes(before: Settings, after: Settings) -> None:
             reason = "the stored robots are within the limits that the run began with"
         else:
             continue
+        stored = code_text(getattr(getattr(before, domain), setting))
         errors.append(
-            f"{domain.capitalize()}.{setting} cannot change when a run is resumed, because {reason}. To evolve with "
-            f"{name}={code_text(value)}, start a new run from the last generation of this one: "
+            f"{domain.capitalize()}.{setting} cannot change when a run is resumed, because {reason}: set it to "
+            f"{stored}. To evolve with {name}={code_text(value)}, start a new run from the last generation of this "
+            "one: "
             f"wl.evolve(run.settings.with_({name}={code_text(value)}), population=run)"
         )
     if errors:

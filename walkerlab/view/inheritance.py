@@ -236,5 +236,6 @@ def count_origins(birth: Birth, *, expressed_only: bool = False) -> str:
             parts.append(f"{n} {text}")
     n_changed = int((birth.change[counted] != 0).sum())
     parts[4:] = [f"{len(parts) - 4} other origins"] if len(parts) > 4 else []
-    parts.append(f"{n_changed or 'none'} {'was' if n_changed == 1 else 'were'} changed")
-    return f"{', '.join(parts[:-1])} and {parts[-1]}" if parts[1:] else parts[0]
+    changed = f"{n_changed or 'none'} {'has a' if n_changed == 1 else 'have'} new value{'s' * (n_changed != 1)}"
+    origins_in_words = f"{', '.join(parts[:-1])} and {parts[-1]}" if parts[1:] else "".join(parts)
+    return "; ".join(filter(None, (origins_in_words, changed)))

@@ -9,7 +9,7 @@ from walkerlab.settings.values import pluralize
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.templates import Markup, render
 from walkerlab.view import summary
-from walkerlab.view.plots.tables import format_value
+from walkerlab.view.plots.tables import axis_label, format_value
 from walkerlab.widgets.origins import describe_origins
 
 COUNTED = "ok"  # verdict on a walk that counts
@@ -47,6 +47,7 @@ def robot_card(records: pd.DataFrame, individual: int) -> Markup:
         body=body,
         origins=describe_origins(births, individual),
         ancestors=_ancestor_rows(records, individual),
+        fitness_label=axis_label("fitness", units.get("fitness", "")),
     )
 
 
@@ -74,7 +75,7 @@ def _ancestor_rows(records: pd.DataFrame, individual: int) -> list[list[object]]
     if len(line) < 2:
         return []
     return [
-        [f"… {skipped} more …", "", "", ""]
+        ["…", "", "", f"{skipped} more"]
         if skipped
         else [ancestor.individual, ancestor.born, fitness, ancestor.operators]
         for ancestor, fitness, skipped in line

@@ -19,10 +19,10 @@ from walkerlab.view.plots.style import MAX_LEGEND_COLUMNS, add_legend
 from walkerlab.view.plots.tables import fitness_label
 from walkerlab.view.snapshots import HasSnapshot, image_html
 
-PICTURE_SIZE = (6.4, 3.5)  # inches
-FIGURE_MARGINS = {"left": 0.14, "right": 0.985, "bottom": 0.14}  # fixed, so that axes do not move as a curve grows
+PICTURE_SIZE = (5.2, 2.9)  # inches
+FIGURE_MARGINS = {"left": 0.13, "right": 0.985, "bottom": 0.17}  # fixed, so that axes do not move as a curve grows
 MAX_LABEL_LENGTH = 16  # maximum length of a name in the legend, in characters
-LEGEND_LINE_HEIGHT = 0.055  # height of a line of the legend, as a fraction of the picture's height
+LEGEND_LINE_HEIGHT = 0.07  # height of a line of the legend, as a fraction of the picture's height
 BEST = ": best"  # end of the label of the line of the best robots
 _GREY_COLOUR = re.compile(r"#([0-9a-f]{2})\1\1")
 _curve_ids = count()  # shared by all drawings, because IDs must be unique on a page

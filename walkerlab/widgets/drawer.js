@@ -35,7 +35,10 @@ function render({ model, el }) {
   const files = make("select", { id: `${id}-files`, ariaLabel: "run file to load" });
   const path = make("input", { type: "text", placeholder: "path of a run file", ariaLabel: "path of the run file", hidden: true });
   const chosen = () => (files.value === OTHER ? path.value.trim() : files.value);
-  const load = () => chosen() && model.send({ load: chosen() });
+  const load = () => {
+    if (chosen()) model.send({ load: chosen() });
+    else { say("⚠ Write the path of a run file into the field, such as lab/run/run.walk."); path.focus(); }
+  };
   let isChosen = false; // whether the user has chosen a file; otherwise the newest is proposed
   files.onchange = () => { isChosen = true; path.hidden = files.value !== OTHER; if (!path.hidden) path.focus(); };
   path.onkeydown = ({ key }) => { if (key === "Enter") load(); };
@@ -50,10 +53,14 @@ function render({ model, el }) {
     details.open = true;
     code.select();
     try { await navigator.clipboard.writeText(code.value); } catch { document.execCommand("copy"); } // if the browser denies access to the clipboard
-    message.textContent = "Copied. In a notebook cell, the code repeats the run and gives the same table.";
+    say("Copied. In a notebook cell, the code repeats the run and gives the same table.");
   });
   const details = make("details", {}, make("summary", { textContent: "Code of this run" }), code);
   const message = make("p", { className: "words", attributes: { role: "status" } });
+  const say = (words) => {
+    message.textContent = words;
+    message.classList.toggle("fault", words.startsWith("⚠"));
+  };
   const links = make("p", { className: "links" });
   el.append(continuation, make("div", { className: "row" }, handIn, out, copy, use), make("div", { className: "row" }, loader), message, links, details);
 
@@ -62,7 +69,7 @@ function render({ model, el }) {
     const before = files.value;
     files.replaceChildren(
       ...names.map(({ path: value, name }) => make("option", { value, textContent: name })),
-      make("option", { value: OTHER, textContent: names.length ? "other file …" : "no other run in the folder; choose a file …" }));
+      make("option", { value: OTHER, textContent: names.length ? "other file …" : "no other run" }));
     if (isChosen && [...files.options].some(({ value }) => value === before)) files.value = before;
     path.hidden = files.value !== OTHER;
     out.disabled = use.disabled = handIn.disabled = !model.get("can_export");
@@ -82,8 +89,9 @@ function render({ model, el }) {
   for (const name of ["files", "code", "can_export"]) model.on(`change:${name}`, update);
   model.on("change:n_further", updateFurther);
   model.on("change:exported", updateLinks);
-  model.on("change:words", () => { message.textContent = model.get("words"); });
-  message.textContent = model.get("words");
+  const showWords = () => say(model.get("words"));
+  model.on("change:words", showWords);
+  showWords();
   updateFurther();
   updateLinks();
   return captureKeys(el);

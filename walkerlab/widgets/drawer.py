@@ -7,6 +7,7 @@ import traitlets
 
 from walkerlab.text.templates import Markup, render
 from walkerlab.widgets.component import Component, load_script, load_style
+from walkerlab.widgets.controls import use_labels
 
 
 class EvolveFurther(Protocol):
@@ -65,6 +66,15 @@ class Drawer(Component):
         self._on_further = on_further
         self._on_hand_in = on_hand_in
         self.on_msg(self._handle_message)
+
+    def report_fault(self, fault: object) -> None:
+        """Show why an action failed, as a sentence with a sign.
+
+        Args:
+            fault: Error, or its message.
+        """
+        text = use_labels(str(fault))
+        self.words = f"⚠ {text[:1].upper()}{text[1:]}"
 
     def snapshot(self) -> Markup:
         """Return the last message and the code of the run as static HTML."""

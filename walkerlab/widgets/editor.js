@@ -39,20 +39,23 @@ function geneRow(gene, id, change, help) {
     slider = make("input", { type: "range", id, ...limits,
       oninput: () => { isHeld = true; number.value = slider.value; change(Number(slider.value), false); },
       onchange: () => { isHeld = false; change(Number(slider.value), true); } });
-    number = make("input", { type: "number", step, ariaLabel: `${gene.label}, exact value`, onchange: () => {
-      if (number.value !== "") change(Number(number.value), true);
-    } });
+    const enter = () => { if (number.value !== "") change(Number(number.value), true); };
+    number = make("input", { type: "number", step, ariaLabel: `${gene.label}, exact value`, onchange: enter,
+      onkeydown: ({ key }) => { if (key === "Enter") enter(); } });
     row.append(slider, number, unit, was);
   }
   row.addEventListener("pointerenter", () => help(gene));
   row.addEventListener("focusin", () => help(gene));
 
-  function show(value, original, isUsed, isValid) {
+  function show(value, repaired, original, isUsed, isValid) {
     row.classList.toggle("unused", !isUsed);
     row.title = isUsed ? describe(gene) : `${describe(gene)}. This gene has no effect on this robot.`;
     const isChanged = isValid && original !== undefined && Math.abs(value - original) > SLIDER_STEP / 2;
+    const isBeyond = isValid && isUsed && Math.abs(value - repaired) > SLIDER_STEP / 2;
     row.classList.toggle("changed", isChanged);
-    was.textContent = isChanged ? `was ${isSwitch ? withUnit(gene, original) : short(original)}` : "";
+    row.classList.toggle("beyond", isBeyond);
+    const shown = (number) => (isSwitch ? withUnit(gene, number) : short(number));
+    was.textContent = isBeyond ? `used: ${shown(repaired)}` : isChanged ? `was ${shown(original)}` : "";
     slider.disabled = !isValid;
     if (number) number.disabled = !isValid;
     if (isHeld) return;
@@ -62,7 +65,7 @@ function geneRow(gene, id, change, help) {
       if (document.activeElement !== number || Number(number.value) !== value) number.value = short(value);
       slider.ariaValueText = withUnit(gene, value);
     }
-    unit.textContent = gene.unit === "rad" ? `rad (${Math.round(value * DEGREES)}°)` : gene.unit;
+    unit.textContent = gene.unit === "rad" && !isBeyond ? `rad (${Math.round(value * DEGREES)}°)` : gene.unit;
   }
   return { row, show };
 }
@@ -94,6 +97,7 @@ function render({ model, el }) {
   const live = press("live", "Walk live", "simulate the robot in the browser; the sliders change it while it walks");
   const insert = press("insert", "Insert into the next generation", "");
   const resume = press("continue", "Continue with this robot", "continue the selected run; this robot replaces a child in its next generation");
+  const restore = make("button", { type: "button", onclick: () => model.send({ press: "restore" }) });
   const undo = press("undo", "Undo all changes", "");
   const hint = make("p", { className: "quiet hint" });
   const report = make("p", { className: "hint", attributes: { role: "status" } });
@@ -101,10 +105,10 @@ function render({ model, el }) {
   const sections = make("div", { className: "sections" });
   const helpLine = make("p", { className: "quiet help" });
   el.classList.add("wl-component", "wl-editor");
-  el.append(
+  el.append(make("div", { className: "layout" },
     make("div", { className: "genes" }, tabs, sections, helpLine),
-    make("div", { className: "robot" }, picture, result, make("div", { className: "buttons" }, walk, live, undo, insert, resume), report, hint),
-    make("div", { className: "genome" }, label, make("div", { className: "sheet" }, behind, area), messages));
+    make("div", { className: "robot" }, picture, result, make("div", { className: "buttons" }, walk, live, undo, restore, insert, resume), report, hint),
+    make("div", { className: "genome" }, label, make("div", { className: "sheet" }, behind, area), messages)));
 
   // --------------------------------------------------------------------------------------------------------- sliders
   let rows = [];
@@ -166,9 +170,10 @@ function render({ model, el }) {
   }
 
   function updateGenes() {
-    const [genes, values, used, original] = ["genes", "values", "used", "original"].map((name) => model.get(name));
-    if (values.length !== genes.length) return;
-    rows.forEach(({ show }, index) => show(values[index], original[index], used[index], !model.get("fault")));
+    const [genes, ...lists] = ["genes", "values", "repaired", "original", "used"].map((name) => model.get(name));
+    if (lists[0].length !== genes.length) return;
+    const used = lists.at(-1);
+    rows.forEach(({ show }, index) => show(...lists.map((list) => list[index]), !model.get("fault")));
     for (const tab of tabs.children) {
       const isUsed = genes.some((gene, index) => gene.group === tab.textContent && used[index]);
       tab.classList.toggle("unused", !isUsed);
@@ -232,10 +237,13 @@ function render({ model, el }) {
     live.hidden = !buttons.includes("live");
     insert.hidden = !buttons.includes("insert");
     resume.hidden = canInsert || !buttons.includes("continue");
-    walk.disabled = live.disabled = resume.disabled = wrong;
+    walk.disabled = live.disabled = wrong;
+    resume.disabled = wrong || !model.get("can_continue");
     insert.disabled = wrong || !canInsert;
     insert.title = hint.textContent = insert.hidden || canInsert ? "" : model.get("insert_hint");
     report.textContent = model.get("report");
+    restore.hidden = !model.get("replaced");
+    restore.textContent = `Back to edited ${model.get("replaced")}`;
     picture.classList.toggle("outdated", wrong);
     if (wrong) result.classList.remove("busy");
     mark();
@@ -260,7 +268,7 @@ function render({ model, el }) {
   };
   area.onscroll = () => { behind.scrollTop = area.scrollTop; };
   model.on("change:text", write);
-  for (const name of ["fault", "fault_range", "notes", "can_insert", "insert_hint", "report", "buttons", "original", "used", "values"]) model.on(`change:${name}`, update);
+  for (const name of ["fault", "fault_range", "notes", "can_insert", "can_continue", "replaced", "insert_hint", "report", "buttons", "original", "used", "values", "repaired"]) model.on(`change:${name}`, update);
   model.on("change:values", handleAnswer);
   model.on("change:genes", buildRows);
   model.on("change:result", showResult);

@@ -45,11 +45,14 @@ class Editor(Component):
         picture: Picture of the robot, as SVG; while the text is not valid, the picture of the last valid genome.
         genes: Description of each gene, as ``describe_genes`` returns it.
         values: Value of each gene in the text, even beyond the limits; the last valid values if the text is not valid.
+        repaired: The same values within the limits, which are those of the robot.
         used: Whether each gene has an effect on the robot.
         original: Values of the genome before it was edited.
         result: Result of the last walk, as plain data for the browser: ``distance``, ``change``, ``before``,
             ``verdict``, ``counts``, ``is_better`` and ``others``, a list of additional lines; or ``fault``.
         can_insert: Whether the genome can be inserted into a later generation.
+        can_continue: Whether a run can be continued with the genome in its next generation.
+        replaced: Name of an edited robot that was replaced by another one and can be shown again; otherwise empty.
         report: Result of the last button that inserted the genome; empty before the first one and after a change.
         insert_hint: Why the genome cannot be inserted, and what to do.
         buttons: Names of the visible buttons: those with a callback.
@@ -67,10 +70,13 @@ class Editor(Component):
     picture = traitlets.Unicode("").tag(sync=True)
     genes = traitlets.List().tag(sync=True)
     values = traitlets.List(traitlets.Float()).tag(sync=True)
+    repaired = traitlets.List(traitlets.Float()).tag(sync=True)
     used = traitlets.List(traitlets.Bool()).tag(sync=True)
     original = traitlets.List(traitlets.Float()).tag(sync=True)
     result = traitlets.Dict().tag(sync=True)
     can_insert = traitlets.Bool(False).tag(sync=True)
+    can_continue = traitlets.Bool(False).tag(sync=True)
+    replaced = traitlets.Unicode("").tag(sync=True)
     report = traitlets.Unicode("").tag(sync=True)
     insert_hint = traitlets.Unicode(NO_RUN).tag(sync=True)
     buttons = traitlets.List(traitlets.Unicode()).tag(sync=True)
@@ -87,6 +93,7 @@ class Editor(Component):
         self._callbacks: dict[str, list[OnGenome]] = {
             name: [] for name in ("try", "walk", "live", "insert", "continue")
         }
+        self._on_restore: Callable[[], None] = lambda: None
         self._unrepaired: Genome | None = None
         self._unedited_text = ""
         self._original_outcome: Outcome | None = None
@@ -124,6 +131,10 @@ class Editor(Component):
     def on_continue(self, callback: OnGenome) -> None:
         """Register a function that continues a run that has ended, with the genome in its next generation."""
         self._add_callback("continue", callback)
+
+    def on_restore(self, callback: Callable[[], None]) -> None:
+        """Set the function that shows the replaced robot again."""
+        self._on_restore = callback
 
     def on_walk(self, callback: OnGenome) -> None:
         """Register a function that is called with the genome when its walk is to be played."""
@@ -168,6 +179,7 @@ class Editor(Component):
             self.genome = repaired = parsed.within(robot)
             self._unrepaired = unrepaired = parsed if parsed.n_parts == repaired.n_parts else repaired
             self.values = unrepaired.values.tolist()
+            self.repaired = repaired.values.tolist()
             self.used = is_expressed(repaired.values[np.newaxis])[0].tolist()
             self.picture = sketch.draw_robot(repaired, robot, size=PICTURE_SIZE)
 
@@ -214,6 +226,8 @@ class Editor(Component):
                 self._set_gene(index, float(value))
             case {"press": "undo"}:
                 self._undo()
+            case {"press": "restore"} if self.replaced:
+                self._on_restore()
             case {"press": "try" | "walk" | "live" | "insert" | "continue" as button} if self.genome is not None:
                 genome = self.genome
                 if button == "try":

@@ -215,13 +215,14 @@ class Form(Component):
         for domain, domain_class in DOMAINS.items():
             functions = {field: list(named) for (other, field), named in self._functions.items() if other == domain}
             shown = self._shown[domain]
+            all_controls = make_controls(domain_class, functions)
             controls = [
                 control | {"fixed": self._fixed.get((domain, control["name"]), "")}
-                for control in make_controls(domain_class, functions)
+                for control in all_controls
                 if control["name"] in shown
             ]
             if controls:
-                about = domain_class.summary()
+                about = domain_class.summary() if len(controls) == len(all_controls) else ""
                 tabs.append({"domain": domain, "title": domain, "about": about, "controls": controls})
         return tabs
 

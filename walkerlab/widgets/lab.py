@@ -12,6 +12,7 @@ from threading import Lock
 from typing import Any, cast
 
 import ipywidgets
+import traitlets
 
 from walkerlab.evolution.live import LiveRun, State
 from walkerlab.evolution.run import Run
@@ -37,6 +38,7 @@ from walkerlab.widgets.transport import Transport
 from walkerlab.widgets.walker_view import WalkerView
 from walkerlab.widgets.world import World
 
+CHANGED = "This run keeps its settings. The changed settings are for a new run."
 STATUS_INTERVAL = 0.2  # s between two updates of the progress of a run
 
 
@@ -104,6 +106,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         super().__init__([arrange_areas(*columns)])
         check_executor(executor)  # last, so that the panel can be closed if this raises
         self.add_class("wl-lab")
+        traitlets.dlink((self.runs.drawer, "n_further"), (self.robot.editor, "can_continue"), bool)
         self.form.observe(self._form_changed, ["settings", "fault"])
         self.population.observe(self._robot_selected, "selected")
         self.runs.generation.observe(self._generation_selected, "selected")
@@ -159,6 +162,8 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         faults = self.lock.describe_excess(settings) if settings else faults
         self.transport.fault = f"Cannot start. {faults}" if faults else ""
         if settings:
+            is_changed = self._active is not None and settings != self._active.settings
+            self.transport.note = CHANGED if is_changed else ""
             self._drawing.request("world", self.world.prepare(settings), is_urgent=True)
             self._drawing.request("forecast", self._show_forecast)
             if not self.run:  # edited genomes are simulated in the world of the selected run, if there is one
@@ -207,6 +212,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         """Add a live run to the list, or replace the entry with the same key, and show its progress."""
         self._active = live
         self._reported[live] = None, 0.0
+        self._form_changed()
         self.runs.generation.selected = LATEST
         self.runs.add(entry, name)
 
@@ -220,7 +226,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
                 prepared, note = prepare_further_generations(entry, n_generations, self.settings if with_form else None)
                 self.lock.require_within_limits(prepared.settings)
             except ValueError as error:
-                self.runs.drawer.words = use_labels(str(error))
+                self.runs.drawer.report_fault(error)
                 return
             live = LiveRun(prepared, None, self._executor, stop=self.transport.stop, on_change=self._run_progressed)
             self.runs.drawer.words = note
@@ -261,7 +267,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
             try:
                 self.settings = run.settings
             except SettingsError as error:
-                self.runs.drawer.words = use_labels(str(error))
+                self.runs.drawer.report_fault(error)
 
     def _insert(self, genome: Genome) -> str:
         """Insert a genome into the next generation of the active run; return a message about the result."""
@@ -288,4 +294,4 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         return self._active is not None and self._active.state == State.running
 
     def _report_drawing_error(self, error: Exception) -> None:
-        self.runs.drawer.words = f"A picture could not be drawn. {error_text(error)}"
+        self.runs.drawer.report_fault(f"A picture could not be drawn. {error_text(error)}")

@@ -75,10 +75,10 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
         records: Rows of one generation, in display order.
 
     Returns:
-        ``title`` and ``warning`` of the generation; ``n_drawn``, the largest number of pictures; ``drawn_note`` and
-        ``listed_note``, which say that not all robots have a picture or a row; ``columns`` with key, title,
-        explanation, unit and sort direction; ``rows`` with ``individual``, ``kind``, ``sign``, ``label``,
-        ``description`` and ``cells``.
+        ``title`` and ``warning`` of the generation; ``warning_about``, the meaning of the verdicts in the warning;
+        ``n_drawn``, the largest number of pictures; ``drawn_note`` and ``listed_note``, which say that not all robots
+        have a picture or a row; ``columns`` with key, title, explanation, unit and sort direction; ``rows`` with
+        ``individual``, ``kind``, ``sign``, ``label``, ``description`` and ``cells``.
     """
     fitness_name = str(records.attrs.get("fitness", ""))
     unit = unit_of(records, "fitness")
@@ -87,14 +87,17 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
     elites = f", {KIND_SIGNS[ELITE]} {pluralize(n_elites, 'elite')}" if n_elites else ""
     n_inserted = int((records.operators == INSERTED_BY_HAND).sum())
     inserted = f", {KIND_SIGNS[INSERTED]} {n_inserted} made by hand" if n_inserted else ""
-    verdicts = ", ".join(f"{n} {verdict}" for verdict, n in invalid.verdict.value_counts().items())
+    verdicts = invalid.verdict.value_counts()
+    counted = ", ".join(f"{n} {verdict}" for verdict, n in verdicts.items())
     n = len(records)
     listed = records.head(MAX_LISTED)
-    columns = [_format_cells(name, listed[name].tolist()) for name in SORT_COLUMNS]
+    shown = {name: column for name, column in SORT_COLUMNS.items() if name != fitness_name}  # without a second copy
+    columns = [_format_cells(name, listed[name].tolist()) for name in shown]
     rows = zip(listed.to_dict("records"), zip(*columns, strict=True), strict=True)
     return {
         "title": f"Generation {records.generation.iloc[0]}: {pluralize(n, 'robot')}{elites}{inserted}",
-        "warning": f"{KIND_SIGNS[INVALID]} {len(invalid):,} not counted: {verdicts}" if len(invalid) else "",
+        "warning": f"{KIND_SIGNS[INVALID]} {len(invalid):,} not counted: {counted}" if len(invalid) else "",
+        "warning_about": "\n".join(f"{verdict}: {VERDICTS.get(str(verdict), '')}" for verdict in verdicts.index),
         "n_drawn": MAX_DRAWN,
         "drawn_note": f"the first {MAX_DRAWN} of {n:,} are drawn" if n > MAX_DRAWN else "",
         "listed_note": f"the first {MAX_LISTED} of {n:,} are listed" if n > MAX_LISTED else "",
@@ -106,7 +109,7 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
                 "unit": unit_of(records, name),
                 "direction": "ascending" if column.is_ascending else "descending",
             }
-            for name, column in SORT_COLUMNS.items()
+            for name, column in shown.items()
         ],
         "rows": [_describe_row(row, cells, fitness_name or "fitness", unit) for row, cells in rows],
     }

@@ -56,15 +56,15 @@ def recorded_outcome(row: Any, settings: Settings) -> Outcome:
 
 def compare_outcomes(after: Outcome, before: Outcome) -> dict[str, Any]:
     """Compare the results of the walks after and before an edit, as the ``result`` of the editor."""
-    change = after.distance - before.distance
-    sign = "+" if change >= 0 else MINUS_SIGN
+    change = round(after.distance - before.distance, 2)
+    sign = "+" if change > 0 else MINUS_SIGN
     counts = after.verdict == "ok"
     verdict = VERDICTS.get(after.verdict, after.verdict)
     details = f" Details: {after.reason}." if after.reason else ""
     counted = "" if before.verdict == "ok" else f" (did not count: {before.verdict})"
     return {
         "distance": with_unit(after.distance, "m"),
-        "change": f"{sign}{abs(change):.2f} m" if np.isfinite(change) else "",
+        "change": f"{sign}{abs(change):.2f} m" if change and np.isfinite(change) else "",
         "before": f"before: {with_unit(before.distance, 'm')}{counted}",
         "verdict": verdict if counts else f"Does not count: {after.verdict}. {verdict}{details}",
         "counts": counts,

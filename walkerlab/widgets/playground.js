@@ -38,6 +38,7 @@ function render({ model, el }) {
     openPages.forEach((other) => other.pause()); // only one page plays at a time, for slow computers
     openPages.push({ close, pause });
     while (openPages.length > MAX_OPEN_PAGES) openPages[0].close();
+    if (model.get("opens_at_once")) box.scrollIntoView({ block: "nearest", behavior: "smooth" });
     timer = setInterval(() => {
       if (!live()) return;
       clearInterval(timer);

@@ -64,7 +64,8 @@ function render({ model, el }) {
     const { scrollTop, scrollLeft } = field;
     const { dataset: { robot: focused } = {}, name } = field.contains(document.activeElement) ? document.activeElement : {};
     title.textContent = generation.title ?? "No generation yet";
-    warning.textContent = warning.title = generation.warning ?? "";
+    warning.textContent = generation.warning ?? "";
+    warning.title = generation.warning_about ?? "";
     note.textContent = (asTable ? listed_note : drawn_note) ?? "";
     sort.value = model.get("sort");
     viewButtons.forEach((button, i) => { button.ariaPressed = Boolean(i) === asTable; });

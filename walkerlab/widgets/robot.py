@@ -20,7 +20,7 @@ from walkerlab.widgets.card import robot_card
 from walkerlab.widgets.component import answer_on_requested_thread
 from walkerlab.widgets.editor import Editor
 from walkerlab.widgets.live_robot import open_live_robot
-from walkerlab.widgets.outcomes import recorded_outcome
+from walkerlab.widgets.outcomes import Outcome, recorded_outcome
 
 POSTER_SIZE = (640, 360)  # pixels
 
@@ -34,11 +34,17 @@ class ShownRobot:
         genome: Genome before it was edited.
         rivals: Genomes of the robots that are played beside the edited one (the unedited one, the champion), keyed by
             name.
+        settings: Settings of its run; None before the first run.
+        outcome: Result of its walk; None if it has not walked.
+        description: Description of the robot as HTML.
     """
 
     name: str
     genome: Genome
     rivals: dict[str, Genome]
+    settings: Settings | None
+    outcome: Outcome | None
+    description: Markup
 
 
 class RobotArea(HasSnapshot, ipywidgets.Box):
@@ -74,19 +80,23 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._settings = settings
         self._on_insert = on_insert
         self._shown: tuple[Settings | None, int] = None, -1  # settings and number of the robot; -1 for an edited genome
-        self._original = ShownRobot("the random robot", self.editor.genome, {"the random robot": self.editor.genome})
+        name, genome = "the random robot", self.editor.genome
+        message = render("widgets/robot_message.html")
+        self._original = ShownRobot(name, genome, {name: genome}, None, None, message)
+        self._replaced: tuple[ShownRobot, str] | None = None  # edited robot that was replaced, and its genome's text
         self._selected = -1
         super().__init__([self.card, self.frame, self.live, self.editor])
         self.add_class("wl-robot")
         self.frame.add_class("wl-frame")
         self.live.add_class("wl-live")
         answer_on_requested_thread(self.frame)
-        self._describe(render("widgets/robot_message.html"))
+        self._describe(message)
         self._offer_replay({"a random robot": self.editor.genome})
         self.editor.on_try(self._replace_replay)
         self.editor.on_walk(self._play)
         self.editor.on_live(self._walk_live)
         self.editor.on_insert(self._insert)
+        self.editor.on_restore(self._restore)
         if on_continue:
             self.editor.on_continue(lambda genome: self._report(on_continue(genome)))
 
@@ -107,8 +117,8 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
     def show(self, run: Run, number: int) -> None:
         """Show a robot of a run.
 
-        A robot whose replay is open or whose genome is being edited stays until the user selects another robot, even if
-        a better one is found.
+        A robot whose replay is open or whose genome is being edited stays until the user selects another robot or run,
+        even if a better one is found. An edited robot that is replaced can be shown again.
 
         Args:
             run: Run of the robot.
@@ -120,24 +130,49 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._selected = number
         is_edited = self.editor.is_edited
         is_playing = self.frame.is_watched or any(live.is_open for live in self.live.children)
-        is_watched = is_playing and run.settings == self._shown[0]
+        is_of_run = run.settings == self._shown[0]
+        is_kept = (is_edited and not self._shown[0]) or (is_of_run and (is_edited or is_playing))
         wanted = (run.settings, robot)
-        if not is_new_selection and (wanted == self._shown or is_edited or is_watched):
+        if not is_new_selection and (wanted == self._shown or is_kept):
             return
+        if is_edited:
+            self._replaced = self._original, str(self.editor.text)
+            self.editor.replaced = self._original.name
         self._shown = wanted
-        self._close_live_robot()
         row: Any = birth_rows(run.records).loc[robot]
         genome = Genome.parse(row.genome)
         champion = run.champion
         name = f"robot {robot}"
         rivals = {name: genome} | ({} if champion.individual == robot else {_champion_name(run): champion.genome})
-        self._original = ShownRobot(name, genome, rivals)
-        self.set_settings(run.settings)
-        self.editor.genome = genome
-        self.editor.accept(recorded_outcome(row, run.settings))
-        self._offer_replay({f"robot {robot} of generation {row.born}": genome})
-        # Last, because the user may play the robot as soon as it is described, and another replay would cancel that.
-        self._describe(robot_card(run.records, robot))
+        outcome = recorded_outcome(row, run.settings)
+        original = ShownRobot(name, genome, rivals, run.settings, outcome, robot_card(run.records, robot))
+        self._present(original, {f"robot {robot} of generation {row.born}": genome})
+
+    def _restore(self) -> None:
+        """Show the edited robot that was replaced."""
+        if not self._replaced:
+            return
+        (original, text), self._replaced = self._replaced, None
+        self.editor.replaced = ""
+        self._shown = original.settings, -1
+        self._present(original, {})
+        self.editor.text = text
+        if genome := self.editor.genome:
+            self._offer_race(genome)
+
+    def _present(self, robot: ShownRobot, walkers: dict[str, Genome]) -> None:
+        """Show a robot, its genome in the editor, and a picture of the replay of several walkers.
+
+        The description is last, because the user may play the robot as soon as it is described, and another replay
+        would cancel that.
+        """
+        self._close_live_robot()
+        self._original = robot
+        self.set_settings(robot.settings or self._settings)
+        self.editor.genome = robot.genome
+        self.editor.accept(robot.outcome)
+        self._offer_replay(walkers or robot.rivals)
+        self._describe(robot.description)
 
     def _describe(self, description: Markup) -> None:
         """Show a description; it is kept for the snapshot, because a browser may change the value of the card."""
@@ -172,7 +207,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
     def _play(self, genome: Genome) -> None:
         """Play the walk of the genome in the editor."""
         self._offer_race(genome)
-        self.frame.play()
+        self.frame.play(reveal=True)
 
     def _walk_live(self, genome: Genome) -> None:  # noqa: ARG002
         """Open a playground of the robot in the editor; the sliders of the editor change it while it walks."""

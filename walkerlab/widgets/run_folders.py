@@ -5,6 +5,7 @@ import time
 import warnings
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,9 +23,11 @@ from walkerlab.runfile.records import RANDOM, EvaluationRow, tidy_table
 from walkerlab.settings.glossary import glossary_rows
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.fitness import name_and_unit
+from walkerlab.system.files import write_text
 from walkerlab.text.numbers import with_unit
 from walkerlab.widgets.controls import unused_settings
 
+NAME_FILE = "name.txt"
 TIMESTAMP_FORMAT = "%Y-%m-%d-%H%M%S"
 _TIMESTAMP = re.compile(r"(\d{4}-\d\d-\d\d-\d{6})(-\d+)?")
 N_FURTHER_GENERATIONS = 10  # proposed number of further generations of a complete run
@@ -109,8 +112,18 @@ def find_run_files(folder: Path) -> list[str]:
     return [str(path) for path in sorted(found, key=lambda path: path.stat().st_mtime, reverse=True)]
 
 
+def save_name(path: Path, name: str) -> None:
+    """Store the name that the user gave a run, beside its run file, unless the folder is not writable."""
+    if path.name == RUN_FILE:
+        with suppress(OSError):
+            write_text(path.with_name(NAME_FILE), f"{name}\n")
+
+
 def run_name(path: Path) -> str:
-    """Return a readable name for a run: the time in the name of its folder, or the name of the folder or file."""
+    """Return a readable name for a run: one given by the user, the time in the name of its folder, or another name."""
+    with suppress(OSError, UnicodeDecodeError):
+        if path.name == RUN_FILE and (name := path.with_name(NAME_FILE).read_text(encoding="utf-8").strip()):
+            return name
     name = path.resolve().parent.name if path.name == RUN_FILE else path.stem
     if not (stamp := _TIMESTAMP.fullmatch(name)):
         return name

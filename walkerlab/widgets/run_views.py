@@ -5,11 +5,15 @@ from typing import Any
 
 import ipywidgets
 
+from walkerlab.evolution.run import Run
+from walkerlab.evolution.running import evolve
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile.records import concatenate_tables
+from walkerlab.settings.model import SettingsError
 from walkerlab.system.files import display_path
 from walkerlab.widgets.class_lock import ClassLock
 from walkerlab.widgets.drawing_thread import DrawingThread
+from walkerlab.widgets.form import Form
 from walkerlab.widgets.generation_slider import LATEST
 from walkerlab.widgets.population import Population
 from walkerlab.widgets.robot import RobotArea
@@ -23,10 +27,28 @@ class ShowsRun:
 
     runs: RunsArea
     population: Population
+    form: Form
     robot: RobotArea
     walker: WalkerView
     lock: ClassLock
     _drawing: DrawingThread
+
+    def finish(self) -> Run:
+        """Return the selected run when it is complete; without runs, evolve one with the settings of the form.
+
+        A paused run continues. Until the run is complete, its progress is shown, but no button responds.
+
+        Raises:
+            SettingsError: If there is no run, and the settings of the form are not valid.
+        """
+        entry = self.runs.selected_entry
+        if entry and entry.live and not entry.live.is_over:
+            return entry.live.finish()
+        if (run := self.runs.selected) and run.n_generations:
+            return run
+        if not self.form.settings:
+            raise SettingsError(str(self.form.fault))
+        return evolve(self.form.settings)
 
     def hand_in(self, genome: Genome | str | None = None) -> Path:
         """Write a robot into the shared folder of the class, under the name of the student.
@@ -47,7 +69,7 @@ class ShowsRun:
         try:
             path = self.hand_in()
         except (ValueError, OSError) as error:
-            self.runs.drawer.words = f"The robot was not handed in: {error}"
+            self.runs.drawer.report_fault(f"The robot was not handed in: {error}")
         else:
             self.runs.drawer.words = f"Handed in as {display_path(path)}, in place of any earlier robot of yours."
 

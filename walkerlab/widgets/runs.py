@@ -28,6 +28,7 @@ from walkerlab.widgets.run_folders import (
     n_further,
     new_run_path,
     run_name,
+    save_name,
 )
 from walkerlab.widgets.run_list import RunList
 
@@ -161,6 +162,10 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         on_curve = [(str(row["key"]), str(row["name"]), bool(row["shown"])) for row in rows]
         if on_curve == self._on_curve:
             return
+        names = {key: name for key, name, _ in self._on_curve}
+        for key, name, _ in on_curve:
+            if names.get(key, name) != name and key in self.entries and (path := self.entries[key].run.path):
+                save_name(path, name)
         self._on_curve = on_curve
         keys = {key for key, _, _ in on_curve}
         for key in self.entries.keys() - keys:
@@ -186,7 +191,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
             run = load(path := self._files.get(name, name))
             best_result(run)  # raises if the champion's genome is damaged
         except (ValueError, OSError) as error:
-            self.drawer.words = str(error)
+            self.drawer.report_fault(error)
             return
         file = run.path or absolute_path(path)
         self.add(ListedRun(str(file.resolve()), run.settings, run), run_name(file))
@@ -206,9 +211,9 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         try:
             outputs.write_outputs(run, folder)
         except WalkerlabError as error:
-            self.drawer.words = str(error)
+            self.drawer.report_fault(error)
         except Exception as error:  # on this thread, nothing else reports it
-            self.drawer.words = (
+            self.drawer.report_fault(
                 f"The run could not be exported into {display_path(folder)}. {type(error).__name__}: {error}"
             )
         else:

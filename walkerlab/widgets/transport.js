@@ -66,12 +66,12 @@ function render({ model, el }) {
     }
     if (state === "running" && !model.get("share")) bar.removeAttribute("value"); // running, with nothing completed yet
     else bar.value = model.get("share");
-    const next = state === "running" || state === "paused" ? "" : fault || model.get("forecast");
+    const next = state === "running" || state === "paused" ? model.get("note") : fault || model.get("forecast");
     status.textContent = model.get("words");
     forecast.textContent = next;
     forecast.classList.toggle("fault", next !== "" && next === fault);
   }
-  for (const name of ["state", "share", "words", "forecast", "fault"]) model.on(`change:${name}`, update);
+  for (const name of ["state", "share", "words", "forecast", "note", "fault"]) model.on(`change:${name}`, update);
   update();
   const releaseKeys = captureKeys(el);
   const endScroll = startInView(el);

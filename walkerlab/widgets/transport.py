@@ -22,6 +22,7 @@ class Transport(Component):
         share: Completed share of the run, 0 to 1.
         words: Message about the run.
         forecast: Message about the next run, if one can be started.
+        note: Message about the settings during a run.
         end_early: Conditions under which a run ends early: any of ``minutes``, ``target`` and ``patience``.
         fault: Why no run can be started; empty if one can.
     """
@@ -33,6 +34,7 @@ class Transport(Component):
     share = traitlets.Float(0.0).tag(sync=True)
     words = traitlets.Unicode("").tag(sync=True)
     forecast = traitlets.Unicode("").tag(sync=True)
+    note = traitlets.Unicode("").tag(sync=True)
     fault = traitlets.Unicode("").tag(sync=True)
     end_early = traitlets.Dict().tag(sync=True)
 

@@ -103,8 +103,8 @@ class Playground {
     const old = this.walks[number];
     const walk = new Walk(this.mj, this.page, expressRobot(this.page, this.state.genomes[number]), this.state.world);
     for (const name of ["qpos", "qvel", "ctrl", "qacc_warmstart"]) walk.data[name].set(old.data[name]);
-    for (const name of ["steps", "phase", "trace", "restTime", "strideShift", "verdict", "targets", "comAtMiddle"]) walk[name] = old[name];
-    walk.isChanged = true;
+    for (const name of ["steps", "phase", "trace", "restTime", "strideShift", "verdict", "targets", "comAtMiddle", "isChanged"]) walk[name] = old[name];
+    walk.noteChange();
     this.walks[number] = walk;
     old.delete();
   }
@@ -256,9 +256,11 @@ class Playground {
   }
 
   showResult(score, walk) {
-    if (score.isDone) return;
+    if (score.isDone && score.isOutdated === walk.isOutdated) return;
+    score.isOutdated = walk.isOutdated;
     const result = `In ${walk.duration} s: ${walk.distance.toFixed(2)} m, ${walk.velocity.toFixed(2)} m/s.`;
-    if (walk.isChanged) this.showVerdict(score, `${result} The walk was changed by hand. Restart to measure it.`, "");
+    if (walk.isOutdated) this.showVerdict(score, `${result} Changed after that. Press Restart to measure it again.`, "");
+    else if (walk.isChanged) this.showVerdict(score, `${result} The walk was changed by hand. Restart to measure it.`, "");
     else if (walk.needsLevelWalk) this.showVerdict(score, `${result} Checking whether the robot also walks on level ground …`, "");
     else if (walk.verdict.name === "ok") this.showVerdict(score, `${result} ${this.page.verdicts.ok}`, "counts");
     else this.showVerdict(score, `${result} Does not count: ${walk.verdict.name}, ${walk.verdict.reason}.`, "rejected");

@@ -70,7 +70,7 @@ class Pusher {
     if ((this.pushes.get(number) ?? 0) > 0) {
       this.pushes.set(number, this.pushes.get(number) - walk.timestep);
       forces[6 * walk.page.robot_body + 1] = PUSH_STRENGTH * weight;
-      walk.isChanged = true;
+      walk.isChanged ||= !walk.verdict;
     }
     if (this.grab?.number !== number) return;
     const geom = walk.id("GEOM", `walker/trunk${this.grab.index + 1}`);
@@ -83,7 +83,7 @@ class Pusher {
       PULL_DAMPING * (point[axis] - last[axis]) / walk.timestep) * weight / EARTH_GRAVITY);
     const scale = Math.min(1, MAX_PULL * weight / Math.max(Math.hypot(...pull), 1e-9));
     forces.set(pull.map((value) => scale * value), 6 * body);
-    walk.isChanged = true;
+    walk.isChanged ||= !walk.verdict;
   }
 
   draw() { // draws a line from the grabbed segment to the finger or the mouse

@@ -98,7 +98,8 @@ class Walk {
     this.restTime = 0;
     this.steps = 0; // in the current phase
     this.phase = "settling";
-    this.isChanged = false; // whether robot or world changed during the walk
+    this.isChanged = false; // whether robot or world changed during the measured walk
+    this.isOutdated = false; // whether they changed later
     this.strideShift = 0; // so that a new frequency continues the stride
     this.verdict = null;
     this.isBroken = false; // whether the simulation diverged
@@ -317,14 +318,16 @@ class Walk {
     this.robot = robot;
     this.gait = gaitOf(robot);
     this.rest = this.gait.map(({ offset }) => offset);
-    this.isChanged = true;
+    this.noteChange();
   }
 
   setWorld(world) {
     this.world = world;
     applyWorld(this.page, this.model, world);
-    this.isChanged = true;
+    this.noteChange();
   }
+
+  noteChange() { if (this.verdict) this.isOutdated = true; else this.isChanged = true; }
 }
 
 const dot = (a, b) => a.reduce((sum, value, axis) => sum + value * b[axis], 0);

@@ -119,7 +119,11 @@ function render({ model, el }) {
     open();
   });
   model.on("change:preview", showPreview);
-  model.on("msg:custom", ({ play, stop }) => { if (play || stop) close(); if (play) open(); });
+  model.on("msg:custom", ({ play, stop, reveal }) => {
+    if (play || stop) close();
+    if (play) open();
+    if (reveal) box.scrollIntoView({ block: "nearest", behavior: "smooth" });
+  });
   const observer = new IntersectionObserver((entries) => { // pause while scrolled away
     isVisible = entries.at(-1).isIntersecting;
     updateRate();

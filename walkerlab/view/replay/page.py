@@ -244,10 +244,14 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         """Whether the page is displayed, or is being created to be displayed."""
         return bool(self.is_open) or self._is_opening
 
-    def play(self) -> None:
-        """Open the page and play it."""
+    def play(self, *, reveal: bool = False) -> None:
+        """Open the page and play it.
+
+        Args:
+            reveal: Whether to scroll to the page if it is outside the window.
+        """
         self._is_opening = True
-        self.send({"play": True})
+        self.send({"play": True, "reveal": reveal})
 
     def stop(self) -> None:
         """Close the page, if it is displayed or being created; the preview image is shown again."""

@@ -5,6 +5,7 @@
   const CAMERA_CHANNELS = 6; // per camera: eye, target
   const POINT_CHANNELS = 3; // per centre of mass
   const MIN_MARK_SPACING = 28; // pixels between two marks
+  const ROBOT_RADIUS = 0.3; // m from the centre of mass of a robot, within which no marks are written
   const MAX_NAME_TAGS = 8; // maximum number of walks with a name above the picture
   const MAX_PHONE_WIDTH = 520, MAX_NAMES_ON_PHONE = 4; // pixels; walks in the list on a phone, above which the list is compact
   const RANKING_INTERVAL = 0.25; // s of the walk between two updates of the order of the list
@@ -173,13 +174,22 @@
   const controls = make("div", { className: "player-controls", role: "group", ariaLabel: "Player" }, playButton, slider, clock, speedMenu,
     make("label", { title: "Repeat the walk" }, loopBox, "loop"), cameraMenu);
 
-  // Moves a label to a point of the world and returns its place on the screen. The label is hidden, and `last` returned,
-  // if the point is outside the picture or too near to `last`, the place of the previous label.
-  function placeLabel(node, [x, y, z], last = null) {
+  const distanceBetween = (one, other) => Math.hypot(one[0] - other[0], one[1] - other[1]);
+
+  // Returns the place of a point of the world on the screen, and whether it is inside the picture.
+  function toScreen([x, y, z]) {
     const { x: right, y: up, z: depth } = world.camera.position.clone().set(x, y, z).project(world.camera);
     const place = [(right + 1) / 2 * target.clientWidth, (1 - up) / 2 * target.clientHeight];
-    const isTooNear = last && Math.hypot(place[0] - last[0], place[1] - last[1]) < MIN_MARK_SPACING;
-    const isVisible = !isTooNear && Math.abs(right) < 1.05 && Math.abs(up) < 1.05 && depth < 1;
+    return { place, isInside: Math.abs(right) < 1.05 && Math.abs(up) < 1.05 && depth < 1 };
+  }
+
+  // Moves a label to a point of the world and returns its place on the screen. The label is hidden, and `last` returned,
+  // if the point is outside the picture, on a robot, or too near to `last`, the place of the previous label.
+  function placeLabel(node, point, robots, last) {
+    const { place, isInside } = toScreen(point);
+    const isFree = !(last && distanceBetween(place, last) < MIN_MARK_SPACING) &&
+      robots.every(({ centre, radius }) => distanceBetween(place, centre) > radius);
+    const isVisible = isInside && isFree;
     node.style.display = isVisible ? "" : "none";
     if (isVisible) node.style.translate = `calc(${place[0]}px - 50%) ${place[1]}px`;
     return isVisible ? place : last;
@@ -187,7 +197,12 @@
 
   function updateLabels() {
     world.camera.updateMatrixWorld();
-    marks.reduce((last, node, number) => placeLabel(node, recording.marks[number].position, last), null);
+    const robots = recording.walks.map((_, number) => {
+      const [x, y, z] = centreOfMass(number, state.time);
+      const centre = toScreen([x, y, z]).place;
+      return { centre, radius: distanceBetween(centre, toScreen([x, y, z + ROBOT_RADIUS]).place) };
+    });
+    marks.reduce((last, node, number) => placeLabel(node, recording.marks[number].position, robots, last), null);
     if (hasTags) placeTags();
   }
 

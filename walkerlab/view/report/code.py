@@ -51,7 +51,8 @@ def as_python(settings: Settings, records: pd.DataFrame | None = None) -> str:
     population = ["population = [", *(f"    {text!r}," for text in given), "]"] if given else []
     arguments = "settings, population=population" if given else "settings"
     evolution = _insertion_lines(inserted, arguments) if inserted else [f"run = wl.evolve({arguments})"]
-    return "\n".join([*sorted(imports), "import walkerlab as wl", "", *stages, assignment, *population, *evolution])
+    lines = ["import walkerlab as wl", "", *stages, assignment, *population, *evolution, "run"]
+    return "\n".join([*sorted(imports), *lines])
 
 
 def _insertion_lines(inserted: dict[int, list[str]], arguments: str) -> list[str]:
@@ -70,6 +71,7 @@ def _insertion_lines(inserted: dict[int, list[str]], arguments: str) -> list[str
         "for generation in evolution:",
         "    for genome in inserted.get(generation.number + 1, []):",
         "        evolution.insert(genome)",
+        "    print(f'generation {generation.number}: best fitness {generation.champion.fitness:.3g}')",
         "run = evolution.run",
     ]
 

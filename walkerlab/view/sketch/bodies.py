@@ -12,9 +12,10 @@ from walkerlab.view.sketch.marks import draw_marks
 from walkerlab.view.sketch.projection import SIDE_VIEW, Projection
 from walkerlab.view.sketch.solids import draw_solids
 from walkerlab.view.sketch.standing import standing_scene
-from walkerlab.view.sketch.svg import TEXT_COLOUR, draw_path, write_image
+from walkerlab.view.sketch.svg import draw_path, write_image
 from walkerlab.world.geometry import surface_points
 
+GROUND_COLOUR = "#888888"  # visible on light and dark pages
 BODY_MARGIN = 0.06  # margin on all sides, as a share of the drawing's width
 MAX_CACHED_DRAWINGS = 512
 
@@ -75,7 +76,7 @@ def _draw_robot(
     return write_image(
         size,
         f"A robot: {describe_robot(scene.phenotype)}.",
-        draw_path([ground_line], closed=False, fill="none", stroke=TEXT_COLOUR, stroke_opacity=0.5),
+        draw_path([ground_line], closed=False, fill="none", stroke=GROUND_COLOUR),
         draw_solids(parts, projection),
         draw_marks(scene, pose, projection),
     )

@@ -193,4 +193,5 @@ def _draw_marks(terrain: Terrain, window: Window) -> Iterator[DrawnItem]:
         x, y = ends[0].tolist()
         label = "start" if metre == 0 else f"{metre:g} m".replace("-", "−")
         style = {"text_anchor": "middle", "fill": "#fff", "font_size": 15}
-        yield near, draw_text(label, x, y + 19, **style)
+        outline = {"stroke": "#6b6b66", "stroke_width": 3, "paint_order": "stroke", "stroke_linejoin": "round"}
+        yield near, draw_text(label, x, y + 19, **style, **outline)
