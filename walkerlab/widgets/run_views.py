@@ -46,9 +46,10 @@ class ShowsRun:
             return entry.live.finish()
         if (run := self.runs.selected) and run.n_generations:
             return run
-        if not self.form.settings:
+        settings: Any = self.form.settings
+        if not settings:
             raise SettingsError(str(self.form.fault))
-        return evolve(self.form.settings)
+        return evolve(settings)
 
     def hand_in(self, genome: Genome | str | None = None) -> Path:
         """Write a robot into the shared folder of the class, under the name of the student.
