@@ -343,7 +343,7 @@ def test_fitness_curve_shows_best_and_median_of_the_walks_that_count(ax):
     records = random_table()
     wl.plots.fitness_curve(records, ax)
     lines = {line.get_label(): line.get_ydata() for line in ax.lines}
-    lines["median"] = lines.pop("median of counted walks (88 %)")
+    lines["median"] = lines.pop("median (88 % counted)")
     for generation in range(5):
         counted = records[(records.generation == generation) & (records.verdict == "ok")].fitness
         assert lines["best"][generation] == pytest.approx(max(counted))
@@ -381,7 +381,7 @@ def test_the_alternative_text_has_first_and_last_values_of_best_and_median(recor
 @pytest.mark.parametrize("name", ["weight", "body_length", "n_legs", "n_segments", "velocity", "distance", "fitness"])
 def test_trait_shows_median_and_best_robot_with_the_unit(records, ax, name):
     wl.plots.trait(records, name, ax)
-    lines = {line.get_label().partition(" of counted ")[0]: line for line in ax.lines}
+    lines = {line.get_label().partition(" (")[0]: line for line in ax.lines}
     walked = name in ("velocity", "distance", "fitness")
     for generation, all_of_it in records.groupby("generation"):
         counted = all_of_it[all_of_it.verdict == "ok"]

@@ -432,6 +432,10 @@ def test_the_champion_of_a_newly_selected_run_is_shown(lab):
         lab.settings = SMALL.with_(seed=seed)
         step(lab)
         press(lab, "stop")
+    lab.runs.run_list.selected = "run 1"
+    assert lab.transport.words == "", "the controls say nothing about a run that is not selected"
+    lab.runs.run_list.selected = "run 2"
+    assert lab.transport.words.startswith("Stopped: 1 of")
     wait_for_drawings(lab)
     lab.population.selected = 3
     lab.runs.run_list.selected = "run 1"

@@ -15,12 +15,13 @@ from matplotlib.figure import Figure
 from walkerlab.text.html import inline_svg
 from walkerlab.text.templates import Markup, render
 from walkerlab.view import plots
-from walkerlab.view.plots.style import MAX_LEGEND_COLUMNS, add_legend
+from walkerlab.view.plots.style import add_legend
 from walkerlab.view.plots.tables import fitness_label
 from walkerlab.view.snapshots import HasSnapshot, image_html
 
 PICTURE_SIZE = (5.2, 2.9)  # inches
 FIGURE_MARGINS = {"left": 0.13, "right": 0.985, "bottom": 0.17}  # fixed, so that axes do not move as a curve grows
+N_LEGEND_COLUMNS = 2  # with several runs
 MAX_LABEL_LENGTH = 16  # maximum length of a name in the legend, in characters
 LEGEND_LINE_HEIGHT = 0.07  # height of a line of the legend, as a fraction of the picture's height
 BEST = ": best"  # end of the label of the line of the best robots
@@ -67,7 +68,7 @@ class Curve(HasSnapshot, ipywidgets.HTML):
         n_runs = sum(map(len, groups.values()))
         alternative_texts: list[str] = []
         for panel, group in zip(panels, groups.values(), strict=True):
-            n_lines = math.ceil((len(group) + 1) / MAX_LEGEND_COLUMNS) if n_runs > 1 else 1
+            n_lines = math.ceil((len(group) + 1) / N_LEGEND_COLUMNS) if n_runs > 1 else 1
             panel.subplots_adjust(**FIGURE_MARGINS, top=0.97 - LEGEND_LINE_HEIGHT * n_lines)
             axes = panel.add_subplot()
             for look, name, table in group:
@@ -112,7 +113,7 @@ def _shorten_legend(axes: Axes) -> None:
     for line, label in zip(*axes.get_legend_handles_labels(), strict=True):
         line.set_label(label.removesuffix(BEST) if label.endswith(BEST) else "_")
     axes.plot([], [], color="0.5", linestyle="--", label="dashed: median")
-    add_legend(axes, MAX_LEGEND_COLUMNS)
+    add_legend(axes, N_LEGEND_COLUMNS)
 
 
 def _shorten_text(name: str) -> str:

@@ -5,6 +5,7 @@ from typing import Any
 
 import ipywidgets
 
+from walkerlab.evolution.live import LiveRun
 from walkerlab.evolution.run import Run
 from walkerlab.evolution.running import evolve
 from walkerlab.genome.genome import Genome
@@ -17,8 +18,9 @@ from walkerlab.widgets.form import Form
 from walkerlab.widgets.generation_slider import LATEST
 from walkerlab.widgets.population import Population
 from walkerlab.widgets.robot import RobotArea
-from walkerlab.widgets.run_status import best_walker
+from walkerlab.widgets.run_status import best_walker, describe_state
 from walkerlab.widgets.runs import RunsArea
+from walkerlab.widgets.transport import Transport
 from walkerlab.widgets.walker_view import WalkerView
 
 
@@ -31,6 +33,8 @@ class ShowsRun:
     robot: RobotArea
     walker: WalkerView
     lock: ClassLock
+    transport: Transport
+    _active: LiveRun | None
     _drawing: DrawingThread
 
     def finish(self) -> Run:
@@ -75,6 +79,9 @@ class ShowsRun:
             self.runs.drawer.words = f"Handed in as {display_path(path)}, in place of any earlier robot of yours."
 
     def _run_selected(self) -> None:
+        if self._active and self._active.is_over:  # the controls describe the last run only while it is selected
+            entry = self.runs.selected_entry
+            self.transport.words = describe_state(self._active) if entry and entry.live is self._active else ""
         self.population.selected = -1
         self.runs.generation.selected = LATEST
         self._generation_selected()
