@@ -364,6 +364,8 @@ def test_the_preset_is_named_while_the_settings_equal_it():
     assert form.preset == ""
     form.set_state({"preset": "Nowhere"})
     assert form.preset == ""
+    form.settings = Settings().with_(incline=20)
+    assert form.preset == "Earth", "the incline has no effect on flat ground"
 
 
 def test_a_preset_fixes_invalid_values():

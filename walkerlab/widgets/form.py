@@ -20,7 +20,7 @@ from walkerlab.widgets.controls import (
     unused_settings,
     use_labels,
 )
-from walkerlab.widgets.presets import choose_presets
+from walkerlab.widgets.presets import FormPreset, choose_presets
 
 NamedValues = dict[str, Any]
 """Values, keyed by name."""
@@ -153,14 +153,20 @@ class Form(Component):
         self.preset = self._current_preset()
 
     def _current_preset(self) -> str:
-        """Return the name of the preset that is equal to the settings; empty if there is none."""
-        settings = self.settings
-        equal = (
-            name
-            for name, preset in self._presets.items()
-            if all(getattr(settings, domain, None) == value for domain, value in preset.domains.items())
-        )
-        return next(equal, "")
+        """Return the name of the preset with the same effect as the settings; empty if there is none."""
+        settings: Any = self.settings
+        if not settings:
+            return ""
+
+        def is_current(preset: FormPreset) -> bool:
+            return all(
+                getattr(getattr(settings, domain), field) == getattr(value, field)
+                for domain, value in preset.domains.items()
+                for field in type(value).model_fields
+                if f"{domain}.{field}" not in self.unused
+            )
+
+        return next((name for name, preset in self._presets.items() if is_current(preset)), "")
 
     def _show_settings(self, settings: Settings) -> None:
         """Update all controls to settings."""

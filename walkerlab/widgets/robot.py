@@ -146,7 +146,8 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         rivals = {name: genome} | ({} if champion.individual == robot else {_champion_name(run): champion.genome})
         outcome = recorded_outcome(row, run.settings)
         original = ShownRobot(name, genome, rivals, run.settings, outcome, robot_card(run.records, robot))
-        self._present(original, {f"robot {robot} of generation {row.born}": genome})
+        fragile = " (fragile)" if row.verdict == "fragile" else ""  # the walk in its replay counts
+        self._present(original, {f"robot {robot} of generation {row.born}{fragile}": genome})
 
     def _restore(self) -> None:
         """Show the edited robot that was replaced."""

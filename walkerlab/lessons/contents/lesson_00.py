@@ -30,7 +30,7 @@ EXERCISES: dict[str, Exercise] = {
     "00.2": Exercise(
         check=_check_furthest,
         hints=(
-            "Fitness counts only where the robot ends. How far is that from the start?",
+            "Only the place where the robot ends counts. How far ahead of the start is that, for each robot?",
             "Forward is the direction in which the robot faces at the start; a way to the side does not count.",
         ),
         right="Fitness is the net forward travel: A ends 2 m ahead, B 0 m, and C 2.5 m.",

@@ -5,6 +5,7 @@
   const CAMERA_CHANNELS = 6; // per camera: eye, target
   const POINT_CHANNELS = 3; // per centre of mass
   const MIN_MARK_SPACING = 28; // pixels between two marks
+  const MARK_MARGIN = 9; // pixels from the upper and lower edge of the picture, within which no marks are written
   const ROBOT_RADIUS = 0.3; // m from the centre of mass of a robot, within which no marks are written
   const MAX_NAME_TAGS = 8; // maximum number of walks with a name above the picture
   const MAX_PHONE_WIDTH = 520, MAX_NAMES_ON_PHONE = 4; // pixels; walks in the list on a phone, above which the list is compact
@@ -180,7 +181,8 @@
   function toScreen([x, y, z]) {
     const { x: right, y: up, z: depth } = world.camera.position.clone().set(x, y, z).project(world.camera);
     const place = [(right + 1) / 2 * target.clientWidth, (1 - up) / 2 * target.clientHeight];
-    return { place, isInside: Math.abs(right) < 1.05 && Math.abs(up) < 1.05 && depth < 1 };
+    const isWithin = place[1] > MARK_MARGIN && place[1] < target.clientHeight - MARK_MARGIN;
+    return { place, isInside: Math.abs(right) < 1.05 && isWithin && depth < 1 };
   }
 
   // Moves a label to a point of the world and returns its place on the screen. The label is hidden, and `last` returned,
