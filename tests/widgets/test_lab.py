@@ -374,6 +374,20 @@ def test_finish_waits_for_the_run_in_progress_or_evolves_one(lab):
     assert lab.finish().path == lab.run.path
 
 
+def test_a_new_panel_of_the_same_cell_takes_over_the_runs(lab, pool, tmp_path):
+    step(lab)
+    lab.runs.run_list.update("run 1", name="mine")
+    new = wl.Lab(SMALL, tmp_path / "lab", executor=pool)
+    new._take_over(lab)
+    assert lab.comm is None
+    assert [run["name"] for run in new.runs.run_list.runs] == ["mine"]
+    assert new.finish().n_generations == SMALL.algorithm.generations
+    assert new.transport.state == "finished"
+    step(new)
+    assert new.runs.run_list.selected == "run 2"
+    new.close()
+
+
 def test_a_robot_can_be_continued_with_only_if_a_run_has_ended(lab):
     editor = lab.robot.editor
     assert not editor.can_continue

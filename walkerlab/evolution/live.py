@@ -47,6 +47,7 @@ class LiveRun(ReadOnlyProperties):
         error: Error that made it fail, or None.
         n_done: Number of walks that are done.
         n_walks: Total number of walks.
+        on_change: Function that is called with the run when it has changed.
         first_robots: Evaluations of the robots of generation 0 that have walked, keyed by number; empty when it is
             complete.
     """
@@ -86,7 +87,7 @@ class LiveRun(ReadOnlyProperties):
         self.n_walks = n_walks(settings, self._prepared.run.n_generations if self._prepared else 0)
         self.first_robots: dict[int, Evaluation] = {}
         self._executor = executor
-        self._on_change = on_change
+        self.on_change = on_change
         self._pausable = PausableExecutor(self._create_executor, n_workers)
         self._options: dict[str, Any] = {
             "executor": self._pausable,
@@ -148,7 +149,7 @@ class LiveRun(ReadOnlyProperties):
             self._may_continue.set()
             if not self._thread.ident:
                 self._thread.start()
-        self._on_change(self)
+        self.on_change(self)
 
     def finish(self) -> Run:
         """Continue the run, wait until it is over, and return it.
@@ -240,7 +241,7 @@ class LiveRun(ReadOnlyProperties):
         _, n_first = self._first_results
         if not n_first:  # the time until now includes the start of the workers and the compilation of the first models
             self._first_results = self.seconds, n
-        self._on_change(self)
+        self.on_change(self)
 
     def _collect_first_robots(self, index: int, evaluation: Evaluation) -> None:
         if not self.n_generations:
@@ -255,7 +256,7 @@ class LiveRun(ReadOnlyProperties):
             self.state = state
             for step in steps:
                 step()
-        self._on_change(self)
+        self.on_change(self)
 
     def _evolve(self) -> None:
         """Evolve until the run is over; runs in the thread."""
@@ -272,7 +273,7 @@ class LiveRun(ReadOnlyProperties):
                 self.first_robots = {}
                 if generation.number + 1 == self._pause_at < self.settings.algorithm.generations:
                     self.pause()
-                self._on_change(self)
+                self.on_change(self)
                 self._may_continue.wait()
                 if self.is_over:
                     return

@@ -12,14 +12,15 @@ CANVAS = '<div id="canvasTarget"></div>'
 
 
 def complete_snapshot(snapshot: str, head: Markup, body: str) -> str:
-    """Return the snapshot of a K3D plot with a different head and body.
+    """Return the snapshot of a K3D plot with a different head and body, and with the notebook's keys.
 
     Args:
         snapshot: HTML from ``get_snapshot``.
         head: Elements that replace the title.
         body: HTML that replaces the canvas.
     """
-    page = re.sub(r"<title>.*?</title>", lambda _: head, snapshot, count=1, flags=re.DOTALL)
+    keys = (Path(__file__).parent / "keys.js").read_text(encoding="utf-8")
+    page = re.sub(r"<title>.*?</title>", lambda _: f"{head}<script>\n{keys}</script>", snapshot, count=1, flags=re.DOTALL)
     return page.replace(CANVAS, body, 1).replace("<html>", '<html lang="en">', 1)
 
 

@@ -53,7 +53,7 @@ function render({ model, el }) {
     details.open = true;
     code.select();
     try { await navigator.clipboard.writeText(code.value); } catch { document.execCommand("copy"); } // if the browser denies access to the clipboard
-    say("Copied. In a notebook cell, the code repeats the run and gives the same table.");
+    say(`Copied. ${model.get("about_code")}`);
   });
   const details = make("details", {}, make("summary", { textContent: "Code of this run" }), code);
   const message = make("p", { className: "words", attributes: { role: "status" } });

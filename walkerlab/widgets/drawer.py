@@ -24,6 +24,7 @@ class Drawer(Component):
     Attributes:
         files: ``path`` and ``name`` of the run files that can be loaded, newest first.
         code: Python code that repeats the run; empty if there is none.
+        about_code: What the code does.
         words: Message about the last action.
         can_export: Whether there is a run to export.
         can_hand_in: Whether robots can be handed in to a class.
@@ -36,6 +37,7 @@ class Drawer(Component):
     _css = load_style("drawer")
     files = traitlets.List(traitlets.Dict()).tag(sync=True)
     code = traitlets.Unicode("").tag(sync=True)
+    about_code = traitlets.Unicode("").tag(sync=True)
     words = traitlets.Unicode("").tag(sync=True)
     can_export = traitlets.Bool(False).tag(sync=True)
     can_hand_in = traitlets.Bool(False).tag(sync=True)

@@ -111,11 +111,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         self.population.observe(self._robot_selected, "selected")
         self.runs.generation.observe(self._generation_selected, "selected")
         for panel in register_in_cell(self):  # or its run would continue without a panel
-            panel.close()
-            if panel.runs.entries:
-                self.transport.words = (
-                    "The earlier panel of this cell was closed. Its runs are saved: open them with Load."
-                )
+            self._take_over(panel)
         self._form_changed()
         self._run_selected()
 
@@ -266,6 +262,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         if run := self.run:
             try:
                 self.settings = run.settings
+                self.runs.drawer.words = "The form has the settings of the selected run now."
             except SettingsError as error:
                 self.runs.drawer.report_fault(error)
 

@@ -63,9 +63,9 @@ def compare_outcomes(after: Outcome, before: Outcome) -> dict[str, Any]:
     details = f" Details: {after.reason}." if after.reason else ""
     counted = "" if before.verdict == "ok" else f" (did not count: {before.verdict})"
     return {
-        "distance": with_unit(after.distance, "m"),
+        "distance": with_unit(after.distance, "m").replace("-", MINUS_SIGN),
         "change": f"{sign}{abs(change):.2f} m" if change and np.isfinite(change) else "",
-        "before": f"before: {with_unit(before.distance, 'm')}{counted}",
+        "before": f"before: {with_unit(before.distance, 'm').replace('-', MINUS_SIGN)}{counted}",
         "verdict": verdict if counts else f"Does not count: {after.verdict}. {verdict}{details}",
         "counts": counts,
         "is_better": bool(counts and change > 0),

@@ -83,7 +83,9 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         name, genome = "the random robot", self.editor.genome
         message = render("widgets/robot_message.html")
         self._original = ShownRobot(name, genome, {name: genome}, None, None, message)
-        self._replaced: tuple[ShownRobot, str] | None = None  # edited robot that was replaced, and its genome's text
+        self._replaced: tuple[ShownRobot, str, Any] | None = (
+            None  # edited robot, with its text and the result of its walk
+        )
         self._selected = -1
         super().__init__([self.card, self.frame, self.live, self.editor])
         self.add_class("wl-robot")
@@ -136,7 +138,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         if not is_new_selection and (wanted == self._shown or is_kept):
             return
         if is_edited:
-            self._replaced = self._original, str(self.editor.text)
+            self._replaced = self._original, str(self.editor.text), self.editor.result
             self.editor.replaced = self._original.name
         self._shown = wanted
         row: Any = birth_rows(run.records).loc[robot]
@@ -153,11 +155,12 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         """Show the edited robot that was replaced."""
         if not self._replaced:
             return
-        (original, text), self._replaced = self._replaced, None
+        (original, text, result), self._replaced = self._replaced, None
         self.editor.replaced = ""
         self._shown = original.settings, -1
         self._present(original, {})
         self.editor.text = text
+        self.editor.result = result
         if genome := self.editor.genome:
             self._offer_race(genome)
 

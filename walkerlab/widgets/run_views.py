@@ -1,11 +1,12 @@
 """What a panel shows of its selected run: the population, the robot and the walk of a generation."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import ipywidgets
 
-from walkerlab.evolution.live import LiveRun
+from walkerlab.evolution.live import LiveRun, State
 from walkerlab.evolution.run import Run
 from walkerlab.evolution.running import evolve
 from walkerlab.genome.genome import Genome
@@ -18,6 +19,7 @@ from walkerlab.widgets.form import Form
 from walkerlab.widgets.generation_slider import LATEST
 from walkerlab.widgets.population import Population
 from walkerlab.widgets.robot import RobotArea
+from walkerlab.widgets.run_folders import ListedRun
 from walkerlab.widgets.run_status import best_walker, describe_state
 from walkerlab.widgets.runs import RunsArea
 from walkerlab.widgets.transport import Transport
@@ -35,6 +37,10 @@ class ShowsRun:
     lock: ClassLock
     transport: Transport
     _active: LiveRun | None
+    _n_started: int
+    _reported: dict[LiveRun, tuple[tuple[State, int] | None, float]]
+    _run_progressed: Callable[[LiveRun], None]
+    _show_status: Callable[[LiveRun], None]
     _drawing: DrawingThread
 
     def finish(self) -> Run:
@@ -77,6 +83,23 @@ class ShowsRun:
             self.runs.drawer.report_fault(f"The robot was not handed in: {error}")
         else:
             self.runs.drawer.words = f"Handed in as {display_path(path)}, in place of any earlier robot of yours."
+
+    def _take_over(self, earlier: Any) -> None:
+        """Take over the runs of an earlier panel, which is closed; a run in progress continues."""
+        rows: dict[str, dict[str, Any]] = {row["key"]: row for row in earlier.runs.run_list.runs}
+        entries: dict[str, ListedRun] = earlier.runs.entries
+        selected = str(earlier.runs.run_list.selected)
+        earlier.runs.entries = {}
+        self._active, self._n_started = earlier._active, earlier._n_started
+        for key, entry in entries.items():
+            if entry.live:
+                self._reported[entry.live] = None, 0.0
+                entry.live.on_change = self._run_progressed
+            self.runs.add(entry, rows[key]["name"])
+        earlier.close()
+        self.runs.run_list.selected = selected
+        if self._active:
+            self._show_status(self._active)
 
     def _run_selected(self) -> None:
         if self._active and self._active.is_over:  # the controls describe the last run only while it is selected

@@ -32,6 +32,11 @@ from walkerlab.widgets.run_folders import (
 )
 from walkerlab.widgets.run_list import RunList
 
+SAME_TABLE = "In a notebook cell, the code repeats the run and gives the same table."
+LAST_SETTINGS = (
+    "The settings of this run were changed: the code has the last ones, so that its first generations differ."
+)
+
 
 class RunsArea(HasSnapshot, ipywidgets.Box):
     """The runs of a panel, one of which is selected.
@@ -148,6 +153,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         self.drawer.can_export = has_generations
         self.drawer.n_further = n_further(entry) if entry else 0
         self.drawer.code = _code(run) if run and has_generations else ""
+        self.drawer.about_code = LAST_SETTINGS if run and len(run.stages) > 1 else SAME_TABLE
 
     def _selection_changed(self, _change: object) -> None:
         if self.drawer.exported:  # the files of another run
