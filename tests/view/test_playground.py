@@ -157,6 +157,7 @@ def test_a_file_walks_as_in_python_while_genes_and_world_change(page, tmp_path):
     )
     slider(page, "hip_amplitude").fill("25")
     page.evaluate(APPLY)
+    page.evaluate("walkerlab.draw(0)")
     assert "Press Restart" in page.locator(".verdict").inner_text(), "the result is that of the earlier gait"
 
     # Genes of the body are limited by the settings, and the copied text walks as the page does, on the moon, on ice.

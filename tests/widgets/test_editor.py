@@ -378,6 +378,6 @@ def test_in_a_browser_the_current_text_is_sent_before_a_button_acts(shown):
     shown.get_by_label("Genome", exact=True).press("End")
     shown.keyboard.type(" ")
     shown.get_by_role("button", name="Play its walk").click()
-    sent = shown.evaluate("sent")
+    sent = [message for message in shown.evaluate("sent") if message != {"press": "try"}]  # which may come later
     assert sent[-1] == {"press": "walk"}
     assert json.dumps(sent[-2]) != json.dumps(format_genome(G))
