@@ -18,7 +18,7 @@ from tests.strategies import all_settings, robots
 from walkerlab.settings.algorithm import Algorithm
 from walkerlab.settings.choices import Crossover, Fitness, Mutation
 from walkerlab.settings.robot import Robot
-from walkerlab.settings.settings import Settings
+from walkerlab.settings.settings import COMMON_NAMES, Settings
 from walkerlab.settings.simulation import Simulation
 from walkerlab.settings.terrain import Terrain
 
@@ -54,6 +54,13 @@ def test_a_choice_given_for_its_domain_gets_a_suggestion():
             message = error_message(Settings, **{keyword: choice.name})
             fix = re.search(r"Did you mean (.*)\?$", message).group(1)
             assert choice.name in eval(f"dict({fix})", NAMESPACE)[keyword].model_dump().values()
+
+
+@pytest.mark.parametrize(("guessed", "name"), COMMON_NAMES.items())
+def test_a_name_that_is_easily_guessed_wrong_gets_the_right_one(guessed, name):
+    assert guessed not in Settings.field_locations()
+    assert f"Did you mean {name!r}?" in error_message(Settings().with_, **{guessed: 3})
+    assert name in Settings.field_locations()
 
 
 @every_field

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 from weakref import WeakSet
 
+from tqdm.auto import tqdm
+
 from walkerlab.evolution.evolution import Evolution
 from walkerlab.evolution.forecast import n_walks
 from walkerlab.evolution.resuming import PreparedRun
@@ -152,14 +154,16 @@ class LiveRun(ReadOnlyProperties):
         self.on_change(self)
 
     def finish(self) -> Run:
-        """Continue the run, wait until it is over, and return it.
+        """Continue the run, show a progress bar until it is over, and return it.
 
         Raises:
             BaseException: The error that made the run fail.
         """
         self.resume()
-        while self._thread.is_alive():
-            self._thread.join(JOIN_TIME)
+        with tqdm(total=self.n_walks, initial=self.n_done, unit=" walks") as bar:
+            while self._thread.is_alive():
+                self._thread.join(JOIN_TIME)
+                bar.update(self.n_done - bar.n)
         if self.error:
             raise self.error
         return self.run

@@ -15,6 +15,17 @@ from walkerlab.settings.terrain import Terrain
 from walkerlab.settings.values import code_text, did_you_mean, short_repr
 from walkerlab.text.templates import render
 
+COMMON_NAMES = {
+    **dict.fromkeys(("robots", "n_robots", "individuals", "size"), "population_size"),
+    **dict.fromkeys(("seconds", "time"), "duration"),
+    **dict.fromkeys(("slope", "angle"), "incline"),
+    **dict.fromkeys(("ground", "surface"), "structure"),
+    **dict.fromkeys(("friction", "floor"), "texture"),
+    "steps": "step_height",
+    "rounds": "generations",
+}
+"""Names of settings that are easily guessed wrong, and the right ones."""
+
 
 class Settings(SettingsModel, frozen=True):
     """All settings of a run.
@@ -116,6 +127,8 @@ class Settings(SettingsModel, frozen=True):
         if name in locations:
             domain, field = locations[name]
             return f" It is a setting of {domain}: {domain}={domain.capitalize()}({field}=…)."
+        if meant := COMMON_NAMES.get(name.lower()):
+            return f" Did you mean {meant!r}?"
         return did_you_mean(name, [*cls.model_fields, *locations]) or super().suggest_name(name)
 
     @classmethod

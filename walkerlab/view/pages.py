@@ -20,7 +20,8 @@ def complete_snapshot(snapshot: str, head: Markup, body: str) -> str:
         body: HTML that replaces the canvas.
     """
     keys = (Path(__file__).parent / "keys.js").read_text(encoding="utf-8")
-    page = re.sub(r"<title>.*?</title>", lambda _: f"{head}<script>\n{keys}</script>", snapshot, count=1, flags=re.DOTALL)
+    head = Markup(f"{head}<script>\n{keys}</script>")
+    page = re.sub(r"<title>.*?</title>", lambda _: head, snapshot, count=1, flags=re.DOTALL)
     return page.replace(CANVAS, body, 1).replace("<html>", '<html lang="en">', 1)
 
 

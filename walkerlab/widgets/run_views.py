@@ -46,7 +46,7 @@ class ShowsRun:
     def finish(self) -> Run:
         """Return the selected run when it is complete; without runs, evolve one with the settings of the form.
 
-        A paused run continues. Until the run is complete, its progress is shown, but no button responds.
+        A paused run continues. Until the run is complete, a progress bar is shown, and no button responds.
 
         Raises:
             SettingsError: If there is no run, and the settings of the form are not valid.
