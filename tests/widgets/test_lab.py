@@ -546,6 +546,7 @@ def test_a_run_that_is_continued_equals_one_that_is_resumed(lab, pool, tmp_path)
     copy = tmp_path / "copy.walk"
     shutil.copyfile(lab.run.path, copy)
     further(lab, 2)
+    wait_until(lambda: lab.transport.words.startswith("Finished: 6 generations, the last 2 in"))
     lab.settings = SMALL.with_(structure="stairs", step_height=0.02, mutation="micro")
     further(lab, 2, with_form=True)
     wl.resume(copy, 6, pool, progress=False)

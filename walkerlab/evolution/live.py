@@ -47,6 +47,7 @@ class LiveRun(ReadOnlyProperties):
     Attributes:
         state: State of the run.
         error: Error that made it fail, or None.
+        n_earlier: Number of generations of a stored run before it is continued here.
         n_done: Number of walks that are done.
         n_walks: Total number of walks.
         on_change: Function that is called with the run when it has changed.
@@ -86,7 +87,8 @@ class LiveRun(ReadOnlyProperties):
         self.state = State.paused
         self.n_done = 0
         self.error: BaseException | None = None
-        self.n_walks = n_walks(settings, self._prepared.run.n_generations if self._prepared else 0)
+        self.n_earlier = self._prepared.run.n_generations if self._prepared else 0
+        self.n_walks = n_walks(settings, self.n_earlier)
         self.first_robots: dict[int, Evaluation] = {}
         self._executor = executor
         self.on_change = on_change

@@ -19,7 +19,7 @@ _LENGTH_TOLERANCE = 1e-12  # m, for rounding errors: 3 × 0.1 is more than 0.3
 
 
 class Robot(DisplayedDomain, frozen=True):
-    """Limits on the bodies of all robots; every robot is within them after any operator."""
+    """Limits on the bodies of all robots; children that exceed them are repaired."""
 
     weight: Annotated[
         tuple[float, float],

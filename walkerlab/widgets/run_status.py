@@ -27,7 +27,8 @@ def describe_state(live: LiveRun) -> str:
         case State.finished if live.run.stop_reason:
             return f"Finished: {done} in {live.seconds:.0f} s, because {live.run.stop_reason}."
         case State.finished:
-            return f"Finished: {pluralize(total, 'generation')} in {live.seconds:.0f} s."
+            last = f", the last {total - live.n_earlier}" if live.n_earlier else ""
+            return f"Finished: {pluralize(total, 'generation')}{last} in {live.seconds:.0f} s."
         case state:
             return f"{state.capitalize()}: {done} ({live.seconds:.0f} s)."
 
