@@ -406,7 +406,7 @@ def test_a_name_given_by_the_user_is_stored_with_the_run(lab):
 def test_settings_that_are_changed_during_a_run_are_said_to_be_for_a_new_one(lab):
     step(lab)
     assert lab.transport.note == ""
-    lab.settings = SMALL.with_(generations=9)
+    lab.settings = SMALL.with_(mutation_rate=0.3)
     assert "a new run" in lab.transport.note
     lab.settings = SMALL
     assert lab.transport.note == ""

@@ -105,6 +105,8 @@ def _use_text_colour(svg: str) -> str:
 
 
 def _mix_text_colour(grey: int) -> str:
+    if grey == 255:
+        return "var(--jp-layout-color1, white)"  # the background
     return f"color-mix(in srgb, currentColor {100 * (255 - grey) / 255:.0f}%, transparent)"
 
 

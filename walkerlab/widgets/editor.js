@@ -153,6 +153,7 @@ function render({ model, el }) {
     if (!groups.includes(group)) group = groups[1] ?? groups[0] ?? "";
     tabs.replaceChildren(...groups.map((name) => make("button", { type: "button", textContent: name, onclick: () => {
       group = name;
+      helpLine.textContent = "";
       showGroup();
     } })));
     rows = genes.map((gene, index) => geneRow(gene, `${id}-${index}`, (value, isFinal) => change(index, value, isFinal), help));

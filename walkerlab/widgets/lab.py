@@ -16,6 +16,7 @@ import traitlets
 
 from walkerlab.evolution.live import LiveRun, State
 from walkerlab.evolution.run import Run
+from walkerlab.evolution.stages import find_changes
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
@@ -158,7 +159,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         faults = self.lock.describe_excess(settings) if settings else faults
         self.transport.fault = f"Cannot start. {faults}" if faults else ""
         if settings:
-            is_changed = self._active is not None and settings != self._active.settings
+            is_changed = self._active is not None and bool(find_changes(self._active.settings, settings))
             self.transport.note = CHANGED if is_changed else ""
             self._drawing.request("world", self.world.prepare(settings), is_urgent=True)
             self._drawing.request("forecast", self._show_forecast)

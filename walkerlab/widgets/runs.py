@@ -73,6 +73,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         self._folder = folder
         self._drawing = drawing
         self._on_selected = on_selected
+        self._exported: dict[str, list[str]] = {}  # paths of the exported files of each run, by its key
         self._on_curve: list[tuple[str, str, bool]] = []
         self.entries: dict[str, ListedRun] = {}
         self.curve = Curve()
@@ -156,9 +157,10 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         self.drawer.about_code = LAST_SETTINGS if run and len(run.stages) > 1 else SAME_TABLE
 
     def _selection_changed(self, _change: object) -> None:
-        if self.drawer.exported:  # the files of another run
-            self.drawer.exported = []
+        exported = self._exported.get(str(self.run_list.selected), [])
+        if exported != self.drawer.exported:
             self.drawer.words = ""
+            self.drawer.exported = exported
         self._drawing.request("run list", self._update_list)
         self._on_selected()
 
@@ -210,10 +212,11 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         if (run := self.selected) and run.n_generations:
             folder = run.path.parent if run.path else new_run_path(self._folder).parent
             self.drawer.exported = []
+            key = str(self.run_list.selected)
             self.drawer.words = f"Writing into {display_path(folder)} …"
-            threading.Thread(target=self._write, args=(run, folder), name="walkerlab export", daemon=True).start()
+            threading.Thread(target=self._write, args=(run, folder, key), name="walkerlab export", daemon=True).start()
 
-    def _write(self, run: Run, folder: Path) -> None:
+    def _write(self, run: Run, folder: Path, key: str) -> None:
         try:
             outputs.write_outputs(run, folder)
         except WalkerlabError as error:
@@ -224,8 +227,9 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
             )
         else:
             self._list_files()
+            self._exported[key] = [f"{display_path(folder)}/{name}" for name in outputs.OUTPUT_FILES]
             self.drawer.words = f"Exported into the folder {display_path(folder)}:"
-            self.drawer.exported = [f"{display_path(folder)}/{name}" for name in outputs.OUTPUT_FILES]
+            self.drawer.exported = self._exported[key]
 
 
 def _code(run: Run) -> str:
