@@ -397,6 +397,15 @@ def test_a_robot_can_be_continued_with_only_if_a_run_has_ended(lab):
     wait_until(lambda: editor.can_continue)
 
 
+def test_a_genome_that_was_inserted_before_a_run_was_stopped_is_in_its_next_generation(lab):
+    step(lab)
+    assert "generation 1" in insert(lab)
+    press(lab, "stop")
+    wait_for_drawings(lab)
+    further(lab, 1)
+    assert (lab.run.records.operators == "by hand").sum() == 1
+
+
 def test_a_name_given_by_the_user_is_stored_with_the_run(lab):
     step(lab)
     lab.runs.run_list._handle_message(None, {"name": "mine", "of": "run 1"}, [])

@@ -197,6 +197,11 @@ class Evolution(RunProperties):
         """Number of completed generations."""
         return 0 if self._population is None else self._population.generation + 1
 
+    @property
+    def inserted_genomes(self) -> list[Genome]:
+        """Inserted genomes that are not in a completed generation yet."""
+        return self._inserted.waiting
+
     def insert(self, genome: Genome | str) -> int:
         """Insert a genome into the next generation to be bred, in place of a child.
 

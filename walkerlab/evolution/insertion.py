@@ -19,6 +19,12 @@ class InsertedGenomes:
         self._waiting: list[Genome] = []
         self._lock = Lock()
 
+    @property
+    def waiting(self) -> list[Genome]:
+        """Genomes that are not in a generation yet."""
+        with self._lock:
+            return list(self._waiting)
+
     def set_next_generation(self, generation: int) -> None:
         """Accept genomes for the given generation and later ones."""
         with self._lock:

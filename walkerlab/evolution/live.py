@@ -190,6 +190,11 @@ class LiveRun(ReadOnlyProperties):
         if self._default_executor and all(run.is_over for run in _live_runs):
             self._default_executor.shutdown(wait=False)
 
+    @property
+    def inserted_genomes(self) -> list[Genome]:
+        """Inserted genomes that are not in a completed generation yet."""
+        return self._evolution.inserted_genomes if self._evolution else list(self._waiting_genomes)
+
     def insert(self, genome: Genome | str) -> int:
         """Insert a genome into the next generation to be bred, as ``Evolution.insert`` does.
 

@@ -226,6 +226,8 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
                 self.runs.drawer.report_fault(error)
                 return
             live = LiveRun(prepared, None, self._executor, stop=self.transport.stop, on_change=self._run_progressed)
+            for genome in entry.live.inserted_genomes if entry.live else []:  # before the run was stopped
+                live.insert(genome)
             self.runs.drawer.words = note
             self._activate(ListedRun(entry.key, prepared.settings, live), live, "")
             live.resume()

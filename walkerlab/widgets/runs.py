@@ -175,6 +175,8 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
             if names.get(key, name) != name and key in self.entries and (path := self.entries[key].run.path):
                 save_name(path, name)
         self._on_curve = on_curve
+        if self.drawer.words.startswith("⚠"):
+            self.drawer.words = ""
         keys = {key for key, _, _ in on_curve}
         for key in self.entries.keys() - keys:
             if live := self.entries[key].live:
