@@ -778,6 +778,9 @@ def test_descent_reaches_as_far_back_as_the_table(crossover, tmp_path):
         assert str(best.individual) in summary.tabulate_descent(table, best.individual), name
         assert summary.describe_result(table, wl.Settings().model_dump()), name
         assert "nan" not in found.parents.str.cat() + best.reason, name
+    resumed = records.copy()
+    resumed.attrs["rated_since"] = 2  # the settings of the world were changed
+    assert " in generation 2." in summary.describe_result(resumed, wl.Settings().model_dump())
     whole, later = Figure().add_subplot(), Figure().add_subplot()
     youngest = int(records.individual.max())
     wl.plots.family_tree(records, whole, individual=youngest)

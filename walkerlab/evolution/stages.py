@@ -115,9 +115,8 @@ def check_changes(before: Settings, after: Settings) -> None:
         stored = code_text(getattr(getattr(before, domain), setting))
         errors.append(
             f"{domain.capitalize()}.{setting} cannot change when a run is resumed, because {reason}: set it to "
-            f"{stored}. To evolve with {name}={code_text(value)}, start a new run from the last generation of this "
-            "one: "
-            f"wl.evolve(run.settings.with_({name}={code_text(value)}), population=run)"
+            f"{stored}. To evolve with {name}={code_text(value)}, start a new run from the last generation of "
+            f"this one: wl.evolve(run.settings.with_({name}={code_text(value)}), population=run)"
         )
     if errors:
         raise SettingsError("\n".join(errors))

@@ -40,12 +40,12 @@ def describe_start(settings: Settings, n_cores: int, *, done: int = 0) -> str:
 
 
 def describe_result(records: pd.DataFrame, settings: PlainSettings) -> str:
-    """Describe the best fitness of a run and of its first generation in a sentence."""
+    """Describe the best fitness of a run and of the first generation with the present settings in a sentence."""
     if records.empty:
         return "No generation is complete yet."
     n_generations = int(records.generation.nunique())
     best = find_champion(records)
-    start = int(records.generation.min())
+    start = max(int(records.generation.min()), int(records.attrs.get("rated_since", 0)))
     robots = pluralize(int((records.generation == start).sum()), "robot")
     size = f"{pluralize(n_generations, 'generation')} of {robots}"
     if best.verdict != "ok":

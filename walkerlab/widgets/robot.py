@@ -83,9 +83,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         name, genome = "the random robot", self.editor.genome
         message = render("widgets/robot_message.html")
         self._original = ShownRobot(name, genome, {name: genome}, None, None, message)
-        self._replaced: tuple[ShownRobot, str, Any] | None = (
-            None  # edited robot, with its text and the result of its walk
-        )
+        self._replaced: tuple[ShownRobot, str, Any] | None = None  # edited robot, its text, and the result of its walk
         self._selected = -1
         super().__init__([self.card, self.frame, self.live, self.editor])
         self.add_class("wl-robot")
