@@ -118,6 +118,7 @@ def test_an_edited_robot_that_is_replaced_can_be_shown_again(area, done):
     area.editor._handle_message(None, {"press": "restore"}, [])
     assert (area.editor.text, area.editor.replaced) == (edited, "")
     assert f"Robot {first}" in area.card.value
+    assert "Before your changes" in area.card.value
     area.show(done, -1)
     assert area.editor.text == edited, "the champion does not replace an edited robot"
     other = wl.Run(done.settings.with_(wind=(1, 0, 0)), done.records)

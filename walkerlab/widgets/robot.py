@@ -196,8 +196,10 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
     def _offer_race(self, genome: Genome) -> None:
         """Show a picture of the edited robot; its replay also shows the unedited robot and the champion."""
         self._shown = self._shown[0], -1
-        edited = {f"edited {self._original.name}": genome} if self.editor.is_edited else {}
+        is_edited = self.editor.is_edited
+        edited = {f"edited {self._original.name}": genome} if is_edited else {}
         self._offer_replay(edited | self._original.rivals)
+        self._describe(render("widgets/edited_robot.html", description=self._original.description, is_edited=is_edited))
 
     def _replace_replay(self, genome: Genome) -> None:
         """Prepare the replay of an edited robot; if a replay is open, play the new one instead."""
