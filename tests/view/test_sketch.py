@@ -18,6 +18,7 @@ from walkerlab.genome.phenotype import express
 from walkerlab.genome.text import GenomeError
 from walkerlab.settings.choices import Obstacle, Texture
 from walkerlab.view import sketch
+from walkerlab.view.sketch.bodies import GROUND_COLOUR
 from walkerlab.view.sketch.description import describe_world
 from walkerlab.view.sketch.standing import standing_pose
 from walkerlab.view.sketch.svg import hex_colour
@@ -92,7 +93,7 @@ def test_a_robot_fits_into_its_drawing_and_is_to_scale(genome_and_limits, size, 
     scale = (np.ptp(whole, axis=0) / extent)[extent.argmax()]  # a flat robot is only 1 px high, rounded to 0.1
     assert np.ptp(whole, axis=0) == pytest.approx(scale * extent, abs=0.3)
     assert span is None or scale <= size[0] / span * 1.01 + 0.2 / extent.max()
-    (ground,) = (part for part in root.iter(f"{SVG}path") if part.get("stroke") == "currentColor")
+    (ground,) = (part for part in root.iter(f"{SVG}path") if part.get("stroke") == GROUND_COLOUR)
     assert whole[:, 1].max() == pytest.approx(path_corners(ground)[0, 1], abs=0.1)
 
 

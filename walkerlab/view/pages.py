@@ -5,7 +5,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from walkerlab.system.files import file_path, replace_atomically
-from walkerlab.text.templates import Markup
+from walkerlab.text.templates import Markup, render
 
 CANVAS = '<div id="canvasTarget"></div>'
 """Element of the snapshot in which K3D draws."""
@@ -19,9 +19,8 @@ def complete_snapshot(snapshot: str, head: Markup, body: str) -> str:
         head: Elements that replace the title.
         body: HTML that replaces the canvas.
     """
-    keys = (Path(__file__).parent / "keys.js").read_text(encoding="utf-8")
-    head = Markup(f"{head}<script>\n{keys}</script>")
-    page = re.sub(r"<title>.*?</title>", lambda _: head, snapshot, count=1, flags=re.DOTALL)
+    complete_head = render("view/page_head.html", head=head)
+    page = re.sub(r"<title>.*?</title>", lambda _: complete_head, snapshot, count=1, flags=re.DOTALL)
     return page.replace(CANVAS, body, 1).replace("<html>", '<html lang="en">', 1)
 
 
