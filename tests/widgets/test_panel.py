@@ -227,9 +227,22 @@ def test_a_panel_is_closed_by_its_cell_or_by_code_while_it_runs(page, jupyter):
     start_all(page)
     page.wait_for_function("document.querySelectorAll('.wl-transport').length === 1")
     curve_says(page, "generations:")
-    assert only_run(jupyter)
+    page.locator(".wl-transport", has_text=re.compile(r"Running: [1-9]\d* of 99")).wait_for(timeout=60_000)
+    path = only_run(jupyter).relative_to(jupyter.folder)
+
+    # the run is removed from the list, and can be loaded
+    button(page, "Stop").click()
+    page.get_by_role("button", name="remove run 1 from the list").click()
+    button(page, "Remove", ".wl-run-list").click()
+    page.get_by_label("run file to load").select_option(str(path))
+    button(page, "Load", ".wl-drawer").click()
+    says(page, "Loaded", ".wl-drawer")
+    button(page, "Use these settings", ".wl-drawer").click()
+    says(page, "The form now has", ".wl-drawer")
+    curve_says(page, "generations:")
 
     # a later cell closes it
+    button(page, "Start").click()
     page.locator(".wl-transport", has_text=re.compile(r"Running: [1-9]\d* of 99")).wait_for(timeout=60_000)
     (jupyter.folder / "over").touch()
     assert finish_all(page) == []

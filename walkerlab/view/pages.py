@@ -12,7 +12,7 @@ CANVAS = '<div id="canvasTarget"></div>'
 
 
 def complete_snapshot(snapshot: str, head: Markup, body: str) -> str:
-    """Return the snapshot of a K3D plot with a different head and body, and with the notebook's keys.
+    """Return the snapshot of a K3D plot with a different head and body, and the script for a notebook's keys.
 
     Args:
         snapshot: HTML from ``get_snapshot``.

@@ -153,7 +153,7 @@ class Form(Component):
         self.preset = self._current_preset()
 
     def _current_preset(self) -> str:
-        """Return the name of the preset with the same effect as the settings; empty if there is none."""
+        """Return the name of the preset with the same effect as the settings; "" for other settings."""
         settings: Any = self.settings
         if not settings:
             return ""

@@ -16,7 +16,6 @@ import traitlets
 
 from walkerlab.evolution.live import LiveRun, State
 from walkerlab.evolution.run import Run
-from walkerlab.evolution.stages import find_changes
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
@@ -39,7 +38,6 @@ from walkerlab.widgets.transport import Transport
 from walkerlab.widgets.walker_view import WalkerView
 from walkerlab.widgets.world import World
 
-CHANGED = "This run keeps its settings. The changed settings are for a new run."
 STATUS_INTERVAL = 0.2  # s between two updates of the progress of a run
 
 
@@ -159,8 +157,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         faults = self.lock.describe_excess(settings) if settings else faults
         self.transport.fault = f"Cannot start. {faults}" if faults else ""
         if settings:
-            is_changed = self._active is not None and bool(find_changes(self._active.settings, settings))
-            self.transport.note = CHANGED if is_changed else ""
+            self._compare_with_form()
             self._drawing.request("world", self.world.prepare(settings), is_urgent=True)
             self._drawing.request("forecast", self._show_forecast)
             if not self.run:  # edited genomes are simulated in the world of the selected run, if there is one
@@ -209,7 +206,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         """Add a live run to the list, or replace the entry with the same key, and show its progress."""
         self._active = live
         self._reported[live] = None, 0.0
-        self._form_changed()
+        self._compare_with_form()
         self.runs.generation.selected = LATEST
         self.runs.add(entry, name)
 
@@ -265,7 +262,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         if run := self.run:
             try:
                 self.settings = run.settings
-                self.runs.drawer.words = "The form has the settings of the selected run now."
+                self.runs.drawer.words = "The form now has the settings of the selected run."
             except SettingsError as error:
                 self.runs.drawer.report_fault(error)
 

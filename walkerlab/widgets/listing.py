@@ -91,7 +91,7 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
     counted = ", ".join(f"{n} {verdict}" for verdict, n in verdicts.items())
     n = len(records)
     listed = records.head(MAX_LISTED)
-    shown = {name: column for name, column in SORT_COLUMNS.items() if name != fitness_name}  # without a second copy
+    shown = {name: column for name, column in SORT_COLUMNS.items() if name != fitness_name}  # each number once
     columns = [_format_cells(name, listed[name].tolist()) for name in shown]
     rows = zip(listed.to_dict("records"), zip(*columns, strict=True), strict=True)
     return {

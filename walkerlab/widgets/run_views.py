@@ -9,6 +9,7 @@ import ipywidgets
 from walkerlab.evolution.live import LiveRun, State
 from walkerlab.evolution.run import Run
 from walkerlab.evolution.running import evolve
+from walkerlab.evolution.stages import find_changes
 from walkerlab.genome.genome import Genome
 from walkerlab.runfile.records import concatenate_tables
 from walkerlab.settings.model import SettingsError
@@ -24,6 +25,8 @@ from walkerlab.widgets.run_status import best_walker, describe_state
 from walkerlab.widgets.runs import RunsArea
 from walkerlab.widgets.transport import Transport
 from walkerlab.widgets.walker_view import WalkerView
+
+SETTINGS_CHANGED = "This run keeps its settings. The changed settings are for a new run."
 
 
 class ShowsRun:
@@ -100,6 +103,12 @@ class ShowsRun:
         self.runs.run_list.selected = selected
         if self._active:
             self._show_status(self._active)
+
+    def _compare_with_form(self) -> None:
+        """Say during a run that changed settings of the form are for a new run."""
+        settings: Any = self.form.settings
+        is_changed = self._active is not None and settings and find_changes(self._active.settings, settings)
+        self.transport.note = SETTINGS_CHANGED if is_changed else ""
 
     def _run_selected(self) -> None:
         if self._active and self._active.is_over:  # the controls describe the last run only while it is selected

@@ -230,8 +230,9 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         else:
             self._list_files()
             self._exported[key] = [f"{display_path(folder)}/{name}" for name in outputs.OUTPUT_FILES]
-            self.drawer.words = f"Exported into the folder {display_path(folder)}:"
-            self.drawer.exported = self._exported[key]
+            if key == self.run_list.selected:
+                self.drawer.words = f"Exported into the folder {display_path(folder)}:"
+                self.drawer.exported = self._exported[key]
 
 
 def _code(run: Run) -> str:
