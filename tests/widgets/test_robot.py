@@ -1,5 +1,7 @@
 """The robot area shows one robot; a robot that is watched or edited stays."""
 
+import threading
+
 import numpy as np
 import pytest
 
@@ -40,6 +42,27 @@ def test_a_champion_that_is_watched_stays(area, early, done):
     area.frame.is_open = True
     area.show(done, -1)
     assert area.card.value == before
+
+
+def test_a_champion_that_is_watched_stays_when_it_is_selected(area, done):
+    area.show(done, -1)
+    area.frame.play()
+    area.show(done, done.champion.individual)
+    assert area.frame.is_watched
+
+
+def test_a_robot_is_played_after_it_is_shown_completely(area, done):
+    """The button is pressed on another thread while the drawing thread shows a robot."""
+    pressed = threading.Thread(target=area.editor._handle_message, args=(None, {"press": "walk"}, []))
+
+    def press(_):
+        pressed.start()
+        pressed.join(0.5)  # long enough for an action that does not wait
+
+    area.editor.observe(press, "original")
+    area.show(done, -1)
+    pressed.join()
+    assert area.frame.is_watched
 
 
 def test_a_gene_that_is_edited_stays_until_a_robot_is_selected(area, early, done):

@@ -1,8 +1,10 @@
 """The robot area of a panel: the description of one robot, its genome in an editor, and the replay of its walk."""
 
+import functools
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Concatenate, ParamSpec
 
 import ipywidgets
 
@@ -23,6 +25,19 @@ from walkerlab.widgets.live_robot import open_live_robot
 from walkerlab.widgets.outcomes import Outcome, recorded_outcome
 
 POSTER_SIZE = (640, 360)  # pixels
+
+P = ParamSpec("P")
+
+
+def _one_at_a_time(method: "Callable[Concatenate[RobotArea, P], None]") -> "Callable[Concatenate[RobotArea, P], None]":
+    """Let a method wait for the others: runs are shown by the drawing thread, and buttons are pressed at any time."""
+
+    @functools.wraps(method)
+    def wait_and_call(area: "RobotArea", *arguments: P.args, **keywords: P.kwargs) -> None:
+        with area._lock:
+            method(area, *arguments, **keywords)
+
+    return wait_and_call
 
 
 @dataclass(frozen=True)
@@ -77,6 +92,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self.frame = Frame()
         self.live = ipywidgets.Box()
         self.editor = Editor(settings=settings)
+        self._lock = threading.RLock()
         self._settings = settings
         self._on_insert = on_insert
         self._shown: tuple[Settings | None, int] = None, -1  # settings and number of the robot; -1 for an edited genome
@@ -114,11 +130,13 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._settings = settings
         self.editor.settings = settings
 
+    @_one_at_a_time
     def show(self, run: Run, number: int) -> None:
         """Show a robot of a run.
 
         A robot whose replay is open or whose genome is being edited stays until the user selects another robot or run,
-        even if a better one is found. An edited robot that is replaced can be shown again.
+        even if a better one is found. An edited robot that is replaced can be shown again. The replay stays open if the
+        robot is already shown.
 
         Args:
             run: Run of the robot.
@@ -133,7 +151,8 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         is_of_run = run.settings == self._shown[0]
         is_kept = (is_edited and not self._shown[0]) or (is_of_run and (is_edited or is_playing))
         wanted = (run.settings, robot)
-        if not is_new_selection and (wanted == self._shown or is_kept):
+        is_shown = wanted == self._shown and not (is_edited and is_new_selection)
+        if is_shown or (is_kept and not is_new_selection):
             return
         if is_edited:
             self._replaced = self._original, str(self.editor.text), self.editor.result
@@ -149,6 +168,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         fragile = " (fragile)" if row.verdict == "fragile" else ""  # the walk in its replay counts
         self._present(original, {f"robot {robot} of generation {row.born}{fragile}": genome})
 
+    @_one_at_a_time
     def _restore(self) -> None:
         """Show the edited robot that was replaced."""
         if not self._replaced:
@@ -201,6 +221,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._offer_replay(edited | self._original.rivals)
         self._describe(render("widgets/edited_robot.html", description=self._original.description, is_edited=is_edited))
 
+    @_one_at_a_time
     def _replace_replay(self, genome: Genome) -> None:
         """Prepare the replay of an edited robot; if a replay is open, play the new one instead."""
         is_watched = self.frame.is_watched
@@ -208,11 +229,13 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         if is_watched:
             self.frame.play()
 
+    @_one_at_a_time
     def _play(self, genome: Genome) -> None:
         """Play the walk of the genome in the editor."""
         self._offer_race(genome)
         self.frame.play(reveal=True)
 
+    @_one_at_a_time
     def _walk_live(self, genome: Genome) -> None:  # noqa: ARG002
         """Open a playground of the robot in the editor; the sliders of the editor change it while it walks."""
         self._close_live_robot()
