@@ -302,8 +302,19 @@ class TestThePage:
 
         frame = Frame()
         frame.set_replay(Slow, "old", "the old robot")
-        frame._handle_custom_msg({"request": "page"}, [])
+        frame._handle_custom_msg({"request": "page", "number": frame.number}, [])
         assert (frame.page, frame.alt) == (b"", "the new robot")
+
+    def test_a_press_on_a_picture_that_is_replaced_plays_the_new_replay(self, monkeypatch):
+        sent = []
+        monkeypatch.setattr(Frame, "send", lambda _, message: sent.append(message))
+        frame = Frame()
+        frame.set_replay(lambda: pytest.fail("the old page was created"), "old", "the old robot")
+        pressed = {"request": "page", "number": frame.number}
+        frame.set_replay(lambda: pytest.fail("made without a request"), "new", "the new robot")
+        frame._handle_custom_msg(pressed, [])
+        assert sent == [{"play": True, "reveal": False}]
+        assert frame.is_watched
 
     def test_a_late_report_that_an_earlier_replay_was_opened_does_not_end_the_opening_of_the_next(self):
         frame = Frame()

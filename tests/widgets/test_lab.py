@@ -153,7 +153,7 @@ def test_a_robot_is_selected_edited_and_inserted_into_the_next_generation(lab):
     assert str(lab.robot.editor.genome) == lab.run.records.genome.iloc[2]
     assert lab.robot.frame.preview.startswith("data:image/svg+xml")
     assert not lab.robot.frame.page
-    lab.robot.frame._handle_message(None, {"request": "page"}, [])
+    lab.robot.frame._handle_message(None, {"request": "page", "number": lab.robot.frame.number}, [])
     assert f"robot {number} of generation 0".encode() in lab.robot.frame.page
 
     edited = wl.Genome.random(SMALL.robot, rng=np.random.default_rng(1))
@@ -466,6 +466,8 @@ def test_the_champion_of_a_newly_selected_run_is_shown(lab):
     wait_for_drawings(lab)
     assert f"Robot {lab.run.champion.individual}, the champion so far" in lab.robot.card.value
     assert lab.robot.editor.genome == lab.run.champion.genome
+    wait_until(lambda: "Best so far in run 1: robot" in lab.walker.caption.words)
+    assert lab.walker.frame.alt.startswith(f"Robot {lab.run.champion.individual} of generation 0, run 1, walking.")
 
 
 def test_a_run_without_generations_shows_nothing_of_another_run(lab):

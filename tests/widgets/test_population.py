@@ -70,10 +70,20 @@ def test_kinds_of_robots_differ_in_signs_and_text_and_not_only_in_colour():
     by_kind = {row["kind"]: row for row in description["rows"]}
     assert {kind: row["sign"][:1] for kind, row in by_kind.items()} == {"elite": "★", "": "", "invalid": "⚠"}
     assert by_kind["elite"]["label"] == "3.50 m"
-    assert "Its distance is 3.50 m. An elite, unchanged since gen" in by_kind["elite"]["description"]
+    assert "An elite, unchanged since gen" in by_kind["elite"]["description"]
     assert by_kind["invalid"]["label"] == "fell"
     assert "Not counted: fell. It stood, went down" in by_kind["invalid"]["description"]
     assert "Details: it <i>moved</i>." in by_kind["invalid"]["description"]
+
+
+def test_only_the_best_robot_is_marked_as_the_best_in_every_order():
+    for column in SORT_COLUMNS:
+        rows = describe_generation(sort_robots(generation(), column))["rows"]
+        assert {row["individual"]: row["rank"] for row in rows if row["rank"]} == {100: "best:"}
+        [best] = [row for row in rows if row["rank"]]
+        assert "Its distance is 4.00 m. The best of its generation." in best["description"]
+    captions = Population(generation()).snapshot()
+    assert "★ best: 4.00 m" in captions
 
 
 def test_without_elites_and_invalid_walks_the_title_is_short():

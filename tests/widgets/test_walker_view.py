@@ -40,6 +40,6 @@ def test_a_replay_that_is_being_created_is_not_replaced():
         return make()
 
     view.frame._make = find_better
-    view.frame._handle_message(None, {"request": "page"}, [])
+    view.frame._handle_message(None, {"request": "page", "number": view.frame.number}, [])
     assert view.frame.page, "the replay was created"
     assert view.caption.words == first.words

@@ -38,6 +38,11 @@ def test_random_robots_are_those_of_generation_0(drawings):
     assert [genome.values.tolist() for _, genome in drawings] == begin[:2].tolist()
 
 
+def test_a_robot_that_falls_over_before_its_walk_is_explained():
+    legends = [World(wl.Settings().with_(structure="incline", incline=incline)).legend for incline in (-10, -30)]
+    assert ["falls over" in legend for legend in legends] == [False, True]
+
+
 def test_it_is_drawn_once_for_each_change(drawings):
     world = World()
     stairs = wl.Settings().with_(structure="stairs")

@@ -78,7 +78,7 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
         ``title`` and ``warning`` of the generation; ``warning_about``, the meaning of the verdicts in the warning;
         ``n_drawn``, the largest number of pictures; ``drawn_note`` and ``listed_note``, which say that not all robots
         have a picture or a row; ``columns`` with key, title, explanation, unit and sort direction; ``rows`` with
-        ``individual``, ``kind``, ``sign``, ``label``, ``description`` and ``cells``.
+        ``individual``, ``kind``, ``sign``, ``rank``, ``label``, ``description`` and ``cells``.
     """
     fitness_name = str(records.attrs.get("fitness", ""))
     unit = unit_of(records, "fitness")
@@ -94,6 +94,8 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
     shown = {name: column for name, column in SORT_COLUMNS.items() if name != fitness_name}  # each number once
     columns = [_format_cells(name, listed[name].tolist()) for name in shown]
     rows = zip(listed.to_dict("records"), zip(*columns, strict=True), strict=True)
+    valid = records[records.verdict == "ok"]
+    best = valid.individual[valid.fitness.idxmax()] if len(valid) else None
     return {
         "title": f"Generation {records.generation.iloc[0]}: {pluralize(n, 'robot')}{elites}{inserted}",
         "warning": f"{KIND_SIGNS[INVALID]} {len(invalid):,} not counted: {counted}" if len(invalid) else "",
@@ -111,7 +113,10 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
             }
             for name, column in shown.items()
         ],
-        "rows": [_describe_row(row, cells, fitness_name or "fitness", unit) for row, cells in rows],
+        "rows": [
+            _describe_row(row, cells, fitness_name or "fitness", unit, is_best=row["individual"] == best)
+            for row, cells in rows
+        ],
     }
 
 
@@ -129,8 +134,10 @@ def _format_cells(name: str, values: list[Any]) -> list[str]:
     return [text.replace("-", MINUS_SIGN) for text in texts]
 
 
-def _describe_row(row: Mapping[Any, Any], cells: Sequence[str], fitness_name: str, unit: str) -> dict[str, Any]:
-    """Describe one robot."""
+def _describe_row(
+    row: Mapping[Any, Any], cells: Sequence[str], fitness_name: str, unit: str, *, is_best: bool
+) -> dict[str, Any]:
+    """Describe one robot; ``is_best`` is whether it is the fittest of its generation."""
     counts = row["verdict"] == "ok"
     if not counts:
         kind = INVALID
@@ -143,13 +150,14 @@ def _describe_row(row: Mapping[Any, Any], cells: Sequence[str], fitness_name: st
         "individual": row["individual"],
         "kind": kind,
         "sign": KIND_SIGNS[kind],
+        "rank": "best:" if is_best else "",
         "label": label,
-        "description": _description(row, kind, f"{fitness_name} is {label}"),
+        "description": _description(row, kind, f"{fitness_name} is {label}", is_best=is_best),
         "cells": list(cells),
     }
 
 
-def _description(row: Mapping[Any, Any], kind: str, fitness: str) -> str:
+def _description(row: Mapping[Any, Any], kind: str, fitness: str, *, is_best: bool) -> str:
     """Describe one robot in a few sentences, which are also the alternative text of its picture."""
     body = (
         f"{pluralize(row['n_segments'], 'segment')}, {pluralize(row['n_legs'], 'leg')}, "
@@ -160,6 +168,7 @@ def _description(row: Mapping[Any, Any], kind: str, fitness: str) -> str:
     if kind == INVALID:
         reason = f" Details: {row['reason']}." if isinstance(row["reason"], str) and row["reason"] else ""
         return f"{robot} Not counted: {row['verdict']}. {VERDICTS.get(row['verdict'], '')}{reason}"
+    best = " The best of its generation." if is_best else ""
     elite = f" An elite, unchanged since generation {row['born']}." if kind == ELITE else ""
     inserted = " Made by hand." if row["operators"] == INSERTED_BY_HAND else ""
-    return f"{robot} Its {fitness}.{elite}{inserted}"
+    return f"{robot} Its {fitness}.{best}{elite}{inserted}"

@@ -4,7 +4,7 @@ const PRELOAD_MARGIN = 40; // px above and below the visible area where pictures
 const sign = (row) => make("span", { className: "sign", textContent: row.sign });
 
 function tile(row) {
-  const caption = make("span", { className: "caption" }, sign(row), make("span", { textContent: row.label }));
+  const caption = make("span", { className: "caption" }, sign(row), row.rank && `${row.rank} `, make("span", { textContent: row.label }));
   const traits = { className: `tile ${row.kind}`, title: row.description, role: "option", ariaLabel: row.description };
   return make("div", traits, make("div", { className: "picture" }), caption);
 }

@@ -118,7 +118,7 @@ class Population(Component):
             figures=[
                 (
                     svg_image_html(pictures[str(row["individual"])], alt=row["description"]),
-                    f"{row['sign']} {row['label']}".strip(),
+                    " ".join(filter(None, (row["sign"], row["rank"], row["label"]))),
                 )
                 for row in ([] if self.as_table else rows)
             ],

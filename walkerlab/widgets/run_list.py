@@ -63,6 +63,10 @@ class RunList(Component):
             changes = self._clean_changes(key, changes)
             self.runs = [run | changes if run["key"] == key else run for run in self.runs]
 
+    def name_of(self, key: str) -> str:
+        """Return the name of a run; "" if the run is not in the list."""
+        return next((str(run["name"]) for run in self.runs if run["key"] == key), "")
+
     def remove(self, key: str) -> None:
         """Remove a run; if it was selected, select its neighbour."""
         with self._lock:

@@ -67,12 +67,13 @@ def _world_of(settings: Settings) -> tuple[object, ...]:
     return settings.terrain, settings.robot, settings.simulation
 
 
-def best_walker(entry: ListedRun | None, generation: int | None) -> ShownWalker:
+def best_walker(entry: ListedRun | None, generation: int | None, run_name: str = "") -> ShownWalker:
     """Return the robot whose walk the panel shows: the best of a run, or the pre-evolved one before any run.
 
     Args:
         entry: Selected run; None if no run is selected.
         generation: Generation whose best robot is shown; None for the best of the whole run.
+        run_name: Name of the run, if there are several; it is included in the texts.
     """
     run = entry.visible if entry else None
     n_missing = entry.n_missing if entry else 0
@@ -95,8 +96,10 @@ def best_walker(entry: ListedRun | None, generation: int | None) -> ShownWalker:
     else:
         which = "Best so far" if generation is None else f"Best of generation {generation}"
     robot = f"robot {best.individual}" if n_missing else f"robot {best.individual} of generation {best.generation}"
+    in_run = f" in {run_name}" if run_name else ""
+    name_of_robot = robot.capitalize() + (f", {run_name}" if run_name else "")
     settings = run.settings
     if generation is not None:
         settings = [stage.settings for stage in run.stages if stage.first <= generation][-1]
-    words = f"{which}: {robot}, {result}.".replace(" m.", "\N{NO-BREAK SPACE}m.")
-    return ShownWalker(best.genome, settings, robot.capitalize(), words)
+    words = f"{which}{in_run}: {robot}, {result}.".replace(" m.", "\N{NO-BREAK SPACE}m.")
+    return ShownWalker(best.genome, settings, name_of_robot, words)

@@ -142,7 +142,9 @@ class ShowsRun:
 
     def _show_walker(self) -> None:
         """Show the walk of the best robot so far, or of the best robot of the selected generation."""
-        self.walker.show(best_walker(self.runs.selected_entry, self.runs.generation.generation))
+        runs = self.runs
+        name = runs.run_list.name_of(str(runs.run_list.selected)) if len(runs.entries) > 1 else ""
+        self.walker.show(best_walker(runs.selected_entry, runs.generation.generation, name))
 
 
 def arrange_areas(*columns: list[Any]) -> ipywidgets.Box:

@@ -8,6 +8,7 @@ const BUTTONS = [
   ["step", "One generation", "M4 3l8 7-8 7z M13 3h3v14h-3z", "evolve one more generation, or the first one of a new run, then pause", ["ready", "paused", "stopped", "finished", "failed"]],
   ["stop", "Stop", "M4 4h12v12H4z", "end the run; completed generations are saved", ["running", "paused"]],
 ];
+const DISCONNECTED = "Python was restarted, so this panel is no longer connected. Run its cell again, after the cells before it; completed generations are saved.";
 const STARTING = ["start", "step"]; // buttons that start a run, unless one is paused
 
 function icon(pathData) { // an SVG, because not every computer has characters for these
@@ -52,8 +53,10 @@ function render({ model, el }) {
   row.append(...buttons.map(({ button }) => button), conditions(model));
   el.append(row, make("div", { className: "status" }, bar, status, forecast));
 
+  let isDisconnected = false; // whether the kernel was restarted, so that no button has an effect
+
   function update() {
-    const [state, fault] = [model.get("state"), model.get("fault")];
+    const [state, fault] = [isDisconnected ? "disconnected" : model.get("state"), model.get("fault")];
     const focused = document.activeElement;
     for (const { button, name, states } of buttons) {
       button.disabled = !states.includes(state) || (fault !== "" && STARTING.includes(name) && state !== "paused");
@@ -67,11 +70,16 @@ function render({ model, el }) {
     if (state === "running" && !model.get("share")) bar.removeAttribute("value"); // running, with nothing completed yet
     else bar.value = model.get("share");
     const next = state === "running" || state === "paused" ? model.get("note") : fault || model.get("forecast");
-    status.textContent = model.get("words");
-    forecast.textContent = next;
+    status.textContent = isDisconnected ? DISCONNECTED : model.get("words");
+    status.classList.toggle("fault", isDisconnected);
+    forecast.textContent = isDisconnected ? "" : next;
     forecast.classList.toggle("fault", next !== "" && next === fault);
   }
   for (const name of ["state", "share", "words", "forecast", "note", "fault"]) model.on(`change:${name}`, update);
+  model.on("comm_live_update", () => setTimeout(() => { // by then, the boxes of disconnected widgets are marked
+    isDisconnected = Boolean(el.closest(".jupyter-widgets-disconnected"));
+    update();
+  }));
   update();
   const releaseKeys = captureKeys(el);
   const endScroll = startInView(el);

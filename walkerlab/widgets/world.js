@@ -5,16 +5,17 @@ function render({ model, el }) {
     title: "show another random robot at the start" });
   el.classList.add("wl-component", "wl-world");
   const note = make("span", { className: "note", textContent: "drawing …", attributes: { role: "status" } });
-  const legend = make("span", { className: "legend", textContent: "the world, with a random robot" });
+  const legend = make("span", { className: "legend" });
   el.append(picture, legend, note, another);
 
   const update = () => {
     picture.replaceChildren(parseSvg(model.get("picture")));
+    legend.textContent = model.get("legend");
     another.hidden = legend.hidden = !model.get("by_chance");
   };
   const mark = () => el.classList.toggle("outdated", model.get("is_outdated"));
   model.on("change:is_outdated", mark);
-  for (const name of ["picture", "by_chance"]) model.on(`change:${name}`, update);
+  for (const name of ["picture", "legend", "by_chance"]) model.on(`change:${name}`, update);
   update();
   return captureKeys(el);
 }

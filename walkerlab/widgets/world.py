@@ -15,6 +15,8 @@ from walkerlab.view import sketch
 from walkerlab.view.snapshots import svg_image_html
 from walkerlab.widgets.component import Component, load_script, load_style
 
+LEGEND = "the world, with a random robot"
+FALLEN_LEGEND = f"{LEGEND}, which falls over before its walk begins"
 PICTURE_SIZE = (720, 240)  # pixels
 
 
@@ -28,6 +30,7 @@ class World(Component):
         number: Index of the random robot; index i gives robot i of generation 0 in a run with these settings.
         picture: Drawing, as SVG.
         is_outdated: Whether another drawing was requested and is not finished.
+        legend: Text below the drawing of a random robot, which may have fallen over at the start.
         by_chance: Whether the robot is random, so that another one can be drawn.
     """
 
@@ -39,6 +42,7 @@ class World(Component):
     number = traitlets.Int(0)
     picture = traitlets.Unicode("").tag(sync=True)
     is_outdated = traitlets.Bool(False).tag(sync=True)
+    legend = traitlets.Unicode("").tag(sync=True)
     by_chance = traitlets.Bool(True).tag(sync=True)
 
     def __init__(self, settings: Settings | None = None, genome: Genome | str | None = None) -> None:
@@ -90,9 +94,10 @@ class World(Component):
                 settings, genome, number = self._drawn = wanted
                 self.by_chance = genome is None
                 rng = random_stream(settings.algorithm.seed, "population", 0, number)
-                self.picture = sketch.draw_world(
-                    settings, genome or Genome.random(settings.robot, rng=rng), size=PICTURE_SIZE
-                )
+                robot = genome or Genome.random(settings.robot, rng=rng)
+                self.picture = sketch.draw_world(settings, robot, size=PICTURE_SIZE)
+                lies = sketch.lies_at_start(robot.within(settings.robot), settings)
+                self.legend = FALLEN_LEGEND if lies else LEGEND
 
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
         """Show the next random robot if the browser requests it."""

@@ -98,7 +98,7 @@ function render({ model, el }) {
     if (page) { show(page); return; }
     isLoading = true;
     setSign(LOADING);
-    model.send({ request: "page" });
+    model.send({ request: "page", number: model.get("number") });
   }
 
   function showPreview() { // an open page, if any, belongs to the previous replay

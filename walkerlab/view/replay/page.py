@@ -201,6 +201,7 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
     alt = traitlets.Unicode("").tag(sync=True)  # alternative text of the preview image
     page = traitlets.Bytes(b"").tag(sync=True)  # page of the replay; empty until it is created
     is_open = traitlets.Bool(False).tag(sync=True)  # whether the page is displayed
+    number = traitlets.Int(0).tag(sync=True)  # number of the replay, which changes when another one is set
     is_busy = traitlets.Bool(False).tag(sync=True)  # whether an animated preview image must not take computing time
 
     def __init__(self, shown: Replay | None = None) -> None:
@@ -227,6 +228,7 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
         with self.hold_sync():
             self._make = make
             self._is_opening = False
+            self.number += 1
             self.page = b""
             self.alt = alt
             self.preview = picture
@@ -263,13 +265,23 @@ class Frame(HasSnapshot, anywidget.AnyWidget):
             self._is_opening = False
 
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
+        """Create the page that the browser requests.
+
+        If another replay was set before the request arrived, that one is played, because the user sees its picture.
+        """
         make = self._make
-        if make and message == {"request": "page"}:
-            self._is_opening = True
-            try:
-                page = make().page.encode("utf-8")
-            except Exception:
-                self._is_opening = False
-                raise
-            if make is self._make:  # no other replay was set in the meantime
-                self.page = page
+        match message:
+            case {"request": "page", "number": int(number)} if make:
+                if number != self.number:
+                    self.play()
+                    return
+                self._is_opening = True
+                try:
+                    page = make().page.encode("utf-8")
+                except Exception:
+                    self._is_opening = False
+                    raise
+                if make is self._make:  # no other replay was set in the meantime
+                    self.page = page
+            case _:
+                pass

@@ -8,9 +8,10 @@ from walkerlab.ga.genes import Floats
 from walkerlab.genome.genome import Genome
 from walkerlab.settings.settings import Settings
 from walkerlab.simulation.starts import settled_pose
-from walkerlab.world.scene import POSITION, Scene, scene_of
+from walkerlab.world.scene import ORIENTATION, POSITION, Scene, scene_of
 
 MAX_CACHED_POSES = 2048  # of some 200 bytes each
+MIN_UPRIGHT = 0.3  # vertical component of the upward axis of the first segment of a robot that stands
 MAX_SHIFT = 1.0  # m plus the body length; a robot that moves farther while settling is drawn in its start pose
 
 
@@ -36,6 +37,18 @@ def standing_pose(genome: Genome, settings: Settings) -> Floats:
         settings: Settings of the world.
     """
     return np.array(_pose(genome, settings))
+
+
+def lies_at_start(genome: Genome, settings: Settings) -> bool:
+    """Return whether a robot has fallen onto its back or its side before its walk begins.
+
+    Args:
+        genome: Genome within the robot limits.
+        settings: Settings of the world, as for ``standing_scene``.
+    """
+    _, pose = standing_scene(genome, settings)
+    _, x, y, _ = pose[ORIENTATION]
+    return bool(1 - 2 * (x**2 + y**2) < MIN_UPRIGHT)
 
 
 @lru_cache(maxsize=MAX_CACHED_POSES)
