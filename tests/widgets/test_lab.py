@@ -319,7 +319,7 @@ def test_closing_does_not_wait_for_a_fitness_that_hangs(lab):
     lab.close()
     took = time.monotonic() - before
     resume.set()
-    assert took < 3
+    assert took < 10, "s; the fitness hangs for 15 s"
 
 
 def test_no_forecast_is_made_during_a_run(lab, monkeypatch):
