@@ -1,10 +1,9 @@
 """The robot area of a panel: the description of one robot, its genome in an editor, and the replay of its walk."""
 
-import functools
 import threading
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, Concatenate, ParamSpec
+from typing import Any
 
 import ipywidgets
 
@@ -25,19 +24,6 @@ from walkerlab.widgets.live_robot import open_live_robot
 from walkerlab.widgets.outcomes import Outcome, recorded_outcome
 
 POSTER_SIZE = (640, 360)  # pixels
-
-P = ParamSpec("P")
-
-
-def _one_at_a_time(method: "Callable[Concatenate[RobotArea, P], None]") -> "Callable[Concatenate[RobotArea, P], None]":
-    """Let a method wait for the others: runs are shown by the drawing thread, and buttons are pressed at any time."""
-
-    @functools.wraps(method)
-    def wait_and_call(area: "RobotArea", *arguments: P.args, **keywords: P.kwargs) -> None:
-        with area._lock:
-            method(area, *arguments, **keywords)
-
-    return wait_and_call
 
 
 @dataclass(frozen=True)
@@ -92,7 +78,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self.frame = Frame()
         self.live = ipywidgets.Box()
         self.editor = Editor(settings=settings)
-        self._lock = threading.RLock()
+        self._lock = threading.RLock()  # robots are shown by the drawing thread, and buttons are pressed at any time
         self._settings = settings
         self._on_insert = on_insert
         self._shown: tuple[Settings | None, int] = None, -1  # settings and number of the robot; -1 for an edited genome
@@ -130,7 +116,6 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._settings = settings
         self.editor.settings = settings
 
-    @_one_at_a_time
     def show(self, run: Run, number: int) -> None:
         """Show a robot of a run.
 
@@ -142,45 +127,46 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
             run: Run of the robot.
             number: Number of the selected robot; the champion is shown if the run has no robot with this number.
         """
-        exists = number >= 0 and bool((run.records.individual == number).any())
-        robot = number if exists else run.champion.individual
-        is_new_selection = exists and number != self._selected
-        self._selected = number
-        is_edited = self.editor.is_edited
-        is_playing = self.frame.is_watched or any(live.is_open for live in self.live.children)
-        is_of_run = run.settings == self._shown[0]
-        is_kept = (is_edited and not self._shown[0]) or (is_of_run and (is_edited or is_playing))
-        wanted = (run.settings, robot)
-        is_shown = wanted == self._shown and not (is_edited and is_new_selection)
-        if is_shown or (is_kept and not is_new_selection):
-            return
-        if is_edited:
-            self._replaced = self._original, str(self.editor.text), self.editor.result
-            self.editor.replaced = self._original.name
-        self._shown = wanted
-        row: Any = birth_rows(run.records).loc[robot]
-        genome = Genome.parse(row.genome)
-        champion = run.champion
-        name = f"robot {robot}"
-        rivals = {name: genome} | ({} if champion.individual == robot else {_champion_name(run): champion.genome})
-        outcome = recorded_outcome(row, run.settings)
-        original = ShownRobot(name, genome, rivals, run.settings, outcome, robot_card(run.records, robot))
-        fragile = " (fragile)" if row.verdict == "fragile" else ""  # the walk in its replay counts
-        self._present(original, {f"robot {robot} of generation {row.born}{fragile}": genome})
+        with self._lock:
+            exists = number >= 0 and bool((run.records.individual == number).any())
+            robot = number if exists else run.champion.individual
+            is_new_selection = exists and number != self._selected
+            self._selected = number
+            is_edited = self.editor.is_edited
+            is_playing = self.frame.is_watched or any(live.is_open for live in self.live.children)
+            is_of_run = run.settings == self._shown[0]
+            is_kept = (is_edited and not self._shown[0]) or (is_of_run and (is_edited or is_playing))
+            wanted = (run.settings, robot)
+            is_shown = wanted == self._shown and not (is_edited and is_new_selection)
+            if is_shown or (is_kept and not is_new_selection):
+                return
+            if is_edited:
+                self._replaced = self._original, str(self.editor.text), self.editor.result
+                self.editor.replaced = self._original.name
+            self._shown = wanted
+            row: Any = birth_rows(run.records).loc[robot]
+            genome = Genome.parse(row.genome)
+            champion = run.champion
+            name = f"robot {robot}"
+            rivals = {name: genome} | ({} if champion.individual == robot else {_champion_name(run): champion.genome})
+            outcome = recorded_outcome(row, run.settings)
+            original = ShownRobot(name, genome, rivals, run.settings, outcome, robot_card(run.records, robot))
+            fragile = " (fragile)" if row.verdict == "fragile" else ""  # the walk in its replay counts
+            self._present(original, {f"robot {robot} of generation {row.born}{fragile}": genome})
 
-    @_one_at_a_time
     def _restore(self) -> None:
         """Show the edited robot that was replaced."""
-        if not self._replaced:
-            return
-        (original, text, result), self._replaced = self._replaced, None
-        self.editor.replaced = ""
-        self._shown = original.settings, -1
-        self._present(original, {})
-        self.editor.text = text
-        self.editor.result = result
-        if genome := self.editor.genome:
-            self._offer_race(genome)
+        with self._lock:
+            if not self._replaced:
+                return
+            (original, text, result), self._replaced = self._replaced, None
+            self.editor.replaced = ""
+            self._shown = original.settings, -1
+            self._present(original, {})
+            self.editor.text = text
+            self.editor.result = result
+            if genome := self.editor.genome:
+                self._offer_race(genome)
 
     def _present(self, robot: ShownRobot, walkers: dict[str, Genome]) -> None:
         """Show a robot, its genome in the editor, and a picture of the replay of several walkers.
@@ -221,33 +207,34 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._offer_replay(edited | self._original.rivals)
         self._describe(render("widgets/edited_robot.html", description=self._original.description, is_edited=is_edited))
 
-    @_one_at_a_time
     def _replace_replay(self, genome: Genome) -> None:
         """Prepare the replay of an edited robot; if a replay is open, play the new one instead."""
-        is_watched = self.frame.is_watched
-        self._offer_race(genome)
-        if is_watched:
-            self.frame.play()
+        with self._lock:
+            is_watched = self.frame.is_watched
+            self._offer_race(genome)
+            if is_watched:
+                self.frame.play()
 
-    @_one_at_a_time
     def _play(self, genome: Genome) -> None:
         """Play the walk of the genome in the editor."""
-        self._offer_race(genome)
-        self.frame.play(reveal=True)
+        with self._lock:
+            self._offer_race(genome)
+            self.frame.play(reveal=True)
 
-    @_one_at_a_time
     def _walk_live(self, genome: Genome) -> None:  # noqa: ARG002
         """Open a playground of the robot in the editor; the sliders of the editor change it while it walks."""
-        self._close_live_robot()
-        self.frame.stop()  # an edit would play an open replay again, which pauses the live robot
-        live = open_live_robot(self.editor, self._original.name, self._settings)
-        live.observe(self._live_robot_changed, "is_open")
-        self.live.children = [live]
+        with self._lock:
+            self._close_live_robot()
+            self.frame.stop()  # an edit would play an open replay again, which pauses the live robot
+            live = open_live_robot(self.editor, self._original.name, self._settings)
+            live.observe(self._live_robot_changed, "is_open")
+            self.live.children = [live]
 
     def _live_robot_changed(self, change: Any) -> None:
         """Remove the playground when its page is closed."""
-        if not change.new and change.owner in self.live.children:
-            self._close_live_robot()
+        with self._lock:
+            if not change.new and change.owner in self.live.children:
+                self._close_live_robot()
 
     def _close_live_robot(self) -> None:
         for playground in self.live.children:
