@@ -370,6 +370,10 @@ def test_in_a_browser_a_dragged_slider_is_sent_and_the_result_is_shown(shown):
     assert shown.locator(".row.beyond").inner_text().split("\n")[-1] == "used: 0.28"
     assert shown.get_by_text("No run is in progress.").count() == 1
     assert shown.locator(".row.unused").count() == 1, "only the first legs cannot repeat others"
+    offset = shown.get_by_role("slider", name="knee offset", exact=True)
+    offset.dispatch_event("input")  # the slider is held, and does not follow Python
+    offset.fill("-0.5")
+    assert shown.locator(".row", has=offset).locator(".unit").inner_text() == "rad (-29°)"
     shown.get_by_role("button", name="whole robot").click()
     assert shown.get_by_role("slider", name="segments").input_value() == "3"
 

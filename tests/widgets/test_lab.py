@@ -450,7 +450,7 @@ def test_the_curve_has_space_for_coming_generations_and_the_looks_of_the_list(la
     assert pictures[-1][2] == [2]
 
 
-def test_the_champion_of_a_newly_selected_run_is_shown(lab):
+def test_the_champion_of_a_newly_selected_run_is_shown(lab, capsys):
     for seed in (1, 2):
         lab.settings = SMALL.with_(seed=seed)
         step(lab)
@@ -466,6 +466,8 @@ def test_the_champion_of_a_newly_selected_run_is_shown(lab):
     wait_for_drawings(lab)
     assert f"Robot {lab.run.champion.individual}, the champion so far" in lab.robot.card.value
     assert lab.robot.editor.genome == lab.run.champion.genome
+    lab.finish()
+    assert capsys.readouterr().out == "Run selected in the panel: run 1\n"
     wait_until(lambda: "Best so far in run 1: robot" in lab.walker.caption.words)
     assert lab.walker.frame.alt.startswith(f"Robot {lab.run.champion.individual} of generation 0, run 1, walking.")
 
@@ -642,11 +644,13 @@ def test_robots_are_shown_as_they_finish(lab):
     press(lab, "step")
     wait_until(lambda: lab.population.generation)
     wait_until(lambda: "of 6 random robots" in lab.walker.caption.words)
+    assert lab.walker.caption.words.endswith(", not yet tested from other starts.")
     assert 1 <= len(lab.population.generation["rows"]) <= 3
     shown = {row["individual"]: row["label"] for row in lab.population.generation["rows"]}
     may_finish.set()
     wait_until(lambda: lab.transport.state == "paused")
     wait_for_drawings(lab)
+    assert lab.walker.caption.words.startswith(f"Best so far: robot {lab.run.champion.individual} ")
     complete = {row["individual"]: row["label"] for row in lab.population.generation["rows"]}
     assert shown.items() <= complete.items()
 

@@ -89,6 +89,18 @@ def test_the_edited_gene_of_a_selected_robot_stays(area, early, done):
     assert area.editor.text == edited
 
 
+def test_an_edited_robot_stays_when_its_run_is_continued(area, done):
+    area.show(done, -1)
+    area.editor._set_gene(1, 0.75)
+    edited = area.editor.text
+    area.editor.report = "The genome will be in generation 4."
+    longer = wl.Run(done.settings.with_(generations=done.n_generations + 5), done.records)
+    area.show(longer, -1)
+    assert (area.editor.text, area.editor.report) == (edited, "The genome will be in generation 4.")
+    area.show(wl.Run(longer.settings.with_(seed=7), done.records), -1)
+    assert area.editor.text != edited, "another run"
+
+
 def test_a_run_in_another_world_is_shown_even_if_a_robot_is_watched(area, done):
     area.show(done, -1)
     area.frame.is_open = True
@@ -141,7 +153,7 @@ def test_an_edited_robot_that_is_replaced_can_be_shown_again(area, done):
     area.editor._handle_message(None, {"press": "restore"}, [])
     assert (area.editor.text, area.editor.replaced) == (edited, "")
     assert f"Robot {first}" in area.card.value
-    assert "Before your changes" in area.card.value
+    assert f"Robot {first}, before your changes" in area.card.value
     area.show(done, -1)
     assert area.editor.text == edited, "the champion does not replace an edited robot"
     other = wl.Run(done.settings.with_(wind=(1, 0, 0)), done.records)

@@ -17,12 +17,13 @@ OPERATOR_KINDS = ("selection", "crossover", "mutation")
 MAX_PARENTS = 4  # maximum number of parents that are listed
 
 
-def robot_card(records: pd.DataFrame, individual: int) -> Markup:
+def robot_card(records: pd.DataFrame, individual: int, *, is_edited: bool = False) -> Markup:
     """Return the description of one robot of a run as HTML.
 
     Args:
         records: Table of the run.
         individual: Number of the robot.
+        is_edited: Whether to say that this is the robot before the changes of the user.
     """
     births = birth_rows(records)
     row: Any = births.loc[individual]
@@ -36,6 +37,7 @@ def robot_card(records: pd.DataFrame, individual: int) -> Markup:
         "widgets/card.html",
         number=individual,
         is_champion=individual == find_champion(records).individual,
+        is_edited=is_edited,
         born=row.born,
         origin=_origin(row),
         fitness=format_value(row.fitness, units.get("fitness", "")) if counts else "",

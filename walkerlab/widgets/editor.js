@@ -37,7 +37,7 @@ function geneRow(gene, id, change, help) {
     const step = gene.kind === "count" ? 1 : SLIDER_STEP;
     const limits = { min: gene.low, max: gene.high, step };
     slider = make("input", { type: "range", id, ...limits,
-      oninput: () => { isHeld = true; number.value = slider.value; change(Number(slider.value), false); },
+      oninput: () => { isHeld = true; number.value = slider.value; showUnit(Number(slider.value)); change(Number(slider.value), false); },
       onchange: () => { isHeld = false; change(Number(slider.value), true); } });
     const enter = () => { if (number.value !== "") change(Number(number.value), true); };
     number = make("input", { type: "number", step, ariaLabel: `${gene.label}, exact value`, onchange: enter,
@@ -46,6 +46,10 @@ function geneRow(gene, id, change, help) {
   }
   row.addEventListener("pointerenter", () => help(gene));
   row.addEventListener("focusin", () => help(gene));
+
+  function showUnit(value, isBeyond = false) { // with the angle in degrees
+    unit.textContent = gene.unit === "rad" && !isBeyond ? `rad (${Math.round(value * DEGREES)}°)` : gene.unit;
+  }
 
   function show(value, repaired, original, isUsed, isValid) {
     row.classList.toggle("unused", !isUsed);
@@ -65,7 +69,7 @@ function geneRow(gene, id, change, help) {
       if (document.activeElement !== number || Number(number.value) !== value) number.value = short(value);
       slider.ariaValueText = withUnit(gene, value);
     }
-    unit.textContent = gene.unit === "rad" && !isBeyond ? `rad (${Math.round(value * DEGREES)}°)` : gene.unit;
+    showUnit(value, isBeyond);
   }
   return { row, show };
 }
@@ -218,7 +222,7 @@ function render({ model, el }) {
     const { distance, change: gain, before, verdict, counts, is_better, others = [] } = model.get("result");
     result.classList.remove("busy", "outdated");
     result.classList.toggle("rejected", counts === false);
-    if (!distance) { result.replaceChildren(make("p", { className: "quiet", textContent: model.get("result").fault ?? "Move a slider: when you release the slider, the robot walks." })); return; }
+    if (!distance) { result.replaceChildren(make("p", { className: "quiet", textContent: model.get("result").fault ?? "Move a slider: when you release it, the distance that the robot walks appears here." })); return; }
     const sign = make("span", { className: is_better ? "gain better" : "gain", textContent: gain });
     result.replaceChildren(
       make("p", {}, make("b", { textContent: distance }), " forward ", sign, make("span", { className: "before", textContent: before })),

@@ -237,7 +237,10 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         if state != last_state:
             self.runs.redraw()
         if state != last_state or not live.n_generations:
-            self._drawing.request("population", self._show_population)
+            has_begun = live.n_generations == 1 and state != last_state  # only now are the first robots tested
+            self._drawing.request("population", self._show_population, is_urgent=has_begun)
+            if has_begun:
+                self._drawing.request("walker", self._show_walker, is_urgent=True)
         if state == last_state and now - last_time < STATUS_INTERVAL:
             return
         self._reported[live] = state, now

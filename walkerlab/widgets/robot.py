@@ -37,7 +37,7 @@ class ShownRobot:
             name.
         settings: Settings of its run; None before the first run.
         outcome: Result of its walk; None if it has not walked.
-        description: Description of the robot as HTML.
+        describe: Function that describes the robot as HTML; its argument is whether the genome has been edited.
     """
 
     name: str
@@ -45,7 +45,7 @@ class ShownRobot:
     rivals: dict[str, Genome]
     settings: Settings | None
     outcome: Outcome | None
-    description: Markup
+    describe: Callable[[bool], Markup]
 
 
 class RobotArea(HasSnapshot, ipywidgets.Box):
@@ -84,7 +84,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._shown: tuple[Settings | None, int] = None, -1  # settings and number of the robot; -1 for an edited genome
         name, genome = "the random robot", self.editor.genome
         message = render("widgets/robot_message.html")
-        self._original = ShownRobot(name, genome, {name: genome}, None, None, message)
+        self._original = ShownRobot(name, genome, {name: genome}, None, None, lambda _: message)
         self._replaced: tuple[ShownRobot, str, Any] | None = None  # edited robot, its text, and the result of its walk
         self._selected = -1
         super().__init__([self.card, self.frame, self.live, self.editor])
@@ -134,7 +134,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
             self._selected = number
             is_edited = self.editor.is_edited
             is_playing = self.frame.is_watched or any(live.is_open for live in self.live.children)
-            is_of_run = run.settings == self._shown[0]
+            is_of_run = self._shown[0] is not None and _is_continuation(run.settings, self._shown[0])
             is_kept = (is_edited and not self._shown[0]) or (is_of_run and (is_edited or is_playing))
             wanted = (run.settings, robot)
             is_shown = wanted == self._shown and not (is_edited and is_new_selection)
@@ -150,7 +150,14 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
             name = f"robot {robot}"
             rivals = {name: genome} | ({} if champion.individual == robot else {_champion_name(run): champion.genome})
             outcome = recorded_outcome(row, run.settings)
-            original = ShownRobot(name, genome, rivals, run.settings, outcome, robot_card(run.records, robot))
+            original = ShownRobot(
+                name,
+                genome,
+                rivals,
+                run.settings,
+                outcome,
+                lambda is_edited: robot_card(run.records, robot, is_edited=is_edited),
+            )
             fragile = " (fragile)" if row.verdict == "fragile" else ""  # the walk in its replay counts
             self._present(original, {f"robot {robot} of generation {row.born}{fragile}": genome})
 
@@ -180,7 +187,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self.editor.genome = robot.genome
         self.editor.accept(robot.outcome)
         self._offer_replay(walkers or robot.rivals)
-        self._describe(robot.description)
+        self._describe(robot.describe(False))
 
     def _describe(self, description: Markup) -> None:
         """Show a description; it is kept for the snapshot, because a browser may change the value of the card."""
@@ -205,7 +212,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         is_edited = self.editor.is_edited
         edited = {f"edited {self._original.name}": genome} if is_edited else {}
         self._offer_replay(edited | self._original.rivals)
-        self._describe(render("widgets/edited_robot.html", description=self._original.description, is_edited=is_edited))
+        self._describe(self._original.describe(is_edited))
 
     def _replace_replay(self, genome: Genome) -> None:
         """Prepare the replay of an edited robot; if a replay is open, play the new one instead."""
@@ -246,6 +253,11 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
 
     def _report(self, message: str) -> None:
         self.editor.report = message
+
+
+def _is_continuation(settings: Settings, earlier: Settings) -> bool:
+    """Return whether settings differ from earlier ones in the number of generations only, or not at all."""
+    return settings == earlier.with_(generations=settings.algorithm.generations)
 
 
 def _champion_name(run: Run) -> str:

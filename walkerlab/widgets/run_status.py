@@ -1,6 +1,7 @@
 """Text about a run in the panel, and the robot whose walk the panel shows."""
 
 from walkerlab.evolution.forecast import describe_duration, estimate_seconds, n_walks
+from walkerlab.evolution.fragility import further_starts
 from walkerlab.evolution.live import LiveRun, State
 from walkerlab.runfile.records import find_champion
 from walkerlab.settings.settings import Settings
@@ -91,11 +92,13 @@ def best_walker(entry: ListedRun | None, generation: int | None, run_name: str =
     best = find_champion(records if generation is None else records.loc[records.generation == generation])
     name, unit = name_and_unit(run.settings.algorithm.fitness)
     result = f"{name} {with_unit(best.fitness, unit)}" if best.verdict == "ok" else "no walk counted yet"
-    if n_missing:
+    is_beginning = bool(entry and entry.live and not entry.live.n_generations)
+    if is_beginning:
         which = f"Best of the first {len(records)} of {len(records) + n_missing} random robots"
+        result += ", not yet tested from other starts" if further_starts(run.settings) else ""
     else:
         which = "Best so far" if generation is None else f"Best of generation {generation}"
-    robot = f"robot {best.individual}" if n_missing else f"robot {best.individual} of generation {best.generation}"
+    robot = f"robot {best.individual}" if is_beginning else f"robot {best.individual} of generation {best.generation}"
     in_run = f" in {run_name}" if run_name else ""
     name_of_robot = robot.capitalize() + (f", {run_name}" if run_name else "")
     settings = run.settings

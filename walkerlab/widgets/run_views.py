@@ -55,6 +55,8 @@ class ShowsRun:
             SettingsError: If there is no run, and the settings of the form are not valid.
         """
         entry = self.runs.selected_entry
+        if len(self.runs.entries) > 1:
+            print(f"Run selected in the panel: {self._selected_name()}")
         if entry and entry.live and not entry.live.is_over:
             return entry.live.finish()
         if (run := self.runs.selected) and run.n_generations:
@@ -143,8 +145,12 @@ class ShowsRun:
     def _show_walker(self) -> None:
         """Show the walk of the best robot so far, or of the best robot of the selected generation."""
         runs = self.runs
-        name = runs.run_list.name_of(str(runs.run_list.selected)) if len(runs.entries) > 1 else ""
+        name = self._selected_name() if len(runs.entries) > 1 else ""
         self.walker.show(best_walker(runs.selected_entry, runs.generation.generation, name))
+
+    def _selected_name(self) -> str:
+        run_list = self.runs.run_list
+        return run_list.name_of(str(run_list.selected))
 
 
 def arrange_areas(*columns: list[Any]) -> ipywidgets.Box:
