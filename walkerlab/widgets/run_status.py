@@ -91,11 +91,11 @@ def best_walker(entry: ListedRun | None, generation: int | None, run_name: str =
     records = run.records
     best = find_champion(records if generation is None else records.loc[records.generation == generation])
     name, unit = name_and_unit(run.settings.algorithm.fitness)
-    result = f"{name} {with_unit(best.fitness, unit)}" if best.verdict == "ok" else "no walk counted yet"
     is_beginning = bool(entry and entry.live and not entry.live.n_generations)
+    untested = ", not yet tested from other starts" if is_beginning and further_starts(run.settings) else ""
+    result = f"{name} {with_unit(best.fitness, unit)}{untested}" if best.verdict == "ok" else "no walk counted yet"
     if is_beginning:
         which = f"Best of the first {len(records)} of {len(records) + n_missing} random robots"
-        result += ", not yet tested from other starts" if further_starts(run.settings) else ""
     else:
         which = "Best so far" if generation is None else f"Best of generation {generation}"
     robot = f"robot {best.individual}" if is_beginning else f"robot {best.individual} of generation {best.generation}"
