@@ -488,6 +488,9 @@ def assert_a_playground_and_python_change_the_same_genome(page, first_cell):
     page.get_by_text("frequency 1.7").wait_for()
     page.get_by_role("button", name="Close", exact=True).click()
     assert page.locator(".wl-playground iframe").count() == 0
+    page.get_by_text("Walk live, with your changes").wait_for()
+    page.get_by_role("button", name="Undo your changes").click()
+    page.get_by_text("Walk live", exact=True).wait_for()
 
 
 def test_the_oldest_of_many_open_pages_is_closed_and_can_be_played_again(page, jupyter):

@@ -322,6 +322,14 @@ def test_closing_does_not_wait_for_a_fitness_that_hangs(lab):
     assert took < 10, "s; the fitness hangs for 15 s"
 
 
+def test_a_run_that_would_equal_another_one_is_announced(lab):
+    step(lab)
+    press(lab, "stop")
+    wait_until(lambda: lab.transport.forecast.endswith("those of run 1, because settings and seed are the same."))
+    lab.settings = SMALL.with_(seed=5)
+    wait_until(lambda: "run 1" not in lab.transport.forecast)
+
+
 def test_no_forecast_is_made_during_a_run(lab, monkeypatch):
     wait_for_drawings(lab)
     lab.settings = LONG
@@ -540,7 +548,7 @@ def test_a_loaded_run_without_generations_can_be_continued(lab, tmp_path):
     assert lab.runs.drawer.n_further == SMALL.algorithm.generations
     assert lab.run.settings == SMALL.with_(seed=9)
     [entry] = lab.runs.run_list.runs
-    assert (entry["state"], entry["best"]) == ("loaded", "")
+    assert (entry["state"], entry["best"]) == ("loaded, 0 of 4 generations", "")
     assert not lab.runs.drawer.can_export
 
 
@@ -644,7 +652,7 @@ def test_robots_are_shown_as_they_finish(lab):
     press(lab, "step")
     wait_until(lambda: lab.population.generation)
     wait_until(lambda: "of 6 random robots" in lab.walker.caption.words)
-    assert lab.walker.caption.words.endswith(", not yet tested from other starts.")
+    assert lab.walker.caption.words.endswith(", not yet tested.")
     assert 1 <= len(lab.population.generation["rows"]) <= 3
     shown = {row["individual"]: row["label"] for row in lab.population.generation["rows"]}
     may_finish.set()

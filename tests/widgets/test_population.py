@@ -65,7 +65,7 @@ def test_every_order_has_all_robots_sorted_by_its_column(column):
 
 def test_kinds_of_robots_differ_in_signs_and_text_and_not_only_in_colour():
     description = describe_generation(generation())
-    assert description["title"] == "Generation 1: 8 robots, ★ 2 elites"
+    assert description["title"] == "Generation 1: 8 robots, ★ 2 elites of generation 0"
     assert description["warning"].endswith("3 not counted: 2 fell, 1 too fast")
     by_kind = {row["kind"]: row for row in description["rows"]}
     assert {kind: row["sign"][:1] for kind, row in by_kind.items()} == {"elite": "★", "": "", "invalid": "⚠"}

@@ -38,10 +38,20 @@ def test_a_robot_can_be_played_as_soon_as_it_is_described(area, done):
 
 def test_a_champion_that_is_watched_stays(area, early, done):
     area.show(early, -1)
-    before = area.card.value
+    before = area.editor.genome
     area.frame.is_open = True
     area.show(done, -1)
-    assert area.card.value == before
+    assert area.editor.genome == before
+
+
+def test_a_watched_robot_is_no_longer_called_the_champion_when_a_better_one_is_found(area, early, done):
+    area.show(early, -1)
+    number = early.champion.individual
+    assert f"Robot {number}, the champion so far" in area.card.value
+    area.frame.is_open = True
+    area.show(done, -1)
+    assert f"Robot {number}" in area.card.value
+    assert "the champion so far" not in area.card.value
 
 
 def test_a_champion_that_is_watched_stays_when_it_is_selected(area, done):

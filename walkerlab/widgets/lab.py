@@ -166,7 +166,8 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
     def _show_forecast(self) -> None:
         """Show how long a run with the form's settings will take; not during a run, which would distort the timing."""
         if (settings := self.settings) and not self._is_running():
-            self.transport.forecast = describe_forecast(settings, self._active) + self.lock.describe_budget(settings)
+            words = describe_forecast(settings, self._active) + self.lock.describe_budget(settings)
+            self.transport.forecast = words + self.runs.find_equal(settings)
 
     def _press(self, button: str) -> None:
         """Carry out the action of a button; presses from several threads are processed one after the other."""

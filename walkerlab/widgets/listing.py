@@ -84,7 +84,8 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
     unit = unit_of(records, "fitness")
     invalid = records[records.verdict != "ok"]
     n_elites = int((records.born < records.generation).sum())
-    elites = f", {KIND_SIGNS[ELITE]} {pluralize(n_elites, 'elite')}" if n_elites else ""
+    number = records.generation.iloc[0]
+    elites = f", {KIND_SIGNS[ELITE]} {pluralize(n_elites, 'elite')} of generation {number - 1}" if n_elites else ""
     n_inserted = int((records.operators == INSERTED_BY_HAND).sum())
     inserted = f", {KIND_SIGNS[INSERTED]} {n_inserted} made by hand" if n_inserted else ""
     verdicts = invalid.verdict.value_counts()
@@ -97,7 +98,7 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
     valid = records[records.verdict == "ok"]
     best = valid.individual[valid.fitness.idxmax()] if len(valid) else None
     return {
-        "title": f"Generation {records.generation.iloc[0]}: {pluralize(n, 'robot')}{elites}{inserted}",
+        "title": f"Generation {number}: {pluralize(n, 'robot')}{elites}{inserted}",
         "warning": f"{KIND_SIGNS[INVALID]} {len(invalid):,} not counted: {counted}" if len(invalid) else "",
         "warning_about": "\n".join(f"{verdict}: {VERDICTS.get(str(verdict), '')}" for verdict in verdicts.index),
         "n_drawn": MAX_DRAWN,

@@ -5,13 +5,21 @@ const openPages = (globalThis.walkerlabOpenPages ??= []);
 
 function render({ model, el }) {
   const picture = make("img", { src: model.get("preview"), alt: model.get("alt") });
-  const sign = make("span", { textContent: "Walk live" });
+  const sign = make("span");
   const cover = make("button", { type: "button", className: "cover", title: "Walk live" }, sign, picture);
-  const box = make("div", {}, cover);
+  const undo = make("button", { type: "button", className: "close", textContent: "Undo your changes", onclick: () => {
+    model.set("gene_text", model.get("original"));
+    model.save_changes();
+  } });
+  const box = make("div", {}, cover, undo);
   let frame = null, timer = 0, isLoading = false, isRemoved = false; // a removed widget has no connection to Python
   el.classList.add("wl-component", "wl-playground");
   el.append(box);
 
+  const offer = () => { // the robot walks with the changes that were made before the page was closed
+    undo.hidden = model.get("gene_text") === model.get("original");
+    sign.textContent = undo.hidden ? "Walk live" : "Walk live, with your changes";
+  };
   const live = () => frame?.contentWindow?.walkerlab;
 
   function setIsOpen(isOpen) { if (isRemoved) return; model.set("is_open", isOpen); model.save_changes(); }
@@ -19,11 +27,11 @@ function render({ model, el }) {
   function close() {
     clearInterval(timer);
     isLoading = false;
-    sign.textContent = "Walk live";
+    offer();
     if (!frame) return;
     live()?.close();
     frame = null;
-    box.replaceChildren(cover);
+    box.replaceChildren(cover, undo);
     openPages.splice(openPages.findIndex((page) => page.close === close), 1);
     setIsOpen(false);
   }
@@ -32,7 +40,6 @@ function render({ model, el }) {
 
   function show(page) {
     if (frame) return;
-    sign.textContent = "Walk live";
     frame = make("iframe", { srcdoc: page, title: model.get("alt"), allow: "clipboard-write" });
     box.replaceChildren(frame, make("button", { type: "button", className: "close", textContent: "Close", onclick: close }));
     openPages.forEach((other) => other.pause()); // only one page plays at a time, for slow computers
@@ -53,7 +60,7 @@ function render({ model, el }) {
     sign.textContent = "Loading …";
     model.send("page");
   };
-  model.on("change:gene_text", () => { if (live() && live().genome !== model.get("gene_text")) live().setGenome(model.get("gene_text")); });
+  model.on("change:gene_text", () => { if (!isLoading) offer(); if (live() && live().genome !== model.get("gene_text")) live().setGenome(model.get("gene_text")); });
   model.on("msg:custom", (message, buffers) => {
     if (message === "page" && isLoading) show(new TextDecoder().decode(buffers[0]));
     isLoading = false;
@@ -61,6 +68,7 @@ function render({ model, el }) {
   const observer = new IntersectionObserver(([{ isIntersecting }]) => isIntersecting || pause()); // pause when scrolled away
   observer.observe(box);
   const release = captureKeys(el);
+  offer();
   if (model.get("opens_at_once")) cover.onclick();
   return () => { isRemoved = true; observer.disconnect(); release(); close(); };
 }

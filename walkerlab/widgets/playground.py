@@ -27,6 +27,7 @@ class Playground(Component):
     Attributes:
         gene_text: Text of the genome of the robot that is selected on the page; setting a valid text changes the robot
             on the page.
+        original: Text of its genome before any change.
         preview: Data URL of a picture of the robot, which is shown until the page is opened.
         alt: Alternative text of the picture.
         is_open: Whether the page is displayed.
@@ -37,6 +38,7 @@ class Playground(Component):
     _esm = load_script("playground")
     _css = load_style("playground")
     gene_text = traitlets.Unicode("").tag(sync=True)
+    original = traitlets.Unicode("").tag(sync=True)
     preview = traitlets.Unicode("").tag(sync=True)
     alt = traitlets.Unicode("").tag(sync=True)
     is_open = traitlets.Bool(False).tag(sync=True)
@@ -50,6 +52,7 @@ class Playground(Component):
         names = ", ".join(walk.label for walk in self._walks)
         super().__init__(
             gene_text=str(self._walks[0].scene.genome),
+            original=str(self._walks[0].scene.genome),
             preview=data_url("image/png", draw_preview(self._walks, settings)),
             alt=f"Playground of {names}.",
         )

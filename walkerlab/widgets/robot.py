@@ -2,7 +2,8 @@
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import ipywidgets
@@ -37,6 +38,7 @@ class ShownRobot:
             name.
         settings: Settings of its run; None before the first run.
         outcome: Result of its walk; None if it has not walked.
+        number: Number of the robot; -1 if it is not of a run.
         describe: Function that describes the robot as HTML; its argument is whether the genome has been edited.
     """
 
@@ -45,6 +47,7 @@ class ShownRobot:
     rivals: dict[str, Genome]
     settings: Settings | None
     outcome: Outcome | None
+    number: int
     describe: Callable[[bool], Markup]
 
 
@@ -84,7 +87,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._shown: tuple[Settings | None, int] = None, -1  # settings and number of the robot; -1 for an edited genome
         name, genome = "the random robot", self.editor.genome
         message = render("widgets/robot_message.html")
-        self._original = ShownRobot(name, genome, {name: genome}, None, None, lambda _: message)
+        self._original = ShownRobot(name, genome, {name: genome}, None, None, -1, lambda _: message)
         self._replaced: tuple[ShownRobot, str, Any] | None = None  # edited robot, its text, and the result of its walk
         self._selected = -1
         super().__init__([self.card, self.frame, self.live, self.editor])
@@ -139,6 +142,8 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
             wanted = (run.settings, robot)
             is_shown = wanted == self._shown and not (is_edited and is_new_selection)
             if is_shown or (is_kept and not is_new_selection):
+                if is_of_run:
+                    self._update_description(run)
                 return
             if is_edited:
                 self._replaced = self._original, str(self.editor.text), self.editor.result
@@ -156,10 +161,20 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
                 rivals,
                 run.settings,
                 outcome,
-                lambda is_edited: robot_card(run.records, robot, is_edited=is_edited),
+                robot,
+                partial(_describe_robot, run, robot),
             )
             fragile = " (fragile)" if row.verdict == "fragile" else ""  # the walk in its replay counts
             self._present(original, {f"robot {robot} of generation {row.born}{fragile}": genome})
+
+    def _update_description(self, run: Run) -> None:
+        """Describe the robot that is shown again: it may no longer be the champion."""
+        number = self._original.number
+        if (run.records.individual == number).any():
+            self._original = replace(self._original, describe=partial(_describe_robot, run, number))
+            description = self._original.describe(self.editor.is_edited)
+            if description != self._description:
+                self._describe(description)
 
     def _restore(self) -> None:
         """Show the edited robot that was replaced."""
@@ -253,6 +268,10 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
 
     def _report(self, message: str) -> None:
         self.editor.report = message
+
+
+def _describe_robot(run: Run, number: int, is_edited: bool) -> Markup:
+    return robot_card(run.records, number, is_edited=is_edited)
 
 
 def _is_continuation(settings: Settings, earlier: Settings) -> bool:

@@ -81,8 +81,11 @@ class ListedRun:
 
     @property
     def state(self) -> str:
-        """The state of the run, in one word."""
-        return self.live.state if self.live else "loaded"
+        """The state of the run, in a few words."""
+        if self.live:
+            return self.live.state
+        n, total = self.run.n_generations, self.settings.algorithm.generations
+        return "loaded" if n == total else f"loaded, {n} of {total} generations"
 
 
 def new_live_run(

@@ -92,7 +92,7 @@ def best_walker(entry: ListedRun | None, generation: int | None, run_name: str =
     best = find_champion(records if generation is None else records.loc[records.generation == generation])
     name, unit = name_and_unit(run.settings.algorithm.fitness)
     is_beginning = bool(entry and entry.live and not entry.live.n_generations)
-    untested = ", not yet tested from other starts" if is_beginning and further_starts(run.settings) else ""
+    untested = ", not yet tested" if is_beginning and further_starts(run.settings) else ""
     result = f"{name} {with_unit(best.fitness, unit)}{untested}" if best.verdict == "ok" else "no walk counted yet"
     if is_beginning:
         which = f"Best of the first {len(records)} of {len(records) + n_missing} random robots"

@@ -122,6 +122,7 @@ class ShowsRun:
 
     def _generation_selected(self, _change: object = None) -> None:
         self._drawing.request("population", self._show_population, is_urgent=True)
+        self._drawing.request("walker", self._show_walker, is_urgent=True)
 
     def _robot_selected(self, _change: object) -> None:
         self._drawing.request("robot", self._show_robot, is_urgent=True)

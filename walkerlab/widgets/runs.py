@@ -10,6 +10,7 @@ import ipywidgets
 from walkerlab.evolution import outputs
 from walkerlab.evolution.loading import load
 from walkerlab.evolution.run import Run
+from walkerlab.settings.settings import Settings
 from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.files import absolute_path, display_path
 from walkerlab.text.templates import Markup, render
@@ -125,6 +126,11 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         self._list_files()
         self.redraw()
         self._on_selected()  # even if it was selected already: its file may have grown
+
+    def find_equal(self, settings: Settings) -> str:
+        """Return a sentence that a run in the list has the same settings, and so the same robots; "" if none has."""
+        names = [self.run_list.name_of(key) for key, entry in self.entries.items() if entry.settings == settings]
+        return f" Its robots will be those of {names[0]}, because settings and seed are the same." if names else ""
 
     def redraw(self) -> None:
         """Request an update of the curve and of the list."""
