@@ -166,6 +166,7 @@ def test_a_file_walks_as_in_python_while_genes_and_world_change(page, tmp_path):
     slider(page, "mass").fill(slider(page, "mass").get_attribute("max"))
     page.evaluate(APPLY)
     assert "require" in page.locator(".message").inner_text()
+    page.locator(".world summary").click()  # closed on a phone, so that the gait is in view
     page.get_by_label("Planet, which sets the gravity").select_option("moon")
     page.get_by_label("Material of the ground, which sets the friction").select_option("ice")
     page.locator(".text summary").click()

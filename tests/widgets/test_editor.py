@@ -370,6 +370,13 @@ def test_in_a_browser_a_dragged_slider_is_sent_and_the_result_is_shown(shown):
     assert shown.locator(".row.beyond").inner_text().split("\n")[-1] == "used: 0.28"
     assert shown.get_by_text("No run is in progress.").count() == 1
     assert shown.locator(".row.unused").count() == 1, "only the first legs cannot repeat others"
+    names = [gene["name"] for gene in edited.genes]
+    copied = {**dict(zip(names, edited.values, strict=True)), "seg2.repeat": 1, "seg3.repeat": 1}
+    shown.evaluate("values => model.update({ repaired: values })", list(copied.values()))
+    assert shown.locator("legend").all_inner_texts() == [
+        "body",
+        *(f"{part}, copied by segments 2, 3" for part in ("legs", "gait")),
+    ]
     offset = shown.get_by_role("slider", name="knee offset", exact=True)
     offset.dispatch_event("input")  # the slider is held, and does not follow Python
     offset.fill("-0.5")

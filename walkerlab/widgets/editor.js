@@ -169,15 +169,39 @@ function render({ model, el }) {
     for (const tab of tabs.children) tab.ariaPressed = tab.textContent === group;
     const members = genes.flatMap((gene, index) => gene.group === group ? [{ ...gene, index }] : []);
     sections.replaceChildren(...[...new Set(members.map((gene) => gene.section))].map((section) =>
-      make("fieldset", {}, make("legend", { textContent: section }),
+      make("fieldset", {}, make("legend", { attributes: { "data-section": section } }),
         ...members.filter((gene) => gene.section === section).map((gene) => rows[gene.index].row))));
     update();
+  }
+
+  // Returns the numbers of the segments that copy the legs and the step of a segment.
+  function findCopies(number) {
+    const [names, values, used] = [model.get("genes").map(({ name }) => name), model.get("repaired"), model.get("used")];
+    const value = (name) => values[names.indexOf(name)];
+    const copies = [];
+    if (!used[names.indexOf(`seg${number}.leg_length`)]) return copies;
+    for (let other = number + 1; other <= value("segments"); other++) {
+      if (value(`seg${other}.legs`) < 0.5) continue;
+      if (value(`seg${other}.repeat`) < 0.5) break;
+      copies.push(other);
+    }
+    return copies;
+  }
+
+  function updateLegends() {
+    const copies = group.startsWith("segment ") ? findCopies(Number(group.slice("segment ".length))) : [];
+    const note = copies.length ? `, copied by segment${copies.length > 1 ? "s" : ""} ${copies.join(", ")}` : "";
+    for (const legend of sections.querySelectorAll("legend")) {
+      const { section } = legend.dataset;
+      legend.textContent = section === "body" ? section : section + note;
+    }
   }
 
   function updateGenes() {
     const [genes, ...lists] = ["genes", "values", "repaired", "original", "used"].map((name) => model.get(name));
     if (lists[0].length !== genes.length) return;
     const used = lists.at(-1);
+    updateLegends();
     rows.forEach(({ show }, index) => show(...lists.map((list) => list[index]), !model.get("fault")));
     for (const tab of tabs.children) {
       const isUsed = genes.some((gene, index) => gene.group === tab.textContent && used[index]);

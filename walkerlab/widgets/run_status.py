@@ -95,7 +95,8 @@ def best_walker(entry: ListedRun | None, generation: int | None, run_name: str =
     untested = ", not yet tested" if is_beginning and further_starts(run.settings) else ""
     result = f"{name} {with_unit(best.fitness, unit)}{untested}" if best.verdict == "ok" else "no walk counted yet"
     if is_beginning:
-        which = f"Best of the first {len(records)} of {len(records) + n_missing} random robots"
+        first = f"first {len(records)} of {len(records) + n_missing}" if n_missing else len(records)
+        which = f"Best of the {first} random robots"
     else:
         which = "Best so far" if generation is None else f"Best of generation {generation}"
     robot = f"robot {best.individual}" if is_beginning else f"robot {best.individual} of generation {best.generation}"

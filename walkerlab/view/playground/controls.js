@@ -35,6 +35,7 @@ class Controls {
     this.root = document.querySelector(".controls");
     this.error = this.root.querySelector(".error");
     this.addWorld(this.root.querySelector(".world"));
+    if (matchMedia("(max-width: 760px)").matches) this.root.querySelector(".world").open = false; // so that the gait is in view
     this.selectRobot();
     this.addText();
     this.showGenes();
