@@ -441,9 +441,9 @@ def test_too_many_segments_are_reported():
     ],
 )
 def test_huge_texts_are_rejected_quickly_with_a_short_message(text):
-    begun = time.process_time()
+    begun = time.perf_counter()
     assert len(error_message(text)) < 400
-    assert time.process_time() - begun < 0.5
+    assert time.perf_counter() - begun < 0.5
 
 
 def is_genome_or_rejected(text):

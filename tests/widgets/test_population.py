@@ -70,7 +70,7 @@ def test_kinds_of_robots_differ_in_signs_and_text_and_not_only_in_colour():
     by_kind = {row["kind"]: row for row in description["rows"]}
     assert {kind: row["sign"][:1] for kind, row in by_kind.items()} == {"elite": "★", "": "", "invalid": "⚠"}
     assert by_kind["elite"]["label"] == "3.50 m"
-    assert "An elite, unchanged since gen" in by_kind["elite"]["description"]
+    assert "Its distance is 3.50 m. An elite, unchanged since gen" in by_kind["elite"]["description"]
     assert by_kind["invalid"]["label"] == "fell"
     assert "Not counted: fell. It stood, went down" in by_kind["invalid"]["description"]
     assert "Details: it <i>moved</i>." in by_kind["invalid"]["description"]

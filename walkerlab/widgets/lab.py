@@ -167,7 +167,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         """Show how long a run with the form's settings will take; not during a run, which would distort the timing."""
         if (settings := self.settings) and not self._is_running():
             words = describe_forecast(settings, self._active) + self.lock.describe_budget(settings)
-            self.transport.forecast = words + self.runs.find_equal(settings)
+            self.transport.forecast = words + self.runs.describe_equal_run(settings)
 
     def _press(self, button: str) -> None:
         """Carry out the action of a button; presses from several threads are processed one after the other."""
@@ -238,10 +238,8 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         if state != last_state:
             self.runs.redraw()
         if state != last_state or not live.n_generations:
-            has_begun = live.n_generations == 1 and state != last_state  # only now are the first robots tested
-            self._drawing.request("population", self._show_population, is_urgent=has_begun)
-            if has_begun:
-                self._drawing.request("walker", self._show_walker, is_urgent=True)
+            is_first = live.n_generations == 1 and state != last_state  # only now are the random robots tested
+            self._request_views(is_urgent=is_first)
         if state == last_state and now - last_time < STATUS_INTERVAL:
             return
         self._reported[live] = state, now

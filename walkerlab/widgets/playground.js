@@ -7,7 +7,7 @@ function render({ model, el }) {
   const picture = make("img", { src: model.get("preview"), alt: model.get("alt") });
   const sign = make("span");
   const cover = make("button", { type: "button", className: "cover", title: "Walk live" }, sign, picture);
-  const undo = make("button", { type: "button", className: "close", textContent: "Undo your changes", onclick: () => {
+  const undo = make("button", { type: "button", className: "undo", textContent: "Undo your changes", onclick: () => {
     model.set("gene_text", model.get("original"));
     model.save_changes();
   } });

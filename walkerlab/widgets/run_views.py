@@ -121,8 +121,12 @@ class ShowsRun:
         self._generation_selected()
 
     def _generation_selected(self, _change: object = None) -> None:
-        self._drawing.request("population", self._show_population, is_urgent=True)
-        self._drawing.request("walker", self._show_walker, is_urgent=True)
+        self._request_views(is_urgent=True)
+
+    def _request_views(self, *, is_urgent: bool) -> None:
+        """Request the population, and then the walk of its best robot."""
+        self._drawing.request("population", self._show_population, is_urgent=is_urgent)
+        self._drawing.request("walker", self._show_walker, is_urgent=is_urgent)
 
     def _robot_selected(self, _change: object) -> None:
         self._drawing.request("robot", self._show_robot, is_urgent=True)
@@ -136,7 +140,6 @@ class ShowsRun:
             table = table.loc[table.generation == generation]
         self.population.show(table, run.settings if run else None)
         self._show_robot()
-        self._drawing.request("walker", self._show_walker)
 
     def _show_robot(self) -> None:
         """Show the selected robot, or the champion so far."""

@@ -10,6 +10,7 @@ import ipywidgets
 from walkerlab.evolution import outputs
 from walkerlab.evolution.loading import load
 from walkerlab.evolution.run import Run
+from walkerlab.runfile.records import RANDOM
 from walkerlab.settings.settings import Settings
 from walkerlab.system.errors import WalkerlabError
 from walkerlab.system.files import absolute_path, display_path
@@ -127,10 +128,13 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         self.redraw()
         self._on_selected()  # even if it was selected already: its file may have grown
 
-    def find_equal(self, settings: Settings) -> str:
-        """Return a sentence that a run in the list has the same settings, and so the same robots; "" if none has."""
-        names = [self.run_list.name_of(key) for key, entry in self.entries.items() if entry.settings == settings]
-        return f" Its robots will be those of {names[0]}, because settings and seed are the same." if names else ""
+    def describe_equal_run(self, settings: Settings) -> str:
+        """Return a sentence that a new run will have the robots of a run in the list; "" if it will not."""
+        for key, entry in self.entries.items():
+            if entry.settings == settings and _is_repeatable(entry.run):
+                name = self.run_list.name_of(key)
+                return f" Its robots will be those of {name}, because settings and seed are the same."
+        return ""
 
     def redraw(self) -> None:
         """Request an update of the curve and of the list."""
@@ -239,6 +243,12 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
             if key == self.run_list.selected:
                 self.drawer.words = f"Exported into the folder {display_path(folder)}:"
                 self.drawer.exported = self._exported[key]
+
+
+def _is_repeatable(run: Run) -> bool:
+    """Return whether a run depends on its settings only: one stage, and all robots without parents are random."""
+    first = run.records[run.records.parents == ""]
+    return len(run.stages) <= 1 and bool((first.operators == RANDOM).all())
 
 
 def _code(run: Run) -> str:
