@@ -6,7 +6,7 @@ from typing import Any
 
 import pandas as pd
 
-from walkerlab.runfile.records import INSERTED_BY_HAND
+from walkerlab.runfile.records import INSERTED_BY_HAND, find_champion
 from walkerlab.settings.terms import explain_term
 from walkerlab.settings.values import pluralize
 from walkerlab.simulation.validity import VERDICTS
@@ -95,8 +95,8 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
     shown = {name: column for name, column in SORT_COLUMNS.items() if name != fitness_name}  # each number once
     columns = [_format_cells(name, listed[name].tolist()) for name in shown]
     rows = zip(listed.to_dict("records"), zip(*columns, strict=True), strict=True)
-    valid = records[records.verdict == "ok"]
-    best = valid.individual[valid.fitness.idxmax()] if len(valid) else None
+    champion = find_champion(records)
+    best = champion.individual if champion.verdict == "ok" else None
     return {
         "title": f"Generation {number}: {pluralize(n, 'robot')}{elites}{inserted}",
         "warning": f"{KIND_SIGNS[INVALID]} {len(invalid):,} not counted: {counted}" if len(invalid) else "",

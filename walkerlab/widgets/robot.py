@@ -143,7 +143,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
             is_shown = wanted == self._shown and not (is_edited and is_new_selection)
             if is_shown or (is_kept and not is_new_selection):
                 if is_of_run:
-                    self._update_description(run)
+                    self._follow_champion(run)
                 return
             if is_edited:
                 self._replaced = self._original, str(self.editor.text), self.editor.result
@@ -151,30 +151,20 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
             self._shown = wanted
             row: Any = birth_rows(run.records).loc[robot]
             genome = Genome.parse(row.genome)
-            champion = run.champion
-            name = f"robot {robot}"
-            rivals = {name: genome} | ({} if champion.individual == robot else {_champion_name(run): champion.genome})
+            rivals = _choose_rivals(run, robot, genome)
             outcome = recorded_outcome(row, run.settings)
-            original = ShownRobot(
-                name,
-                genome,
-                rivals,
-                run.settings,
-                outcome,
-                robot,
-                partial(_describe_robot, run, robot),
-            )
+            describe = partial(_describe_robot, run, robot)
+            original = ShownRobot(f"robot {robot}", genome, rivals, run.settings, outcome, robot, describe)
             fragile = " (fragile)" if row.verdict == "fragile" else ""  # the walk in its replay counts
             self._present(original, {f"robot {robot} of generation {row.born}{fragile}": genome})
 
-    def _update_description(self, run: Run) -> None:
-        """Describe the robot that is shown again: it may no longer be the champion."""
+    def _follow_champion(self, run: Run) -> None:
+        """Update the rivals and the description of the robot that is shown, if its run has another champion."""
         number = self._original.number
-        if (run.records.individual == number).any():
-            self._original = replace(self._original, describe=partial(_describe_robot, run, number))
-            description = self._original.describe(self.editor.is_edited)
-            if description != self._description:
-                self._describe(description)
+        rivals = _choose_rivals(run, number, self._original.genome)
+        if rivals.keys() != self._original.rivals.keys() and (run.records.individual == number).any():
+            self._original = replace(self._original, rivals=rivals, describe=partial(_describe_robot, run, number))
+            self._describe(self._original.describe(self.editor.is_edited))
 
     def _restore(self) -> None:
         """Show the edited robot that was replaced."""
@@ -279,5 +269,10 @@ def _is_continuation(settings: Settings, earlier: Settings) -> bool:
     return settings == earlier.with_(generations=settings.algorithm.generations)
 
 
-def _champion_name(run: Run) -> str:
-    return f"robot {run.champion.individual}, the champion"
+def _choose_rivals(run: Run, number: int, genome: Genome) -> dict[str, Genome]:
+    """Return the genomes of a robot before it was edited and, if it is another one, of the champion, keyed by name."""
+    champion = run.champion
+    rivals = {f"robot {number}": genome}
+    if champion.individual != number:
+        rivals[f"robot {champion.individual}, the champion"] = champion.genome
+    return rivals

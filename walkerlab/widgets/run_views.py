@@ -49,7 +49,8 @@ class ShowsRun:
     def finish(self) -> Run:
         """Return the selected run when it is complete; without runs, evolve one with the settings of the form.
 
-        A paused run continues. Until the run is complete, a progress bar is shown, and no button responds.
+        A paused run continues. Until the run is complete, a progress bar is shown, and no button responds. If there are
+        several runs, the name of the selected one is printed.
 
         Raises:
             SettingsError: If there is no run, and the settings of the form are not valid.
