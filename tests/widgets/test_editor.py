@@ -358,8 +358,8 @@ def test_in_a_browser_a_dragged_slider_is_sent_and_the_result_is_shown(shown):
     assert sent[-1] == {"press": "try"}, "the robot walks after the last change"
     edited = Editor(G)
     edited._handle_custom_msg({"gene": 4, "value": 0.3}, [])
-    better = Outcome(2.9, "ok", "", "")
-    result = compare_outcomes(better, Outcome(2.68, "ok", "", ""))
+    better = Outcome(2.904, "ok", "", "")
+    result = compare_outcomes(better, Outcome(2.6751, "ok", "", ""))
     shown.evaluate("changes => model.update(changes)", {
         "text": edited.text, "values": edited.values, "repaired": edited.values, "result": result,
     })  # fmt: skip
@@ -383,6 +383,16 @@ def test_in_a_browser_a_dragged_slider_is_sent_and_the_result_is_shown(shown):
     assert shown.locator(".row", has=offset).locator(".unit").inner_text() == "rad (-29°)"
     shown.get_by_role("button", name="whole robot").click()
     assert shown.get_by_role("slider", name="segments").input_value() == "3"
+
+
+def test_in_a_browser_the_distance_is_in_view_with_the_sliders_of_a_segment(shown):
+    result = compare_outcomes(Outcome(2.9, "ok", "", ""), Outcome(2.68, "ok", "", ""))
+    shown.evaluate("result => model.update({ result })", result)
+    for width in (560, 500):  # a notebook in a window 900 px wide, with and without margins
+        shown.set_viewport_size({"width": width, "height": 600})
+        distance, *sliders = (one.bounding_box() for one in shown.locator(".result, .row input[type=range]").all())
+        assert sliders[-1]["y"] + sliders[-1]["height"] - distance["y"] < 600
+        assert distance["y"] + distance["height"] <= sliders[0]["y"]
 
 
 def test_in_a_browser_the_current_text_is_sent_before_a_button_acts(shown):

@@ -56,7 +56,7 @@ def recorded_outcome(row: Any, settings: Settings) -> Outcome:
 
 def compare_outcomes(after: Outcome, before: Outcome) -> dict[str, Any]:
     """Compare the results of the walks after and before an edit, as the ``result`` of the editor."""
-    change = round(after.distance - before.distance, 2)
+    change = round(round(after.distance, 2) - round(before.distance, 2), 2)  # difference of the distances as shown
     sign = "+" if change > 0 else MINUS_SIGN
     counts = after.verdict == "ok"
     verdict = VERDICTS.get(after.verdict, after.verdict)
