@@ -183,6 +183,14 @@ def test_imports_point_to_earlier_layers(module):
                 assert top(other) in allowed, f"{module} imports {other}, which {place} must not know"
 
 
+def test_a_widget_that_can_be_used_alone_does_not_depend_on_the_panel():
+    alone = [
+        path for module, path in MODULES.items() if module.startswith("widgets.") and "panel" not in module.split(".")
+    ]
+    assert alone
+    assert not {path: names for path in alone if (names := {one for one in imports(path) if "widgets.panel" in one})}
+
+
 @pytest.mark.parametrize("folder", sorted({top(module) for module in MODULES if "." in module}))
 def test_no_two_modules_of_a_folder_import_each_other(folder):
     graph = {

@@ -74,7 +74,7 @@ _PUBLIC_NAMES = {
     "view.replay.ancestors": ("race_ancestors",),
     "view.table_files": ("save_table",),
     "simulation.workers": ("WorkersLostError",),
-    "widgets.lab": ("Lab",),
+    "widgets.panel.lab": ("Lab",),
     "widgets.playground": ("Playground", "playground"),
 }
 """Public names, keyed by the module that defines them."""
@@ -174,7 +174,7 @@ if TYPE_CHECKING:
     from walkerlab.view.replay import replay as replay
     from walkerlab.view.replay.ancestors import race_ancestors as race_ancestors
     from walkerlab.view.table_files import save_table as save_table
-    from walkerlab.widgets.lab import Lab as Lab
+    from walkerlab.widgets.panel.lab import Lab as Lab
     from walkerlab.widgets.playground import Playground as Playground
     from walkerlab.widgets.playground import playground as playground
     from walkerlab.world.entities import generate_robot as generate_robot

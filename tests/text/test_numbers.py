@@ -32,9 +32,9 @@ from walkerlab.view import film, summary
 from walkerlab.view.replay import replay
 from walkerlab.view.report import content
 from walkerlab.view.report.pictures import Subject
-from walkerlab.widgets.card import robot_card
 from walkerlab.widgets.listing import SORT_COLUMNS, describe_generation
-from walkerlab.widgets.run_folders import best_result
+from walkerlab.widgets.panel.card import robot_card
+from walkerlab.widgets.panel.run_folders import best_result
 
 SIZES = st.floats(-9, 9).map(lambda power: 10**power)
 FITNESS = st.one_of(st.just(0.0), SIZES, SIZES.map(lambda size: -size))

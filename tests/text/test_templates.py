@@ -90,8 +90,8 @@ def test_every_template_is_used():
 RENDERED_ALONE = (
     *("simulation/confirmation.html", "simulation/rollout.html", "settings/settings.html"),
     *("view/image.html", "view/snapshot.html", "view/replay/head.html", "view/film/film.html"),
-    *("view/report/notebook.html", "widgets/robot.html", "widgets/lab.html", "widgets/runs.html", "widgets/curve.html"),
-    *("widgets/transport.html", "widgets/drawer.html", "widgets/editor.html"),
+    *("view/report/notebook.html", "widgets/curve.html", "widgets/editor.html"),
+    *(f"widgets/panel/{name}.html" for name in ("robot", "lab", "runs", "transport", "drawer")),
 )
 """Templates whose variables are texts, or lists of texts."""
 

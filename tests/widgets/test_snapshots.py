@@ -21,17 +21,17 @@ from walkerlab.view.replay.page import Frame
 from walkerlab.view.snapshots import HasSnapshot, snapshot_html
 from walkerlab.widgets.clickable_plot import PlotPicture
 from walkerlab.widgets.component import Component
-from walkerlab.widgets.drawer import Drawer
-from walkerlab.widgets.drawing_thread import DrawingThread
-from walkerlab.widgets.generation_slider import GenerationSlider
+from walkerlab.widgets.panel.drawer import Drawer
+from walkerlab.widgets.panel.drawing_thread import DrawingThread
+from walkerlab.widgets.panel.generation_slider import GenerationSlider
+from walkerlab.widgets.panel.robot import RobotArea
+from walkerlab.widgets.panel.run_folders import ListedRun
+from walkerlab.widgets.panel.run_list import RunList
+from walkerlab.widgets.panel.runs import RunsArea
+from walkerlab.widgets.panel.transport import Transport
+from walkerlab.widgets.panel.walker_view import ShownWalker, WalkerCaption, WalkerView
 from walkerlab.widgets.playground import Playground
 from walkerlab.widgets.questions import Item, Questions, Reply
-from walkerlab.widgets.robot import RobotArea
-from walkerlab.widgets.run_folders import ListedRun
-from walkerlab.widgets.run_list import RunList
-from walkerlab.widgets.runs import RunsArea
-from walkerlab.widgets.transport import Transport
-from walkerlab.widgets.walker_view import ShownWalker, WalkerCaption, WalkerView
 
 MAX_SIZE = 200_000  # characters
 EVIL = "</pre><script>alert(1)</script><img src=x onerror=alert(1)>"
@@ -154,10 +154,13 @@ MAKE = {
 
 def widget_classes():
     """Return every class of walkerlab's that a notebook shows as a widget."""
-    names = ["view.replay.page", *(f"widgets.{one.name}" for one in pkgutil.iter_modules(widgets.__path__))]
+    names = [
+        "walkerlab.view.replay.page",
+        *(one.name for one in pkgutil.walk_packages(widgets.__path__, "walkerlab.widgets.")),
+    ]
     found = {
         member
-        for module in (importlib.import_module(f"walkerlab.{name}") for name in names)
+        for module in map(importlib.import_module, names)
         for member in vars(module).values()
         if inspect.isclass(member) and issubclass(member, ipywidgets.DOMWidget) and member.__module__ == module.__name__
     }

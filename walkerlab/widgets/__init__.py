@@ -5,9 +5,9 @@ from walkerlab.widgets.curve import Curve as Curve
 from walkerlab.widgets.editor import Editor as Editor
 from walkerlab.widgets.form import Form as Form
 from walkerlab.widgets.interactive import Interactive as Interactive
-from walkerlab.widgets.lab import Lab as Lab
 from walkerlab.widgets.landscape import Landscape as Landscape
 from walkerlab.widgets.microscope import Microscope as Microscope
+from walkerlab.widgets.panel.lab import Lab as Lab
 from walkerlab.widgets.plain import slider as slider
 from walkerlab.widgets.plain import sliders as sliders
 from walkerlab.widgets.playground import Playground as Playground

@@ -11,9 +11,9 @@ from walkerlab.analysis.inheritance import shortest_change
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.repair import repair
 from walkerlab.runfile.records import birth_rows
-from walkerlab.widgets.card import robot_card
 from walkerlab.widgets.genome_words import genome_lines
-from walkerlab.widgets.origins import describe_origins
+from walkerlab.widgets.panel.card import robot_card
+from walkerlab.widgets.panel.origins import describe_origins
 
 
 def test_only_a_child_has_a_line_of_descent(done):

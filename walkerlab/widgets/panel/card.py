@@ -10,7 +10,7 @@ from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.templates import Markup, render
 from walkerlab.view import summary
 from walkerlab.view.plots.tables import axis_label, format_value
-from walkerlab.widgets.origins import describe_origins
+from walkerlab.widgets.panel.origins import describe_origins
 
 COUNTED = "ok"  # verdict on a walk that counts
 OPERATOR_KINDS = ("selection", "crossover", "mutation")
@@ -34,7 +34,7 @@ def robot_card(records: pd.DataFrame, individual: int, *, is_edited: bool = Fals
         f"{format_value(row.body_length, 'm')} long"
     )
     return render(
-        "widgets/card.html",
+        "widgets/panel/card.html",
         number=individual,
         is_champion=individual == find_champion(records).individual,
         is_edited=is_edited,

@@ -18,11 +18,11 @@ from walkerlab.view import sketch
 from walkerlab.view.replay import Replay, replay
 from walkerlab.view.replay.page import Frame
 from walkerlab.view.snapshots import HasSnapshot
-from walkerlab.widgets.card import robot_card
 from walkerlab.widgets.component import answer_on_requested_thread
 from walkerlab.widgets.editor import Editor
-from walkerlab.widgets.live_robot import open_live_robot
 from walkerlab.widgets.outcomes import Outcome, recorded_outcome
+from walkerlab.widgets.panel.card import robot_card
+from walkerlab.widgets.panel.live_robot import open_live_robot
 
 POSTER_SIZE = (640, 360)  # pixels
 
@@ -86,7 +86,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._on_insert = on_insert
         self._shown: tuple[Settings | None, int] = None, -1  # settings and number of the robot; -1 for an edited genome
         name, genome = "the random robot", self.editor.genome
-        message = render("widgets/robot_message.html")
+        message = render("widgets/panel/robot_message.html")
         self._original = ShownRobot(name, genome, {name: genome}, None, None, -1, lambda _: message)
         self._replaced: tuple[ShownRobot, str, Any] | None = None  # edited robot, its text, and the result of its walk
         self._selected = -1
@@ -108,7 +108,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
     def snapshot(self) -> Markup:
         """Return the description, the picture and the genome of the robot as static HTML."""
         return render(
-            "widgets/robot.html",
+            "widgets/panel/robot.html",
             description=self._description,
             frame=self.frame.snapshot(),
             editor=self.editor.snapshot(),

@@ -24,8 +24,8 @@ class RunList(Component):
     """
 
     title = "list of runs"
-    _esm = load_script("run_list")
-    _css = load_style("run_list")
+    _esm = load_script("panel/run_list")
+    _css = load_style("panel/run_list")
     runs = traitlets.List().tag(sync=True)
     selected = traitlets.Unicode().tag(sync=True)
 
@@ -82,7 +82,7 @@ class RunList(Component):
         """Return the list as static HTML."""
         rows = [[run[key] for key in ("name", "differs", "best", "state")] for run in self.runs]
         classes = ["strong" if run["key"] == self.selected else "" for run in self.runs]
-        return render("widgets/run_list.html", rows=rows, classes=classes)
+        return render("widgets/panel/run_list.html", rows=rows, classes=classes)
 
     def _next_look(self) -> dict[str, str]:
         """Return the first of the least used colours, with its marker."""

@@ -23,19 +23,19 @@ from walkerlab.simulation.workers import check_executor
 from walkerlab.system.files import absolute_path
 from walkerlab.text.templates import Markup, render
 from walkerlab.view.snapshots import HasSnapshot, nested_widgets
-from walkerlab.widgets.cells import register_in_cell
-from walkerlab.widgets.class_lock import make_lock
 from walkerlab.widgets.controls import use_labels
-from walkerlab.widgets.drawing_thread import DrawingThread
-from walkerlab.widgets.generation_slider import LATEST
+from walkerlab.widgets.panel.cells import register_in_cell
+from walkerlab.widgets.panel.class_lock import make_lock
+from walkerlab.widgets.panel.drawing_thread import DrawingThread
+from walkerlab.widgets.panel.generation_slider import LATEST
+from walkerlab.widgets.panel.robot import RobotArea
+from walkerlab.widgets.panel.run_folders import ListedRun, new_live_run, prepare_further_generations
+from walkerlab.widgets.panel.run_status import describe_forecast, error_text, show_state
+from walkerlab.widgets.panel.run_views import ShowsRun, arrange_areas
+from walkerlab.widgets.panel.runs import RunsArea
+from walkerlab.widgets.panel.transport import Transport
+from walkerlab.widgets.panel.walker_view import WalkerView
 from walkerlab.widgets.population import Population
-from walkerlab.widgets.robot import RobotArea
-from walkerlab.widgets.run_folders import ListedRun, new_live_run, prepare_further_generations
-from walkerlab.widgets.run_status import describe_forecast, error_text, show_state
-from walkerlab.widgets.run_views import ShowsRun, arrange_areas
-from walkerlab.widgets.runs import RunsArea
-from walkerlab.widgets.transport import Transport
-from walkerlab.widgets.walker_view import WalkerView
 from walkerlab.widgets.world import World
 
 STATUS_INTERVAL = 0.2  # s between two updates of the progress of a run
@@ -122,7 +122,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         """Return the content of the panel as static HTML."""
         components = (self.transport, self.walker, self.runs, self.population, self.robot, self.world)
         snapshots = [component.snapshot() for component in components]
-        return render("widgets/lab.html", components=snapshots, form=self.form.snapshot())
+        return render("widgets/panel/lab.html", components=snapshots, form=self.form.snapshot())
 
     @property
     def settings(self) -> Settings | None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from walkerlab.widgets.drawer import Drawer
+from walkerlab.widgets.panel.drawer import Drawer
 
 
 @pytest.mark.parametrize(

@@ -17,8 +17,8 @@ class GenerationSlider(Component):
     """
 
     title = "generation"
-    _esm = load_script("generation_slider")
-    _css = load_style("generation_slider")
+    _esm = load_script("panel/generation_slider")
+    _css = load_style("panel/generation_slider")
     n_generations = traitlets.Int(0).tag(sync=True)
     selected = traitlets.Int(LATEST).tag(sync=True)
 
@@ -31,4 +31,4 @@ class GenerationSlider(Component):
         """Return a sentence about the generation that is shown."""
         latest = self.n_generations - 1
         number = latest if self.generation is None else self.generation
-        return render("widgets/generation_slider.html", n_generations=self.n_generations, generation=number)
+        return render("widgets/panel/generation_slider.html", n_generations=self.n_generations, generation=number)

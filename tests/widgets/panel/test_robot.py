@@ -8,7 +8,7 @@ import pytest
 import walkerlab as wl
 from walkerlab.view.replay.page import Frame
 from walkerlab.widgets.outcomes import compare_outcomes, recorded_outcome, simulate_outcome
-from walkerlab.widgets.robot import RobotArea
+from walkerlab.widgets.panel.robot import RobotArea
 
 
 @pytest.fixture

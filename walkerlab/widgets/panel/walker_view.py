@@ -46,15 +46,15 @@ class WalkerCaption(Component):
     """
 
     title = "caption"
-    _esm = load_script("walker_view")
-    _css = load_style("walker_view")
+    _esm = load_script("panel/walker_view")
+    _css = load_style("panel/walker_view")
     words = traitlets.Unicode("").tag(sync=True)
     moves = traitlets.Bool(True).tag(sync=True)
     news = traitlets.Unicode("").tag(sync=True)
 
     def snapshot(self) -> Markup:
         """Return the caption as static HTML."""
-        return render("widgets/walker_view.html", words=self.words, url="", alt="")
+        return render("widgets/panel/walker_view.html", words=self.words, url="", alt="")
 
 
 class WalkerView(HasSnapshot, ipywidgets.Box):
@@ -96,7 +96,7 @@ class WalkerView(HasSnapshot, ipywidgets.Box):
     def snapshot(self) -> Markup:
         """Return the caption and a picture without motion as static HTML."""
         url = data_url("image/svg+xml", self._still.encode()) if self._still else ""
-        return render("widgets/walker_view.html", words=self.caption.words, url=url, alt=str(self.frame.alt))
+        return render("widgets/panel/walker_view.html", words=self.caption.words, url=url, alt=str(self.frame.alt))
 
     def _is_open_changed(self, _change: object) -> None:
         if self._wanted:

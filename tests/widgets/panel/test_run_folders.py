@@ -6,7 +6,13 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from walkerlab.widgets.run_folders import best_result, describe_differences, find_run_files, new_run_path, run_name
+from walkerlab.widgets.panel.run_folders import (
+    best_result,
+    describe_differences,
+    find_run_files,
+    new_run_path,
+    run_name,
+)
 
 
 def test_a_new_run_has_a_new_folder(tmp_path):

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import walkerlab as wl
-from tests.widgets.test_lab import wait_until
+from tests.widgets.panel.test_lab import wait_until
 from walkerlab.evolution.live import State
 from walkerlab.settings.classroom import CLASS_VARIABLE
-from walkerlab.widgets.class_lock import count_walks, make_lock
 from walkerlab.widgets.form import Form
+from walkerlab.widgets.panel.class_lock import count_walks, make_lock
 
 S = wl.Settings().with_(population_size=6, generations=4, duration=1)
 LOCKED = {"population_size": 6, "texture": "grass", "duration": 1}

@@ -5,7 +5,7 @@ import time
 
 import pytest
 
-from walkerlab.widgets.drawing_thread import MAX_LOAD, MIN_INTERVAL, DrawingThread
+from walkerlab.widgets.panel.drawing_thread import MAX_LOAD, MIN_INTERVAL, DrawingThread
 
 
 @pytest.fixture

@@ -14,17 +14,17 @@ from walkerlab.genome.genome import Genome
 from walkerlab.runfile.records import concatenate_tables
 from walkerlab.settings.model import SettingsError
 from walkerlab.system.files import display_path
-from walkerlab.widgets.class_lock import ClassLock
-from walkerlab.widgets.drawing_thread import DrawingThread
 from walkerlab.widgets.form import Form
-from walkerlab.widgets.generation_slider import LATEST
+from walkerlab.widgets.panel.class_lock import ClassLock
+from walkerlab.widgets.panel.drawing_thread import DrawingThread
+from walkerlab.widgets.panel.generation_slider import LATEST
+from walkerlab.widgets.panel.robot import RobotArea
+from walkerlab.widgets.panel.run_folders import ListedRun
+from walkerlab.widgets.panel.run_status import best_walker, describe_state
+from walkerlab.widgets.panel.runs import RunsArea
+from walkerlab.widgets.panel.transport import Transport
+from walkerlab.widgets.panel.walker_view import WalkerView
 from walkerlab.widgets.population import Population
-from walkerlab.widgets.robot import RobotArea
-from walkerlab.widgets.run_folders import ListedRun
-from walkerlab.widgets.run_status import best_walker, describe_state
-from walkerlab.widgets.runs import RunsArea
-from walkerlab.widgets.transport import Transport
-from walkerlab.widgets.walker_view import WalkerView
 
 SETTINGS_CHANGED = "This run keeps its settings. The changed settings are for a new run."
 

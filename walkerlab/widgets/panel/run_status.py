@@ -9,10 +9,10 @@ from walkerlab.settings.values import pluralize
 from walkerlab.simulation.fitness import name_and_unit
 from walkerlab.system.errors import WalkerlabError
 from walkerlab.text.numbers import with_unit
-from walkerlab.widgets.pre_evolved import load_pre_evolved_walker
-from walkerlab.widgets.run_folders import ListedRun
-from walkerlab.widgets.transport import Transport
-from walkerlab.widgets.walker_view import ShownWalker
+from walkerlab.widgets.panel.pre_evolved import load_pre_evolved_walker
+from walkerlab.widgets.panel.run_folders import ListedRun
+from walkerlab.widgets.panel.transport import Transport
+from walkerlab.widgets.panel.walker_view import ShownWalker
 
 
 def describe_state(live: LiveRun) -> str:

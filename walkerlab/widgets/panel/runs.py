@@ -19,10 +19,10 @@ from walkerlab.view.plots.style import RUN_COLOURS
 from walkerlab.view.report.code import as_python, user_functions
 from walkerlab.view.snapshots import HasSnapshot
 from walkerlab.widgets.curve import Curve
-from walkerlab.widgets.drawer import Drawer, EvolveFurther
-from walkerlab.widgets.drawing_thread import DrawingThread
-from walkerlab.widgets.generation_slider import GenerationSlider
-from walkerlab.widgets.run_folders import (
+from walkerlab.widgets.panel.drawer import Drawer, EvolveFurther
+from walkerlab.widgets.panel.drawing_thread import DrawingThread
+from walkerlab.widgets.panel.generation_slider import GenerationSlider
+from walkerlab.widgets.panel.run_folders import (
     ListedRun,
     best_result,
     describe_differences,
@@ -32,7 +32,7 @@ from walkerlab.widgets.run_folders import (
     run_name,
     save_name,
 )
-from walkerlab.widgets.run_list import RunList
+from walkerlab.widgets.panel.run_list import RunList
 
 SAME_TABLE = "In a notebook cell, the code repeats the run and gives the same table."
 LAST_SETTINGS = (
@@ -91,7 +91,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
     def snapshot(self) -> Markup:
         """Return the curves, the list and the code of the selected run as static HTML."""
         return render(
-            "widgets/runs.html",
+            "widgets/panel/runs.html",
             curve=self.curve.snapshot(),
             run_list=self.run_list.snapshot(),
             drawer=self.drawer.snapshot(),

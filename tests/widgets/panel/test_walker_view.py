@@ -3,7 +3,7 @@
 import numpy as np
 
 import walkerlab as wl
-from walkerlab.widgets.walker_view import ShownWalker, WalkerView
+from walkerlab.widgets.panel.walker_view import ShownWalker, WalkerView
 
 SETTINGS = wl.Settings().with_(duration=1)
 

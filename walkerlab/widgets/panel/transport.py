@@ -28,8 +28,8 @@ class Transport(Component):
     """
 
     title = "run controls"
-    _esm = load_script("transport")
-    _css = load_style("transport", "lab")  # the panel itself is a plain Box without a style sheet
+    _esm = load_script("panel/transport")
+    _css = load_style("panel/transport", "panel/lab")  # the panel itself is a plain Box without a style sheet
     state = traitlets.Unicode("ready").tag(sync=True)
     share = traitlets.Float(0.0).tag(sync=True)
     words = traitlets.Unicode("").tag(sync=True)
@@ -63,7 +63,7 @@ class Transport(Component):
     def snapshot(self) -> Markup:
         """Return the messages as static HTML."""
         messages = [message for message in (self.words, self.fault or self.forecast) if message]
-        return render("widgets/transport.html", messages=messages, state=self.state)
+        return render("widgets/panel/transport.html", messages=messages, state=self.state)
 
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
         match message:

@@ -6,7 +6,7 @@ from itertools import product
 import pytest
 
 from walkerlab.view.plots.style import RUN_COLOURS, RUN_MARKERS
-from walkerlab.widgets.run_list import MAX_NAME_LENGTH, RunList
+from walkerlab.widgets.panel.run_list import MAX_NAME_LENGTH, RunList
 
 
 @pytest.fixture

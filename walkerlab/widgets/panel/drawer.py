@@ -33,8 +33,8 @@ class Drawer(Component):
     """
 
     title = "run files"
-    _esm = load_script("drawer")
-    _css = load_style("drawer")
+    _esm = load_script("panel/drawer")
+    _css = load_style("panel/drawer")
     files = traitlets.List(traitlets.Dict()).tag(sync=True)
     code = traitlets.Unicode("").tag(sync=True)
     about_code = traitlets.Unicode("").tag(sync=True)
@@ -80,7 +80,7 @@ class Drawer(Component):
 
     def snapshot(self) -> Markup:
         """Return the last message and the code of the run as static HTML."""
-        return render("widgets/drawer.html", words=self.words, python=self.code)
+        return render("widgets/panel/drawer.html", words=self.words, python=self.code)
 
     def _handle_message(self, _widget: object, message: Any, _buffers: object) -> None:
         match message:

@@ -17,9 +17,9 @@ from walkerlab.evolution.live import LiveRun, State
 from walkerlab.runfile.records import find_champion
 from walkerlab.text.numbers import with_unit
 from walkerlab.view.report.code import as_python
-from walkerlab.widgets.card import robot_card
-from walkerlab.widgets.pre_evolved import load_pre_evolved_walker
-from walkerlab.widgets.run_folders import run_name
+from walkerlab.widgets.panel.card import robot_card
+from walkerlab.widgets.panel.pre_evolved import load_pre_evolved_walker
+from walkerlab.widgets.panel.run_folders import run_name
 
 SMALL = wl.Settings().with_(population_size=6, generations=4, duration=1)
 LONG = SMALL.with_(population_size=100, generations=1000)
@@ -343,7 +343,7 @@ def test_no_forecast_is_made_during_a_run(lab, monkeypatch):
     wait_for_drawings(lab)
     press(lab, "start")
     forecasts = []
-    monkeypatch.setattr("walkerlab.widgets.run_status.estimate_seconds", forecasts.append)
+    monkeypatch.setattr("walkerlab.widgets.panel.run_status.estimate_seconds", forecasts.append)
     lab._show_forecast()
     assert forecasts == []
 

@@ -1,0 +1,1 @@
+"""The panel: evolution in a notebook, assembled from the components and its own parts."""
