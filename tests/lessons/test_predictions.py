@@ -14,10 +14,12 @@ def test_a_number_is_compared_with_its_difference_and_unit():
     assert [bar.percent for bar in compare("99.1", 8.0).bars] == [50, 100]
 
 
-@pytest.mark.parametrize("value", [..., None, "", "4 m", [4]])
-def test_what_is_no_prediction_is_not_compared(value):
+@pytest.mark.parametrize(
+    "value, state", [(..., "empty"), (None, "empty"), ("", "empty"), ("4 m", "not yet"), ([4], "not yet")]
+)
+def test_what_is_no_prediction_is_not_compared(value, state):
     predict("99.1", 4, unit="m")
-    assert predict("99.1", value, unit="m").state == "empty"
+    assert predict("99.1", value, unit="m").state == state
     text = compare("99.1", 6.2).text
     assert "6.2 m" in text
     assert "no prediction" in text

@@ -125,7 +125,7 @@ def _parse_number(text: str, start: int, token: str, word: str) -> float:
     """
     key = f"{token}=" if token in CHOICES else token
     if not _key_and_number(key).fullmatch(word):
-        expected = f"'{token}' and a number, as in '{token}1.5'"
+        expected = f"'{token}' and a number, as in '{token}0.5'"
         if token in CHOICES:
             expected = " or ".join(f"'{choice}'" for choice in reversed(CHOICES[token]))
         raise _position_error(text, start, expected, word)

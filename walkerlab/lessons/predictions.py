@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from walkerlab.lessons.exercises import LessonError
-from walkerlab.lessons.feedback import COMPARED, EMPTY, PREDICTED, Bar, Feedback
+from walkerlab.lessons.feedback import COMPARED, EMPTY, NOT_YET, PREDICTED, Bar, Feedback
 from walkerlab.settings.values import short_repr
 from walkerlab.view.plots.tables import format_value
 from walkerlab.widgets.questions import Item, Questions, Reply
@@ -48,9 +48,9 @@ def predict(number: str, value: Any, unit: str = "") -> Feedback:
     if value is None or value is ... or value == "":
         return Feedback(EMPTY, NOTHING_PREDICTED)
     if unit and not _is_number(value):
-        return Feedback(EMPTY, f"Write a number without quotes and without the unit {unit}, then run the cell again.")
+        return Feedback(NOT_YET, f"Write a number without quotes and without the unit {unit}, then run the cell again.")
     if not (_is_number(value) or isinstance(value, str | bool)):
-        return Feedback(EMPTY, f"{short_repr(value)} is not a prediction. Write a number, or a word in quotes.")
+        return Feedback(NOT_YET, f"{short_repr(value)} is not a prediction. Write a number, or a word in quotes.")
     _predictions[number] = Prediction(value, unit)
     return Feedback(PREDICTED, f"{_write(value, unit)}.", "Now run the next cells, and compare.")
 

@@ -156,7 +156,7 @@ class Guard(Choice):
     too_high = 5, "its centre of mass rose far above its standing height: vaulting, not walking"
     sunk = 6, "a part of it was pushed deep into the ground, which is impossible on real ground"
     airborne = 7, "it was off the ground for longer than Simulation.max_airborne: flying, not walking"
-    fell = 8, "it stood, went down and did not get up: falling forward is not walking"
+    fell = 8, "it stood, went down and did not get up; a robot that lay from the start has not fallen"
     out_of_arena = 9, "it left the ground that was built"
     load_lost = 10, "its sledge broke the rope, overtook it, or sank into the ground"
     overturned = 11, "it was on its back for too long in total: rolling or sliding, not walking"

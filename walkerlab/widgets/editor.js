@@ -274,7 +274,7 @@ function render({ model, el }) {
     restore.hidden = !model.get("replaced");
     restore.textContent = `Back to edited ${model.get("replaced")}`;
     picture.classList.toggle("outdated", wrong);
-    if (wrong) result.classList.remove("busy");
+    if (wrong) { result.classList.remove("busy"); result.classList.add("outdated"); }
     mark();
     if (wrong && document.activeElement !== area) scrollToError();
     updateGenes();

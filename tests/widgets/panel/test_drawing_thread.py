@@ -47,10 +47,28 @@ def test_while_the_load_is_limited_it_pauses_longer_than_it_draws(drawing):
         if len(times) == 2:
             done.set()
 
-    drawing.request("a", draw)
-    drawing.request("b", draw)
+    drawing.request("a", lambda: (draw(), drawing.request("a", draw)))
     assert done.wait(10)
     assert times[1] - times[0] > 0.03 / MAX_LOAD * 0.95
+
+
+def test_while_the_load_is_limited_all_pictures_are_drawn_together_and_urgent_ones_first(drawing):
+    drawing.is_limited = True
+    begun = threading.Event()
+    resume = threading.Event()
+    done = threading.Event()
+    drawn = []
+    drawing.request("curve", lambda: (begun.set(), resume.wait(5)))
+    assert begun.wait(5)
+    for name in ("list", "population", "walker"):
+        drawing.request(name, lambda name=name: drawn.append((name, time.monotonic())))
+    drawing.request("world", lambda: drawn.append(("world", time.monotonic())), is_urgent=True)
+    drawing.request("last", lambda: (drawn.append(("last", time.monotonic())), done.set()))
+    resume.set()
+    assert done.wait(5)
+    names, times = zip(*drawn, strict=True)
+    assert names == ("world", "list", "population", "walker", "last")
+    assert times[-1] - times[1] < MIN_INTERVAL / 2
 
 
 @pytest.mark.parametrize("waiting_time", [0.0, 0.2])
@@ -67,8 +85,7 @@ def test_the_pause_depends_on_work_and_not_on_waiting(drawing, waiting_time):
         if len(ended) == 2:
             done.set()
 
-    drawing.request("a", draw)
-    drawing.request("b", draw)
+    drawing.request("a", lambda: (draw(), drawing.request("a", draw)))
     assert done.wait(10)
     assert MIN_INTERVAL * 0.95 < begun[1] - ended[0] < 2
 
@@ -115,6 +132,8 @@ def test_an_urgent_drawing_does_not_wait_for_the_end_of_a_pause(drawing):
 
     drawing.request("curve", work)
     assert long.wait(10)
-    drawing.request("list", lambda: None)
+    listed = threading.Event()
+    drawing.request("list", listed.set)
     drawing.request("world", done.set, is_urgent=True)
     assert done.wait(3)
+    assert not listed.is_set(), "other pictures wait for the end of the pause"

@@ -167,6 +167,9 @@ def test_a_robot_is_selected_edited_and_inserted_into_the_next_generation(lab):
     assert "made by hand" in robot_card(lab.run.records, inserted.individual)
     wait_for_drawings(lab)
     assert "evolution.insert" in lab.runs.drawer.code
+    press(lab, "stop")
+    wait_until(lambda: lab.transport.state == "stopped")
+    assert lab.robot.editor.report == "", "it was about a generation of this run"
 
 
 def test_the_code_of_a_stopped_run_repeats_its_table(lab):
@@ -555,7 +558,7 @@ def test_a_loaded_run_without_generations_can_be_continued(lab, tmp_path):
     assert lab.runs.drawer.n_further == SMALL.algorithm.generations
     assert lab.run.settings == SMALL.with_(seed=9)
     [entry] = lab.runs.run_list.runs
-    assert (entry["state"], entry["best"]) == ("loaded, 0 of 4 generations", "")
+    assert (entry["state"], entry["best"]) == ("loaded, 0 of 4", "")
     assert not lab.runs.drawer.can_export
 
 
@@ -571,10 +574,13 @@ def test_a_run_that_is_continued_equals_one_that_is_resumed(lab, pool, tmp_path)
     wait_until(lambda: lab.transport.state == "finished")
     wait_for_drawings(lab)
     assert lab.runs.drawer.n_further > 0
+    lab.runs._exported = {lab.runs.run_list.selected: ["report.html"]}
+    lab.runs.drawer.exported = ["report.html"]
     copy = tmp_path / "copy.walk"
     shutil.copyfile(lab.run.path, copy)
     further(lab, 2)
     wait_until(lambda: lab.transport.words.startswith("Finished: 6 generations, the last 2 in"))
+    assert lab.runs.drawer.exported == [], "these files are of the shorter run"
     lab.settings = SMALL.with_(structure="stairs", step_height=0.02, mutation="micro")
     further(lab, 2, with_form=True)
     wl.resume(copy, 6, pool, progress=False)

@@ -118,7 +118,7 @@ function parseGenome(page, text) {
     const number = word.startsWith(key) ? word.slice(key.length) : "";
     if (!/^[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?$/.test(number)) {
       const expected = choices ? [...choices].reverse().map((choice) => `'${choice}'`).join(" or ")
-        : `'${token}' and a number, as in '${token}1.5'`;
+        : `'${token}' and a number, as in '${token}0.5'`;
       throw positionError(page, text, start, expected, word);
     }
     values[index] = Number(number) + 0;

@@ -5,6 +5,7 @@ from typing import Any
 import pandas as pd
 
 from walkerlab.runfile.records import INSERTED_BY_HAND, birth_rows, find_champion
+from walkerlab.settings.choices import Crossover, Mutation, Selection
 from walkerlab.settings.values import pluralize
 from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.templates import Markup, render
@@ -13,7 +14,7 @@ from walkerlab.view.plots.tables import axis_label, format_value
 from walkerlab.widgets.panel.origins import describe_origins
 
 COUNTED = "ok"  # verdict on a walk that counts
-OPERATOR_KINDS = ("selection", "crossover", "mutation")
+OPERATORS = {"selection": Selection, "crossover": Crossover, "mutation": Mutation}  # choices of each kind of operator
 MAX_PARENTS = 4  # maximum number of parents that are listed
 
 
@@ -48,6 +49,7 @@ def robot_card(records: pd.DataFrame, individual: int, *, is_edited: bool = Fals
         velocity=format_value(row.velocity, "m/s"),
         body=body,
         origins=describe_origins(births, individual),
+        operators=_explain_operators(str(row.operators)),
         ancestors=_ancestor_rows(records, individual),
         fitness_label=axis_label("fitness", units.get("fitness", "")),
     )
@@ -66,9 +68,18 @@ def _origin(row: Any) -> str:
 def _name_operators(operators: str) -> str:
     """Add the kind to each of three operators: ``tournament selection, uniform crossover, gaussian mutation``."""
     names = operators.split(" > ")
-    if len(names) != len(OPERATOR_KINDS):
+    if len(names) != len(OPERATORS):
         return ", ".join(names)
-    return ", ".join(f"{name} {kind}" for name, kind in zip(names, OPERATOR_KINDS, strict=True))
+    return ", ".join(f"{name} {kind}" for name, kind in zip(names, OPERATORS, strict=True))
+
+
+def _explain_operators(operators: str) -> list[tuple[str, str]]:
+    """Return the kind, the name and the explanation of each of three operators, except of user functions."""
+    names = operators.split(" > ")
+    if len(names) != len(OPERATORS):
+        return []
+    chosen = zip(names, OPERATORS.items(), strict=True)
+    return [(kind, f"{name}: {choices[name].about}") for name, (kind, choices) in chosen if name in choices.__members__]
 
 
 def _ancestor_rows(records: pd.DataFrame, individual: int) -> list[list[object]]:

@@ -11,8 +11,9 @@ MIN_INTERVAL = 0.2  # s from the end of one drawing to the start of the next
 class DrawingThread:
     """A thread that draws.
 
-    Of several requests for one picture, only the newest is drawn. While the load is limited, the thread pauses after
-    each picture so that drawing takes a small share of the time, however slow the computer is.
+    Of several requests for one picture, only the newest is drawn. All requested pictures are drawn together, so that
+    they show the same state of a run. While the load is limited, the thread then pauses so that drawing takes a small
+    share of the time, however slow the computer is.
     """
 
     def __init__(self, is_limited: Callable[[], bool], on_error: Callable[[Exception], None]) -> None:
@@ -57,29 +58,46 @@ class DrawingThread:
         with self._changed:
             self._is_open = False
             self._requests.clear()
+            self._urgent.clear()
             self._changed.notify_all()
 
     def _run(self) -> None:
-        while draw := self._next():
+        pause_end = 0.0
+        while (names := self._wait(pause_end)) is not None:
             before = time.thread_time()  # excludes waiting for a core
-            try:
-                draw()
-            except Exception as error:
-                self._on_error(error)
-            work = time.thread_time() - before
-            self._pause_until(time.monotonic() + max(MIN_INTERVAL, work * (1 / MAX_LOAD - 1)))
+            is_batch = bool(names)
+            while draw := self._next(names):
+                try:
+                    draw()
+                except Exception as error:
+                    self._on_error(error)
+            if is_batch:
+                work = time.thread_time() - before
+                pause_end = time.monotonic() + max(MIN_INTERVAL, work * (1 / MAX_LOAD - 1))
 
-    def _next(self) -> Callable[[], None] | None:
-        """Wait for a request and return its function; None after closing."""
+    def _wait(self, pause_end: float) -> set[str] | None:
+        """Wait for an urgent request, or for the end of a pause and any request.
+
+        Returns:
+            Names of all requested pictures; empty if only the urgent ones are due, and None after closing.
+        """
         with self._changed:
-            self._changed.wait_for(lambda: self._requests or not self._is_open)
-            if not self._is_open:
+            while self._is_open:
+                left = pause_end - time.monotonic() if self._is_limited() else 0.0
+                if self._requests and left <= 0:
+                    return set(self._requests)
+                if self._urgent:
+                    return set()
+                self._changed.wait(left if self._requests else None)
+            return None
+
+    def _next(self, names: set[str]) -> Callable[[], None] | None:
+        """Return the function of an urgent request, or of one of some pictures, and remove it from both."""
+        with self._changed:
+            urgent = [name for name in self._requests if name in self._urgent]
+            due = urgent or [name for name in self._requests if name in names]
+            if not due:
                 return None
-            name = next((name for name in self._requests if name in self._urgent), next(iter(self._requests)))
-            self._urgent.discard(name)
-            return self._requests.pop(name)
-
-    def _pause_until(self, end: float) -> None:
-        with self._changed:
-            while self._is_open and not self._urgent and self._is_limited() and (left := end - time.monotonic()) > 0:
-                self._changed.wait(left)
+            names.discard(due[0])
+            self._urgent.discard(due[0])
+            return self._requests.pop(due[0])

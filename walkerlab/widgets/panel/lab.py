@@ -235,10 +235,10 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         state = (live.state, live.n_generations)
         now = time.monotonic()
         last_state, last_time = self._reported[live]
+        is_first = live.n_generations == 1 and state != last_state  # only now are the random robots tested
         if state != last_state:
-            self.runs.redraw()
+            self.runs.redraw(is_urgent=is_first)
         if state != last_state or not live.n_generations:
-            is_first = live.n_generations == 1 and state != last_state  # only now are the random robots tested
             self._request_views(is_urgent=is_first)
         if state == last_state and now - last_time < STATUS_INTERVAL:
             return
@@ -256,6 +256,8 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
         show_state(self.transport, live)
         self.walker.frame.is_busy = live.state == State.running
         self.robot.editor.can_insert = not live.is_over and live.n_generations > 0
+        if live.is_over:
+            self.robot.editor.report = ""
         if live.loss_note:
             self.runs.drawer.words = live.loss_note
 

@@ -85,7 +85,7 @@ class ListedRun:
         if self.live:
             return self.live.state
         n, total = self.run.n_generations, self.settings.algorithm.generations
-        return "loaded" if n == total else f"loaded, {n} of {total} generations"
+        return "loaded" if n == total else f"loaded, {n} of {total}"
 
 
 def new_live_run(

@@ -122,8 +122,10 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
             name: Name of the run; if empty, the name in the list is unchanged.
         """
         self.entries = {**self.entries, entry.key: entry}
+        self._exported.pop(entry.key, None)  # files of a run that continues are out of date
         self.run_list.add(entry.key, name=name)
         self.run_list.selected = entry.key
+        self.drawer.exported = []
         self._list_files()
         self.redraw()
         self._on_selected()  # even if it was selected already: its file may have grown
@@ -136,10 +138,10 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
                 return f" Its robots will be those of {name}, because settings and seed are the same."
         return ""
 
-    def redraw(self) -> None:
+    def redraw(self, *, is_urgent: bool = False) -> None:
         """Request an update of the curve and of the list."""
-        self._drawing.request("curve", self._draw_curve)
-        self._drawing.request("run list", self._update_list)
+        self._drawing.request("curve", self._draw_curve, is_urgent=is_urgent)
+        self._drawing.request("run list", self._update_list, is_urgent=is_urgent)
 
     def _draw_curve(self) -> None:
         """Draw the curves of the runs that are shown, with the colours and markers of the list."""
