@@ -144,6 +144,7 @@ def test_a_file_walks_as_in_python_while_genes_and_world_change(page, tmp_path):
     page.wait_for_function("walkerlab.walks[0].time > 0.1", timeout=30_000)
     assert page.evaluate(NAMELESS) == []
     assert page.evaluate("document.documentElement.scrollWidth") <= 390
+    assert page.evaluate("document.querySelector('.transport').scrollWidth") <= 390
     assert_same_walk(page.evaluate(MEASURE), GENOME, SHORT)
 
     # A gene of the gait changes the walk at once.
@@ -158,7 +159,25 @@ def test_a_file_walks_as_in_python_while_genes_and_world_change(page, tmp_path):
     slider(page, "hip_amplitude").fill("25")
     page.evaluate(APPLY)
     page.evaluate("walkerlab.draw(0)")
-    assert "Press Restart" in page.locator(".verdict").inner_text(), "the result is that of the earlier gait"
+    verdict = page.locator(".verdict")
+    assert "Press Restart" in verdict.inner_text(), "the result is that of the earlier gait"
+
+    # A changed slider shows its original value, and everything can be undone; the new walk is compared with the last.
+    result = page.evaluate("walkerlab.walks[0].distance")
+    undo = page.get_by_role("button", name="Undo all changes")
+    page.locator(".world summary").click()  # closed on a phone, so that the gait is in view
+    page.get_by_label("Planet, which sets the gravity").select_option("moon")
+    page.evaluate(APPLY)
+    changed = page.locator(".slider.changed")
+    assert [one.inner_text().split("\n")[-1].strip() for one in changed.all()][1:] == ["was 9.81", "was 17°"]
+    undo.click()
+    page.evaluate(f"{APPLY}; for (let i = 0; i < 5; i++) walkerlab.walks[0].step(); walkerlab.draw(0)")
+    assert (changed.count(), undo.is_disabled()) == (0, True)
+    assert page.evaluate("walkerlab.state.world.gravity") == [0, 0, -9.81]
+    assert page.evaluate("walkerlab.genome") == str(wl.Genome.parse(GENOME).within(SHORT.robot))
+    assert verdict.inner_text().startswith("The walk is measured for 2 s.") or "so far" in verdict.inner_text()
+    assert verdict.inner_text().replace("\u00a0", " ").endswith(f"Before: {result:.2f} m.")
+    assert_same_walk(page.evaluate(MEASURE), GENOME, SHORT)
 
     # Genes of the body are limited by the settings, and the copied text walks as the page does, on the moon, on ice.
     page.locator(".body summary").click()
@@ -166,7 +185,6 @@ def test_a_file_walks_as_in_python_while_genes_and_world_change(page, tmp_path):
     slider(page, "mass").fill(slider(page, "mass").get_attribute("max"))
     page.evaluate(APPLY)
     assert "require" in page.locator(".message").inner_text()
-    page.locator(".world summary").click()  # closed on a phone, so that the gait is in view
     page.get_by_label("Planet, which sets the gravity").select_option("moon")
     page.get_by_label("Material of the ground, which sets the friction").select_option("ice")
     page.locator(".text summary").click()

@@ -1,4 +1,5 @@
-// The sliders and menus of a playground. `change` is called with what changed: "world", "gait", "strength" or "body".
+// The sliders and menus of a playground. `change` is called with what changed: "world", "gait", "strength", "body" or "all".
+// Controls whose value differs from the original are marked; "Undo" restores all originals.
 const DEGREES = 180 / Math.PI;
 const GAIT_FEATURES = ["hip_amplitude", "hip_phase", "hip_offset", "knee_amplitude", "knee_phase", "knee_offset", "stride"];
 const FEATURE_LABELS = { legs: "has legs", repeat: "copies legs in front" }; // others: the name of the gene, as in the editor
@@ -13,20 +14,25 @@ function make(name, properties = {}, ...children) {
   return node;
 }
 
-// A slider with its label and value; `set` shows another value.
+// A slider with its label and value; `set` shows another value, and marks the slider if the value is not the original.
 function makeSlider({ label, about, low, high, step, unit, factor = 1, digits, onInput }) {
   const text = (value) => `${(value * factor).toFixed(digits).replace(/^-(0\.?0*)$/, "$1")}${unit ? (unit === "°" ? "" : " ") + unit : ""}`;
   const input = make("input", { type: "range", min: low * factor, max: high * factor, step: step * factor, ariaLabel: about ? `${label}: ${about}` : label });
-  const output = make("output");
-  const show = (value) => {
+  const output = make("output"), was = make("small", { className: "was" });
+  const row = make("label", { className: "slider", title: about ?? label }, make("span", { textContent: label }), input,
+    make("div", { className: "value" }, output, was));
+  const show = (value, original) => {
     input.value = value * factor;
     output.textContent = input.ariaValueText = text(value);
+    const isChanged = text(value) !== text(original);
+    row.classList.toggle("changed", isChanged);
+    was.textContent = isChanged ? `was ${text(original).split(" ")[0]}` : "";
   };
   input.oninput = () => {
     output.textContent = input.ariaValueText = text(Number(input.value) / factor);
     onInput(Number(input.value) / factor);
   };
-  return { row: make("label", { className: "slider", title: about ?? label }, make("span", { textContent: label }), input, output), input, set: show };
+  return { row, input, set: show };
 }
 
 class Controls {
@@ -34,6 +40,8 @@ class Controls {
     Object.assign(this, { page, state, change });
     this.root = document.querySelector(".controls");
     this.error = this.root.querySelector(".error");
+    this.undoButton = document.querySelector(".transport .undo");
+    this.undoButton.onclick = () => this.undo();
     this.addWorld(this.root.querySelector(".world"));
     if (matchMedia("(max-width: 760px)").matches) this.root.querySelector(".world").open = false; // so that the gait is in view
     this.selectRobot();
@@ -42,6 +50,23 @@ class Controls {
   }
 
   get values() { return this.state.genomes[this.state.selected]; }
+
+  get original() { return this.page.robots[this.state.selected].genome; }
+
+  undo() { // restores the genomes and the world with which the page was opened
+    this.state.genomes = this.page.robots.map(({ genome }) => genome);
+    this.state.world = this.page.world;
+    this.showMessage("");
+    this.showWorld();
+    this.showGenes();
+    this.change("all");
+  }
+
+  showUndo() {
+    const { page, state } = this;
+    const isChanged = (values, number) => values.some((value, index) => value !== page.robots[number].genome[index]);
+    this.undoButton.disabled = !state.genomes.some(isChanged) && JSON.stringify(state.world) === JSON.stringify(page.world);
+  }
 
   // ----------------------------------------------------------------------------------------------------------- world
 
@@ -76,10 +101,13 @@ class Controls {
     const { gravity, texture, wind, slope } = this.state.world;
     const isEqual = (a, b) => a.every((value, axis) => Math.abs(value - b[axis]) < 1e-9);
     this.planet.value = Object.entries(this.page.planets).find(([, value]) => isEqual(value, gravity))?.[0] ?? "other";
-    this.gravity.set(Math.hypot(...gravity));
+    const original = this.page.world;
+    this.gravity.set(Math.hypot(...gravity), Math.hypot(...original.gravity));
     this.texture.value = texture;
-    this.wind.set(wind[0]);
-    this.slope.set(slope);
+    this.wind.set(wind[0], original.wind[0]);
+    this.slope.set(slope, original.slope);
+    this.planet.parentElement.classList.toggle("changed", !isEqual(gravity, original.gravity));
+    this.texture.parentElement.classList.toggle("changed", texture !== original.texture);
     this.showChanges();
   }
 
@@ -96,6 +124,7 @@ class Controls {
     const code = this.root.querySelector(".changes code");
     code.textContent = changes.length ? `settings.with_(${changes.join(", ")})` : "";
     code.parentElement.hidden = !changes.length;
+    this.showUndo();
   }
 
   // ----------------------------------------------------------------------------------------------------------- genes
@@ -120,6 +149,7 @@ class Controls {
     this.shownShape = shape;
     for (const show of this.shown) show();
     this.showText();
+    this.showUndo();
   }
 
   addGenes(robot) {
@@ -153,7 +183,7 @@ class Controls {
       onInput: (value) => this.setGene(index, name, value) });
     if (isAngle) slider.input.step = 0.5;
     slider.input.dataset.gene = index;
-    this.shown.push(() => slider.set(this.values[index]));
+    this.shown.push(() => slider.set(this.values[index], this.original[index]));
     return slider.row;
   }
 
@@ -162,24 +192,28 @@ class Controls {
     const box = make("input", { type: "checkbox", ariaLabel: `Segment ${segment + 1}: ${this.page.genes[name].about}` });
     box.dataset.gene = index;
     box.onchange = () => this.setGene(index, name, box.checked ? 1 : 0);
-    this.shown.push(() => { box.checked = this.values[index] > 0; });
-    return make("label", { className: "slider", title: this.page.genes[name].about }, make("span", { textContent: featureLabel(name) }), box);
+    const row = make("label", { className: "slider", title: this.page.genes[name].about }, make("span", { textContent: featureLabel(name) }), box);
+    this.shown.push(() => {
+      box.checked = this.values[index] > 0;
+      row.classList.toggle("changed", box.checked !== this.original[index] > 0);
+    });
+    return row;
   }
 
   strengthSlider(robot) { // multiplies the torque of all legs
     const { low, high } = this.page.genes.leg_force;
-    const forces = () => expressRobot(this.page, this.values).segments.flatMap(({ legs }) => (legs ? [[legs.source, legs.force]] : []));
-    const strongest = () => Math.max(...forces().map(([, force]) => force));
+    const forces = (values) => expressRobot(this.page, values).segments.flatMap(({ legs }) => (legs ? [[legs.source, legs.force]] : []));
+    const strongest = (values) => Math.max(...forces(values).map(([, force]) => force));
     const slider = makeSlider({ label: "leg force", about: "greatest torque of the strongest leg; the torque of the other legs changes in proportion", low, high,
       step: 0.001, unit: "N·m", digits: 1, onInput: (value) => {
-        const ratio = value / strongest();
+        const ratio = value / strongest(this.values);
         const values = [...this.values];
-        for (const [source, force] of forces()) {
+        for (const [source, force] of forces(this.values)) {
           values[geneIndex(this.page, "leg_force", source)] = Math.round(1000 * Math.min(Math.max(force * ratio, low), high)) / 1000;
         }
         this.setValues(values, "strength");
       } });
-    this.shown.push(() => slider.set(strongest()));
+    this.shown.push(() => slider.set(strongest(this.values), strongest(this.original)));
     return robot.segments.some(({ legs }) => legs) ? slider.row : "";
   }
 
@@ -225,7 +259,6 @@ class Controls {
     const button = (name, act) => { this.root.querySelector(`.${name}`).onclick = act; };
     button("copy", () => this.copy());
     button("use", () => this.use(this.area.value));
-    button("reset", () => this.use(formatGenome(this.page, this.page.robots[this.state.selected].genome)));
   }
 
   showText() {

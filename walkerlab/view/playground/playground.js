@@ -70,19 +70,20 @@ class Playground {
 
   handleChange(what, detail) {
     if (what === "message") { this.showMessage(detail); return; }
-    if (what === "world" && "slope" in detail) what = "slope";
+    if (what === "world" && "slope" in detail) what = "all";
     this.pending.add(what); // applied before the next frame, because a slider may move several times between two frames
     if (!this.isPlaying) requestAnimationFrame(() => { this.applyChanges(); this.draw(0); });
-    if (what !== "world" && what !== "slope") this.listeners.forEach((listener) => listener(this.genome));
+    if (what !== "world") this.listeners.forEach((listener) => listener(this.genome));
   }
 
   applyChanges() {
     const changes = this.pending;
     this.pending = new Set();
     const { selected, world } = this.state;
-    if (changes.has("slope")) {
+    if (changes.has("all")) {
       this.view.setSlope(world.slope);
       this.walks.forEach((_, number) => this.replaceWalk(number));
+      this.view.smooth = null;
       return;
     }
     if (changes.has("world")) for (const walk of this.walks) walk.setWorld(world);
@@ -96,7 +97,7 @@ class Playground {
     this.walks[number].delete();
     this.walks[number] = this.newWalk(number);
     this.view.setRobot(number, this.walks[number]);
-    this.scores[number].isDone = false;
+    this.restartScore(number);
   }
 
   changeStrength(number) { // the walk continues with stronger or weaker servos
@@ -132,7 +133,7 @@ class Playground {
     this.walks.forEach((walk, number) => {
       walk.restart();
       walk.settleNow();
-      this.scores[number].isDone = false;
+      this.restartScore(number);
     });
     this.view.smooth = null;
     this.draw(0);
@@ -182,7 +183,7 @@ class Playground {
     this.playButton.onclick = () => (this.isPlaying ? this.pause() : this.play());
     find("restart").onclick = () => this.restart();
     find("push").onclick = () => this.pusher.push(this.state.selected);
-    for (const button of document.querySelectorAll(".transport button")) button.disabled = false;
+    for (const button of [this.playButton, find("restart"), find("push")]) button.disabled = false;
     const speeds = [[0.1, "0.1×"], [0.25, "¼×"], [0.5, "½×"], [1, "1×"], [2, "2×"], [4, "4×"]];
     const speedMenu = find("speed");
     speedMenu.append(...speeds.map(([value, text]) => make("option", { value, textContent: text, selected: value === 1 })));
@@ -230,14 +231,18 @@ class Playground {
       const verdict = make("p", { className: "verdict" });
       document.querySelector(".score").append(make("div", { className: "robot" },
         make("p", { className: "name" }, dot, make("span", { textContent: label }), distance, clock), verdict));
-      return { distance, clock, verdict, nextVerdict: 0, isDone: false };
+      return { distance, clock, verdict, nextVerdict: 0, isDone: false, result: "", before: "" };
     });
+  }
+
+  restartScore(number) { // the result of the last measured walk is kept, to compare
+    const score = this.scores[number];
+    Object.assign(score, { nextVerdict: 0, isDone: false, before: score.result || score.before, result: "" });
   }
 
   showScores() {
     this.walks.forEach((walk, number) => {
       const score = this.scores[number];
-      if (walk.time === 0) Object.assign(score, { nextVerdict: 0, isDone: false });
       if (walk.isBroken) { this.showResult(score, walk); return; }
       const start = walk.trace.com[0];
       const distance = start ? walk.reading("com")[0] - start[0] : 0;
@@ -265,9 +270,11 @@ class Playground {
     else if (walk.verdict.name === "ok") this.showVerdict(score, `${result} ${this.page.verdicts.ok}`, "counts");
     else this.showVerdict(score, `${result} Does not count: ${walk.verdict.name}, ${walk.verdict.reason}.`, "rejected");
     score.isDone = !walk.needsLevelWalk;
+    if (!walk.isChanged) score.result = `${walk.distance.toFixed(2)}\u00a0m`;
   }
 
-  showVerdict({ verdict }, text, kind) {
+  showVerdict({ verdict, before }, text, kind) {
+    if (before) text += ` Before:\u00a0${before}.`;
     if (verdict.textContent !== text) verdict.textContent = text;
     verdict.className = `verdict ${kind}`;
   }
