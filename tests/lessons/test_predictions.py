@@ -15,7 +15,7 @@ def test_a_number_is_compared_with_its_difference_and_unit():
 
 
 @pytest.mark.parametrize(
-    "value, state", [(..., "empty"), (None, "empty"), ("", "empty"), ("4 m", "not yet"), ([4], "not yet")]
+    ("value", "state"), [(..., "empty"), (None, "empty"), ("", "empty"), ("4 m", "not yet"), ([4], "not yet")]
 )
 def test_what_is_no_prediction_is_not_compared(value, state):
     predict("99.1", 4, unit="m")
