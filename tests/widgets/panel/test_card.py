@@ -20,6 +20,7 @@ def test_only_a_child_has_a_line_of_descent(done):
     child = done.records[done.records.parents != ""].individual.iloc[-1]
     assert "Line of descent" in robot_card(done.records, child)
     assert "tournament: the best of a few drawn at random" in robot_card(done.records, child)
+    assert "Operators that made it" not in robot_card(done.records, 0)
     assert "random" in robot_card(done.records, 0)
     assert "Line of descent" not in robot_card(done.records, 0)
 

@@ -18,13 +18,19 @@ def drawing():
     thread.close()
 
 
-def test_of_several_requests_for_one_picture_the_newest_is_drawn(drawing):
+@pytest.fixture
+def resume(drawing):
+    """An event until which the thread is busy with a first picture."""
     begun = threading.Event()
-    resume = threading.Event()
+    end = threading.Event()
+    drawing.request("first", lambda: (begun.set(), end.wait(5)))
+    assert begun.wait(5)
+    return end
+
+
+def test_of_several_requests_for_one_picture_the_newest_is_drawn(drawing, resume):
     done = threading.Event()
     drawn = []
-    drawing.request("first", lambda: (begun.set(), resume.wait(5)))
-    assert begun.wait(5)
     for n in range(5):
         drawing.request("curve", lambda n=n: drawn.append(n))
     drawing.request("last", done.set)
@@ -52,14 +58,10 @@ def test_while_the_load_is_limited_it_pauses_longer_than_it_draws(drawing):
     assert times[1] - times[0] > 0.03 / MAX_LOAD * 0.95
 
 
-def test_while_the_load_is_limited_all_pictures_are_drawn_together_and_urgent_ones_first(drawing):
+def test_while_the_load_is_limited_all_pictures_are_drawn_together_and_urgent_ones_first(drawing, resume):
     drawing.is_limited = True
-    begun = threading.Event()
-    resume = threading.Event()
     done = threading.Event()
     drawn = []
-    drawing.request("curve", lambda: (begun.set(), resume.wait(5)))
-    assert begun.wait(5)
     for name in ("list", "population", "walker"):
         drawing.request(name, lambda name=name: drawn.append((name, time.monotonic())))
     drawing.request("world", lambda: drawn.append(("world", time.monotonic())), is_urgent=True)

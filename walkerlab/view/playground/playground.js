@@ -83,7 +83,6 @@ class Playground {
     if (changes.has("all")) {
       this.view.setSlope(world.slope);
       this.walks.forEach((_, number) => this.replaceWalk(number));
-      this.view.smooth = null;
       return;
     }
     if (changes.has("world")) for (const walk of this.walks) walk.setWorld(world);
@@ -97,6 +96,7 @@ class Playground {
     this.walks[number].delete();
     this.walks[number] = this.newWalk(number);
     this.view.setRobot(number, this.walks[number]);
+    this.view.smooth = null; // the camera follows the new walk at once
     this.restartScore(number);
   }
 
@@ -270,7 +270,8 @@ class Playground {
     else if (walk.verdict.name === "ok") this.showVerdict(score, `${result} ${this.page.verdicts.ok}`, "counts");
     else this.showVerdict(score, `${result} Does not count: ${walk.verdict.name}, ${walk.verdict.reason}.`, "rejected");
     score.isDone = !walk.needsLevelWalk;
-    if (!walk.isChanged) score.result = `${walk.distance.toFixed(2)}\u00a0m`;
+    const counted = walk.verdict.name === "ok" ? "" : " (did not count)";
+    if (score.isDone && !walk.isChanged) score.result = `${walk.distance.toFixed(2)}\u00a0m${counted}`;
   }
 
   showVerdict({ verdict, before }, text, kind) {

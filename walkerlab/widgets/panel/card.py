@@ -67,19 +67,23 @@ def _origin(row: Any) -> str:
 
 def _name_operators(operators: str) -> str:
     """Add the kind to each of three operators: ``tournament selection, uniform crossover, gaussian mutation``."""
-    names = operators.split(" > ")
-    if len(names) != len(OPERATORS):
-        return ", ".join(names)
-    return ", ".join(f"{name} {kind}" for name, kind in zip(names, OPERATORS, strict=True))
+    pairs = _operator_pairs(operators)
+    return ", ".join(f"{name} {kind}" for kind, name in pairs) if pairs else operators.replace(" > ", ", ")
 
 
 def _explain_operators(operators: str) -> list[tuple[str, str]]:
     """Return the kind, the name and the explanation of each of three operators, except of user functions."""
+    return [
+        (kind, f"{name}: {OPERATORS[kind][name].about}")
+        for kind, name in _operator_pairs(operators)
+        if name in OPERATORS[kind].__members__
+    ]
+
+
+def _operator_pairs(operators: str) -> list[tuple[str, str]]:
+    """Return the kind and the name of each of three operators; empty if the robot was not made by three."""
     names = operators.split(" > ")
-    if len(names) != len(OPERATORS):
-        return []
-    chosen = zip(names, OPERATORS.items(), strict=True)
-    return [(kind, f"{name}: {choices[name].about}") for name, (kind, choices) in chosen if name in choices.__members__]
+    return list(zip(OPERATORS, names, strict=True)) if len(names) == len(OPERATORS) else []
 
 
 def _ancestor_rows(records: pd.DataFrame, individual: int) -> list[list[object]]:
