@@ -358,7 +358,7 @@ def test_show_prints_settings_versions_generations_verdicts_champion_and_descent
         "2 of 2 generations",
         f"mujoco {mujoco.__version__}",
         "Algorithm.population_size = 6  (default 60)",
-        "ok: The walk counts.",
+        "ok: The walk counts, because no rule was broken",
         str(champion.genome),
         "line of descent",
     ):

@@ -35,7 +35,7 @@ UNSTABLE = "unstable"
 REJECTED = "rejected"
 VERDICTS = (
     {
-        "ok": "The walk counts.",
+        "ok": "The walk counts, because no rule was broken; crawling on the belly is allowed.",
         UNSTABLE: "The simulation diverged: MuJoCo gave a warning, or a value was not finite.",
     }
     | {guard.name.replace("_", " "): f"{guard.about[0].upper()}{guard.about[1:]}." for guard in Guard if guard}
@@ -117,38 +117,40 @@ def forgiven_guards(settings: Settings) -> tuple[Guard, ...]:
 def _bad_start(trace: Trace, _: Settings) -> str:
     if trace.overlap <= MAX_START_OVERLAP:
         return ""
-    return f"at the start it was {trace.overlap:.3f} m deep in another body; {MAX_START_OVERLAP:g} is allowed"
+    return f"at the start it was {trace.overlap:.3f} m deep in another body; {MAX_START_OVERLAP:g} m is allowed"
 
 
 def _restless(trace: Trace, _: Settings) -> str:
     if trace.creep <= MAX_REST_SPEED:
         return ""
     moving = f"after {trace.settled:g} s without drive it still moved at {trace.creep:.2f} m/s"
-    return f"{moving}; {MAX_REST_SPEED:g} is allowed"
+    return f"{moving}; {MAX_REST_SPEED:g} m/s is allowed"
 
 
 def _jittering(trace: Trace, _: Settings) -> str:
     # The growing amplitude and the end of the record can each add half a cycle to those counted.
     limit = MAX_DRIVE_FREQUENCY + 1 / float(trace.time[-1])
-    return f"a joint was driven at {trace.drive:.1f} Hz; {limit:.1f} is allowed" if trace.drive > limit else ""
+    return f"a joint was driven at {trace.drive:.1f} Hz; {limit:.1f} Hz is allowed" if trace.drive > limit else ""
 
 
 def _too_fast(trace: Trace, settings: Settings) -> str:
     limit = settings.simulation.max_speed
     speed = np.linalg.norm(np.diff(trace.com, axis=0), axis=1) / np.diff(trace.time) / trace.phenotype.body_length
-    return _describe_excess(trace.time[1:], speed, limit, "it moved at {:.1f} body lengths/s; {:g} is allowed")
+    return _describe_excess(
+        trace.time[1:], speed, limit, "it moved at {:.1f} body lengths/s; {:g} body lengths/s is allowed"
+    )
 
 
 def _too_high(trace: Trace, settings: Settings) -> str:
     com_height = _com_height(trace, settings, np.max)
     rise = (com_height - com_height[0]) / trace.phenotype.body_length
-    text = "its centre of mass was {:.2f} body lengths higher than at rest; {:g} is allowed"
+    text = "its centre of mass was {:.2f} body lengths higher than at rest; {:g} body lengths is allowed"
     return _describe_excess(trace.time, rise, MAX_RISE, text)
 
 
 def _sunk(trace: Trace, _: Settings) -> str:
     return _describe_excess(
-        trace.time, trace.sink, MAX_SINK, "a part of it was {:.3f} m deep in the ground; {:g} is allowed"
+        trace.time, trace.sink, MAX_SINK, "a part of it was {:.3f} m deep in the ground; {:g} m is allowed"
     )
 
 
@@ -157,7 +159,7 @@ def _airborne(trace: Trace, settings: Settings) -> str:
     start, duration = _longest_period(trace.time, ~trace.on_ground)
     if duration <= limit:
         return ""
-    return f"from {start:.2f} s on it was off the ground for {duration:.2f} s; {limit:g} is allowed"
+    return f"from {start:.2f} s on it was off the ground for {duration:.2f} s; {limit:g} s is allowed"
 
 
 def _fell(trace: Trace, settings: Settings) -> str:
@@ -167,13 +169,13 @@ def _fell(trace: Trace, settings: Settings) -> str:
     if duration <= MAX_TIME_DOWN:
         return ""
     low = f"its centre of mass was below {MIN_HEIGHT:.0%} of its height at rest"
-    return f"from {start:.2f} s on {low} for {duration:.2f} s; {MAX_TIME_DOWN:g} is allowed"
+    return f"from {start:.2f} s on {low} for {duration:.2f} s; {MAX_TIME_DOWN:g} s is allowed"
 
 
 def _out_of_arena(trace: Trace, settings: Settings) -> str:
     low, high = arena_bounds(settings.terrain)
     outside = np.max(np.maximum(low - trace.com[:, :2], trace.com[:, :2] - high), axis=1)
-    return _describe_excess(trace.time, outside, 0.0, "it was {:.2f} m outside the arena; {:g} is allowed")
+    return _describe_excess(trace.time, outside, 0.0, "it was {:.2f} m outside the arena; {:g} m is allowed")
 
 
 def _load_lost(trace: Trace, settings: Settings) -> str:
@@ -182,9 +184,9 @@ def _load_lost(trace: Trace, settings: Settings) -> str:
     lead = trace.load[:, 0] - trace.com[:, 0]
     depth = ground_height(settings.terrain, trace.load[:, 0], trace.load[:, 1]) - trace.load[:, 2]
     checks = (
-        (trace.rope, MAX_ROPE_STRETCH, "the rope was stretched to {:.2f} times its length; {:g} is allowed"),
-        (lead, MAX_LOAD_LEAD, "the sledge was {:.2f} m ahead of the robot; {:g} is allowed"),
-        (depth, MAX_SLEDGE_SINK, "the sledge was {:.2f} m deep in the ground; {:g} is allowed"),
+        (trace.rope, MAX_ROPE_STRETCH, "the rope was stretched to {:.2f} times its length; {:g} times is allowed"),
+        (lead, MAX_LOAD_LEAD, "the sledge was {:.2f} m ahead of the robot; {:g} m is allowed"),
+        (depth, MAX_SLEDGE_SINK, "the sledge was {:.2f} m deep in the ground; {:g} m is allowed"),
     )
     reasons = (_describe_excess(trace.time, values, limit, text) for values, limit, text in checks)
     return next(filter(None, reasons), "")
@@ -196,7 +198,7 @@ def _overturned(trace: Trace, settings: Settings) -> str:
     duration = float(np.diff(trace.time) @ (upward[1:] < 0))
     if duration <= MAX_OVERTURNED_TIME:
         return ""
-    return f"for {duration:.2f} s in total it was on its back; {MAX_OVERTURNED_TIME:g} is allowed"
+    return f"for {duration:.2f} s in total it was on its back; {MAX_OVERTURNED_TIME:g} s is allowed"
 
 
 def _carried(trace: Trace, _: Settings) -> str:
@@ -204,7 +206,7 @@ def _carried(trace: Trace, _: Settings) -> str:
     if trace.mean_speed <= MAX_REST_SPEED or not trace.level_speed < least:
         return ""
     level = f"on level ground in still air it moved at {trace.level_speed:.2f} m/s"
-    return f"it moved at {trace.mean_speed:.2f} m/s, and {level}; {least:.2f} or more is required"
+    return f"it moved at {trace.mean_speed:.2f} m/s, and {level}; {least:.2f} m/s or more is required"
 
 
 GUARD_FUNCTIONS: dict[Guard, Callable[[Trace, Settings], str]] = {

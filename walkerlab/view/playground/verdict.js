@@ -53,44 +53,44 @@ function judge(page, trace, walk) {
 
 const GUARDS = {
   bad_start: ({ overlap }, { max_start_overlap: limit }) => overlap <= limit ? ""
-    : `at the start it was ${overlap.toFixed(3)} m deep in another body; ${limit} is allowed`,
+    : `at the start it was ${overlap.toFixed(3)} m deep in another body; ${limit} m is allowed`,
   restless: ({ creep, settled }, { max_rest_speed: limit }) => creep <= limit ? ""
-    : `after ${settled} s without drive it still moved at ${creep.toFixed(2)} m/s; ${limit} is allowed`,
+    : `after ${settled} s without drive it still moved at ${creep.toFixed(2)} m/s; ${limit} m/s is allowed`,
   jittering(trace, { max_drive_frequency }) {
     const end = trace.time.at(-1);
     const limit = max_drive_frequency + 1 / end;
     const frequency = driveFrequency(trace);
-    return frequency > limit ? `a joint was driven at ${frequency.toFixed(1)} Hz; ${limit.toFixed(1)} is allowed` : "";
+    return frequency > limit ? `a joint was driven at ${frequency.toFixed(1)} Hz; ${limit.toFixed(1)} Hz is allowed` : "";
   },
   too_fast({ time, com }, { max_speed: limit }, page, { robot }) {
     const speed = com.slice(1).map((point, i) =>
       Math.hypot(...point.map((value, axis) => value - com[i][axis])) / (time[i + 1] - time[i]) / robot.body_length);
-    return describeExcess(time.slice(1), speed, limit, (value) => `it moved at ${value.toFixed(1)} body lengths/s; ${limit} is allowed`);
+    return describeExcess(time.slice(1), speed, limit, (value) => `it moved at ${value.toFixed(1)} body lengths/s; ${limit} body lengths/s is allowed`);
   },
   too_high(trace, { max_rise: limit }, page, walk) {
     const height = comHeights(trace, page, walk, (heights) => Math.max(...heights));
     const rise = height.map((value) => (value - height[0]) / walk.robot.body_length);
     return describeExcess(trace.time, rise, limit,
-      (value) => `its centre of mass was ${value.toFixed(2)} body lengths higher than at rest; ${limit} is allowed`);
+      (value) => `its centre of mass was ${value.toFixed(2)} body lengths higher than at rest; ${limit} body lengths is allowed`);
   },
   sunk: ({ time, sink }, { max_sink: limit }) => describeExcess(time, sink, limit,
-    (value) => `a part of it was ${value.toFixed(3)} m deep in the ground; ${limit} is allowed`),
+    (value) => `a part of it was ${value.toFixed(3)} m deep in the ground; ${limit} m is allowed`),
   airborne({ time, on_ground }, { max_airborne: limit }) {
     const [start, duration] = longestPeriod(time, on_ground.map((value) => !value));
     return duration <= limit ? ""
-      : `from ${start.toFixed(2)} s on it was off the ground for ${duration.toFixed(2)} s; ${limit} is allowed`;
+      : `from ${start.toFixed(2)} s on it was off the ground for ${duration.toFixed(2)} s; ${limit} s is allowed`;
   },
   fell(trace, { min_height, max_time_down: limit }, page, walk) {
     const height = comHeights(trace, page, walk, (heights) => [...heights].sort((a, b) => a - b)[2]);
     const [start, duration] = longestPeriod(trace.time, height.map((value) => value < min_height * height[0] && height[0] > 0));
     return duration <= limit ? "" : `from ${start.toFixed(2)} s on its centre of mass was below ` +
-      `${Math.round(100 * min_height)}% of its height at rest for ${duration.toFixed(2)} s; ${limit} is allowed`;
+      `${Math.round(100 * min_height)}% of its height at rest for ${duration.toFixed(2)} s; ${limit} s is allowed`;
   },
   out_of_arena({ time, com }, { arena: [low, high] }) {
     const finite = (value, otherwise) => value ?? otherwise; // JSON has no infinity
     const outside = com.map((point) => Math.max(...[0, 1].map((axis) =>
       Math.max(finite(low[axis], -Infinity) - point[axis], point[axis] - finite(high[axis], Infinity)))));
-    return describeExcess(time, outside, 0, (value) => `it was ${value.toFixed(2)} m outside the arena; 0 is allowed`);
+    return describeExcess(time, outside, 0, (value) => `it was ${value.toFixed(2)} m outside the arena; 0 m is allowed`);
   },
   load_lost({ time, com, load, rope }, limits, page, { world }) {
     if (!load.length) return "";
@@ -98,23 +98,23 @@ const GUARDS = {
     const depth = load.map(([x, y, z]) => groundHeight(page, world, x, y) - z);
     const { max_rope_stretch, max_load_lead, max_sledge_sink } = limits;
     return describeExcess(time, rope, max_rope_stretch,
-      (value) => `the rope was stretched to ${value.toFixed(2)} times its length; ${max_rope_stretch} is allowed`) ||
+      (value) => `the rope was stretched to ${value.toFixed(2)} times its length; ${max_rope_stretch} times is allowed`) ||
       describeExcess(time, lead, max_load_lead,
-        (value) => `the sledge was ${value.toFixed(2)} m ahead of the robot; ${max_load_lead} is allowed`) ||
+        (value) => `the sledge was ${value.toFixed(2)} m ahead of the robot; ${max_load_lead} m is allowed`) ||
       describeExcess(time, depth, max_sledge_sink,
-        (value) => `the sledge was ${value.toFixed(2)} m deep in the ground; ${max_sledge_sink} is allowed`);
+        (value) => `the sledge was ${value.toFixed(2)} m deep in the ground; ${max_sledge_sink} m is allowed`);
   },
   overturned({ time, up }, { max_overturned_time: limit }, page, { world }) {
     const normal = [-Math.sin(world.slope), 0, Math.cos(world.slope)];
     const duration = up.slice(1).reduce((sum, vector, i) => sum + (dot(vector, normal) < 0 ? time[i + 1] - time[i] : 0), 0);
-    return duration <= limit ? "" : `for ${duration.toFixed(2)} s in total it was on its back; ${limit} is allowed`;
+    return duration <= limit ? "" : `for ${duration.toFixed(2)} s in total it was on its back; ${limit} s is allowed`;
   },
   carried(trace, { min_level_share, max_rest_speed }) {
     const speed = meanSpeed(trace);
     const least = min_level_share * speed;
     if (speed <= max_rest_speed || !(trace.level_speed < least)) return "";
     return `it moved at ${speed.toFixed(2)} m/s, and on level ground in still air it moved at ` +
-      `${trace.level_speed.toFixed(2)} m/s; ${least.toFixed(2)} or more is required`;
+      `${trace.level_speed.toFixed(2)} m/s; ${least.toFixed(2)} m/s or more is required`;
   },
 };
 

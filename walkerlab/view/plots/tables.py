@@ -41,12 +41,12 @@ def require_same_fitness(groups: Mapping[str, Sequence[pd.DataFrame]]) -> pd.Dat
 
 
 def describe_counted(records: pd.DataFrame) -> str:
-    """Describe the share of the robots whose walks count: `` (of 86 % that count)``; "" if all do."""
+    """Describe the share of all robots whose walks count: `` (86 % of all robots)``; "" if all do."""
     share = float((records.verdict == "ok").mean()) if len(records) else 1.0
     if share == 1:
         return ""
     percent = min(99, max(1, round(100 * share))) if share else 0
-    return f" (of {percent} % that count)"
+    return f" ({percent} % of all robots)"
 
 
 def unit_of(records: pd.DataFrame, column: str) -> str:
