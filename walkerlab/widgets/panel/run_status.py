@@ -22,7 +22,7 @@ def describe_state(live: LiveRun) -> str:
     match live.state:
         case State.running:
             left = "" if live.seconds_left is None else f", {describe_duration(live.seconds_left)} left"
-            return f"Running: {done}{left}. The pictures may be some seconds behind."
+            return f"Running: {done}{left}. The pictures follow."
         case State.failed:
             return f"Failed: {done}. {error_text(live.error)}"
         case State.finished if live.run.stop_reason:
