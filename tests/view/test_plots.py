@@ -343,7 +343,7 @@ def test_fitness_curve_shows_best_and_median_of_the_walks_that_count(ax):
     records = random_table()
     wl.plots.fitness_curve(records, ax)
     lines = {line.get_label(): line.get_ydata() for line in ax.lines}
-    lines["median"] = lines.pop("median (88 % of all robots)")
+    lines["median"] = lines.pop("median (12 % not counted)")
     for generation in range(5):
         counted = records[(records.generation == generation) & (records.verdict == "ok")].fitness
         assert lines["best"][generation] == pytest.approx(max(counted))

@@ -21,6 +21,7 @@ from walkerlab.view.replay.page import Frame
 from walkerlab.view.snapshots import HasSnapshot, snapshot_html
 from walkerlab.widgets.clickable_plot import PlotPicture
 from walkerlab.widgets.component import Component
+from walkerlab.widgets.panel.card import Card, robot_card
 from walkerlab.widgets.panel.drawer import Drawer
 from walkerlab.widgets.panel.drawing_thread import DrawingThread
 from walkerlab.widgets.panel.generation_slider import GenerationSlider
@@ -77,6 +78,12 @@ def generation_slider(run):
     made = GenerationSlider()
     made.n_generations = run.n_generations
     return made
+
+
+def card(run):
+    shown = Card()
+    shown.value = robot_card(run.records, run.champion.individual)
+    return shown
 
 
 def walker_caption(_run):
@@ -138,6 +145,7 @@ MAKE = {
     widgets.Population: lambda run: widgets.Population(run),
     widgets.SelectionWheel: lambda run: widgets.SelectionWheel(run),
     widgets.World: lambda run: widgets.World(run.settings.with_(structure="rough")),
+    Card: card,
     Drawer: drawer,
     GenerationSlider: generation_slider,
     Questions: questions,

@@ -30,6 +30,7 @@ function geneRow(gene, id, change, help) {
   const row = make("div", { className: isSwitch ? "row switch" : "row", title: describe(gene) }, label);
   let isHeld = false; // while the user drags, the slider does not follow Python
   let slider, number;
+  let current = 0;
   if (isSwitch) {
     slider = make("input", { type: "checkbox", id, onchange: () => change(Number(slider.checked), true) });
     row.append(slider, unit, was);
@@ -41,6 +42,7 @@ function geneRow(gene, id, change, help) {
       onchange: () => { isHeld = false; change(Number(slider.value), true); } });
     const enter = () => { if (number.value !== "") change(Number(number.value), true); };
     number = make("input", { type: "number", step, ariaLabel: `${gene.label}, exact value`, onchange: enter,
+      onblur: () => { if (number.value === "") number.value = short(current); }, // not a number, or nothing
       onkeydown: ({ key }) => { if (key === "Enter") enter(); } });
     row.append(slider, number, unit, was);
   }
@@ -62,6 +64,7 @@ function geneRow(gene, id, change, help) {
     was.textContent = isBeyond ? `used: ${shown(repaired)}` : isChanged ? `was ${shown(original)}` : "";
     slider.disabled = !isValid;
     if (number) number.disabled = !isValid;
+    current = value;
     if (isHeld) return;
     if (isSwitch) slider.checked = value > 0.5;
     else {
@@ -80,6 +83,7 @@ function render({ model, el }) {
     attributes: { "aria-describedby": `${id}-fault` } });
   const behind = make("div", { className: "behind", ariaHidden: "true" });
   const label = make("label", { htmlFor: id, textContent: "Genome" });
+  const inherited = make("span", { className: "quiet" });
   const fault = make("span", { id: `${id}-fault` });
   const scrollToError = () => {
     const marked = behind.querySelector("mark");
@@ -112,7 +116,7 @@ function render({ model, el }) {
   el.append(make("div", { className: "layout" },
     make("div", { className: "genes" }, tabs, sections, helpLine),
     make("div", { className: "robot" }, picture, result, make("div", { className: "buttons" }, walk, live, undo, restore, insert, resume), report, hint),
-    make("div", { className: "genome" }, label, make("div", { className: "sheet" }, behind, area), messages)));
+    make("div", { className: "genome" }, label, inherited, make("div", { className: "sheet" }, behind, area), messages)));
 
   // --------------------------------------------------------------------------------------------------------- sliders
   let rows = [];
@@ -208,6 +212,8 @@ function render({ model, el }) {
       tab.classList.toggle("unused", !isUsed);
       tab.title = isUsed ? "" : "This robot does not have this segment, so the genes of the segment have no effect.";
     }
+    const unused = [...tabs.children].filter((tab) => tab.classList.contains("unused")).map((tab) => tab.textContent);
+    inherited.textContent = unused.length ? `${unused.join(" and ")}: no effect on this robot, but inherited` : "";
   }
 
   // ------------------------------------------------------------------------------------------------------------ text

@@ -66,7 +66,7 @@ function render({ model, el }) {
     title.textContent = generation.title ?? "No generation yet";
     warning.textContent = generation.warning ?? "";
     warning.title = generation.warning_about ?? "";
-    note.textContent = (asTable ? listed_note : drawn_note) ?? "";
+    note.textContent = [rows.length && model.get("hint"), asTable ? listed_note : drawn_note].filter(Boolean).join("; ");
     sort.value = model.get("sort");
     viewButtons.forEach((button, i) => { button.ariaPressed = Boolean(i) === asTable; });
     robots = asTable ? rows.map(tableRow) : rows.slice(0, n_drawn).map(tile);

@@ -32,6 +32,7 @@ class Population(Component):
         sort: Column by which the robots are sorted: fitness, individual, distance, velocity, n_legs, n_segments,
             weight, body_length or verdict.
         as_table: Whether the robots are shown as a table.
+        hint: Text beside the title, such as what a click on a robot does.
     """
 
     title = "population"
@@ -40,6 +41,7 @@ class Population(Component):
     selected = traitlets.Int(-1).tag(sync=True)
     sort = traitlets.Enum(list(SORT_COLUMNS), "fitness").tag(sync=True)
     as_table = traitlets.Bool(False).tag(sync=True)
+    hint = traitlets.Unicode("").tag(sync=True)
     sort_options = traitlets.List().tag(sync=True)
     generation = traitlets.Dict().tag(sync=True)
     pictures = traitlets.Dict().tag(sync=True)

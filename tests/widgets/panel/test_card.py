@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pandas as pd
+import pytest
 
 import walkerlab as wl
 from walkerlab.analysis.comparison import compare_with_parents
@@ -12,7 +13,7 @@ from walkerlab.genome.features import build_genes
 from walkerlab.genome.repair import repair
 from walkerlab.runfile.records import birth_rows
 from walkerlab.widgets.genome_words import genome_lines
-from walkerlab.widgets.panel.card import robot_card
+from walkerlab.widgets.panel.card import OF_TWO_PARENTS, Card, robot_card
 from walkerlab.widgets.panel.origins import describe_origins
 
 
@@ -30,6 +31,54 @@ def test_a_walk_that_does_not_count_has_a_reason_and_no_fitness(done):
     assert "Details: 9 m/s &lt;b&gt;." in robot_card(fell, 0)
     assert "Fitness" not in robot_card(fell, 0)
     assert "Fitness" in robot_card(done.records, done.champion.individual)
+
+
+@pytest.mark.parametrize("crossover", wl.Crossover)
+def test_a_single_parent_was_drawn_as_both_unless_the_child_is_a_copy(done, crossover):
+    child = done.records[done.records.parents != ""].individual.iloc[-1]
+    records = done.records.assign(parents="0", operators=f"tournament > {crossover.name} > gaussian")
+    assert ("robot 0, drawn as both parents" in robot_card(records, child)) == (crossover.name in OF_TWO_PARENTS)
+    records = done.records.assign(parents="0 1", operators=f"tournament > {crossover.name} > gaussian")
+    assert "drawn as both" not in robot_card(records, child)
+
+
+def test_a_speed_below_the_resolution_of_the_eye_is_not_written_with_an_exponent(done):
+    slow = done.records.assign(velocity=-7.57e-4, distance=2e-5)
+    assert "0 m forward, −0.001 m/s in the last two thirds of the walk" in robot_card(slow, 0)
+
+
+def test_the_browser_cannot_change_a_description():
+    card = Card()
+    card.value = "<p>Robot 3</p>"
+    card.set_state({"value": "<script>"})
+    assert card.snapshot() == "<p>Robot 3</p>"
+
+
+MODEL = """async (source) => {
+    const { default: widget } = await import(URL.createObjectURL(new Blob([source], { type: "text/javascript" })));
+    let value = "", onChange;
+    const model = { get: () => value, on: (_, listener) => { onChange = listener; } };
+    widget.render({ model, el: document.body.appendChild(document.createElement("div")) });
+    window.describe = (html) => { value = html; onChange(); };
+}"""
+
+
+def test_in_a_browser_an_opened_part_stays_open_when_the_description_changes(page, done):
+    page.evaluate(MODEL, Card._esm)
+    child = done.records[done.records.parents != ""].individual.iloc[-1]
+    page.evaluate("describe", robot_card(done.records, child))
+    page.get_by_text("Ancestors").click()
+    height = page.locator(".wl-card").bounding_box()["height"]
+    page.evaluate("describe", robot_card(done.records, child, is_edited=True))
+    assert page.get_by_text("Line of descent").is_visible()
+    assert not page.get_by_text("tournament: the best of a few").is_visible()
+    assert page.locator(".wl-card").bounding_box()["height"] == height
+    page.evaluate("describe", robot_card(done.records, 0))  # has no ancestors
+    page.evaluate("describe", robot_card(done.records, child))
+    assert page.get_by_text("Line of descent").is_visible()
+    page.get_by_text("Ancestors").click()
+    page.evaluate("describe", robot_card(done.records, child, is_edited=True))
+    assert not page.get_by_text("Line of descent").is_visible()
 
 
 def family(*, changes, n_parents=2):

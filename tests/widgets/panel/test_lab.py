@@ -328,7 +328,7 @@ def test_closing_does_not_wait_for_a_fitness_that_hangs(lab):
 def test_a_run_that_would_equal_another_one_is_announced(lab):
     step(lab)
     press(lab, "stop")
-    wait_until(lambda: lab.transport.forecast.endswith("those of run 1, because settings and seed are the same."))
+    wait_until(lambda: lab.transport.forecast.endswith("It would repeat run 1."))
     lab.settings = SMALL.with_(seed=5)
     wait_until(lambda: "run 1" not in lab.transport.forecast)
 
@@ -635,7 +635,7 @@ def test_an_earlier_generation_is_shown(lab):
     wait_for_drawings(lab)
     assert lab.population.generation["title"].startswith("Generation 0:")
     best = find_champion(lab.run.records[lab.run.records.generation == 0])
-    wait_until(lambda: f"Best of generation 0: robot {best.individual} " in lab.walker.caption.words)
+    wait_until(lambda: f"Best of generation 0: robot {best.individual}, " in lab.walker.caption.words)
     step(lab)
     wait_for_drawings(lab)
     assert lab.population.generation["title"].startswith("Generation 0:")
@@ -665,7 +665,7 @@ def test_robots_are_shown_as_they_finish(lab):
     press(lab, "step")
     wait_until(lambda: lab.population.generation)
     wait_until(lambda: "of 6 random robots" in lab.walker.caption.words)
-    assert lab.walker.caption.words.endswith(", not yet tested.")
+    assert lab.walker.caption.words.endswith(" (provisional).")
     assert 1 <= len(lab.population.generation["rows"]) <= 3
     shown = {row["individual"]: row["label"] for row in lab.population.generation["rows"]}
     may_finish.set()

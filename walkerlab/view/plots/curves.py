@@ -28,7 +28,7 @@ from walkerlab.view.plots.tables import (
     UNKNOWN_FITNESS,
     axis_label,
     describe_change,
-    describe_counted,
+    describe_not_counted,
     fitness_label,
     require_same_fitness,
     require_table,
@@ -85,7 +85,7 @@ def fitness_curve(records: Any, ax: Axes | None = None, *, label: str = "", look
     prefix = f"{label}: " if label else ""
     line: dict[str, Any] = {"lw": 2, "color": colour, "marker": marker, "ms": 4, "markevery": marker_stride(len(best))}
     axes.plot(best.index, best, **line, label=escape_label(f"{prefix}best"))
-    share = describe_counted(records)
+    share = describe_not_counted(records)
     median = _draw_quartiles(axes, counted, "fitness", (colour, marker), prefix, share)
     if best.empty:
         annotate_no_data(axes, "no walk counted")
@@ -169,7 +169,7 @@ def trait(records: Any, name: str, ax: Axes | None = None, *, label: str = "") -
         "ls": "",
     }
     axes.plot(best.index, best, **points, label=escape_label(f"{prefix}best robot"), zorder=3)
-    share = describe_counted(records) if name in WALK_RESULTS else ""
+    share = describe_not_counted(records) if name in WALK_RESULTS else ""
     median = _draw_quartiles(axes, included, name, (colour, marker), prefix, share)
     if median.empty:
         annotate_no_data(axes, "no walk counted")

@@ -40,13 +40,13 @@ def require_same_fitness(groups: Mapping[str, Sequence[pd.DataFrame]]) -> pd.Dat
     return tables[0]
 
 
-def describe_counted(records: pd.DataFrame) -> str:
-    """Describe the share of all robots whose walks count: `` (86 % of all robots)``; "" if all do."""
-    share = float((records.verdict == "ok").mean()) if len(records) else 1.0
-    if share == 1:
+def describe_not_counted(records: pd.DataFrame) -> str:
+    """Describe the share of the robots whose walks do not count: `` (14 % not counted)``; "" if all count."""
+    share = float((records.verdict != "ok").mean()) if len(records) else 0.0
+    if share == 0:
         return ""
-    percent = min(99, max(1, round(100 * share))) if share else 0
-    return f" ({percent} % of all robots)"
+    percent = min(99, max(1, round(100 * share))) if share < 1 else 100
+    return f" ({percent} % not counted)"
 
 
 def unit_of(records: pd.DataFrame, column: str) -> str:

@@ -3,6 +3,7 @@
 from typing import Any
 
 import pandas as pd
+import traitlets
 
 from walkerlab.runfile.records import INSERTED_BY_HAND, birth_rows, find_champion
 from walkerlab.settings.choices import Crossover, Mutation, Selection
@@ -11,11 +12,33 @@ from walkerlab.simulation.validity import VERDICTS
 from walkerlab.text.templates import Markup, render
 from walkerlab.view import summary
 from walkerlab.view.plots.tables import axis_label, format_value
+from walkerlab.widgets.component import Component, load_script, load_style
 from walkerlab.widgets.panel.origins import describe_origins
 
 COUNTED = "ok"  # verdict on a walk that counts
 OPERATORS = {"selection": Selection, "crossover": Crossover, "mutation": Mutation}  # choices of each kind of operator
+OF_TWO_PARENTS = {each.name for each in Crossover} - {Crossover.randomized.name, Crossover.none.name}
 MAX_PARENTS = 4  # maximum number of parents that are listed
+
+
+class Card(Component):
+    """The description of a robot; parts that the user opened stay open when the description changes.
+
+    Attributes:
+        value: Description as HTML.
+    """
+
+    title = "description of a robot"
+    _esm = load_script("panel/card")
+    _css = load_style("panel/card")
+    value = traitlets.Unicode("").tag(sync=True)
+
+    def set_state(self, sync_data: dict[str, Any]) -> None:
+        """Ignore values from the browser, because the description becomes part of the notebook."""
+
+    def snapshot(self) -> Markup:
+        """Return the description."""
+        return Markup(self.value)
 
 
 def robot_card(records: pd.DataFrame, individual: int, *, is_edited: bool = False) -> Markup:
@@ -45,8 +68,8 @@ def robot_card(records: pd.DataFrame, individual: int, *, is_edited: bool = Fals
         verdict=row.verdict,
         meaning=VERDICTS.get(row.verdict, ""),
         reason="" if counts else row.reason,
-        distance=format_value(row.distance, "m"),
-        velocity=format_value(row.velocity, "m/s"),
+        distance=format_value(round(row.distance, 3), "m"),
+        velocity=format_value(round(row.velocity, 3), "m/s"),
         body=body,
         origins=describe_origins(births, individual),
         operators=_explain_operators(str(row.operators)),
@@ -62,6 +85,8 @@ def _origin(row: Any) -> str:
         return "made by hand" if row.operators == INSERTED_BY_HAND else str(row.operators)
     more = f" and {len(parents) - MAX_PARENTS} more" if len(parents) > MAX_PARENTS else ""
     named = f"robot{'s' if len(parents) > 1 else ''} {', '.join(parents[:MAX_PARENTS])}{more}"
+    if len(parents) == 1 and dict(_operator_pairs(str(row.operators))).get("crossover") in OF_TWO_PARENTS:
+        named += ", drawn as both parents"
     return f"child of {named}, by {_name_operators(str(row.operators))}"
 
 

@@ -100,6 +100,7 @@ class Lab(ShowsRun, HasSnapshot, ipywidgets.Box):
             self._folder, self._drawing, self._run_selected, self._copy_settings, self._evolve_further, hand_in
         )
         self.population = Population()
+        self.population.hint = "click a robot: its description is below"
         self.robot = RobotArea(settings, self._insert, self._continue_with)
         columns = ([self.transport], [self.world, self.form], [self.walker, self.runs], [self.population, self.robot])
         super().__init__([arrange_areas(*columns)])

@@ -21,7 +21,7 @@ from walkerlab.view.snapshots import HasSnapshot
 from walkerlab.widgets.component import answer_on_requested_thread
 from walkerlab.widgets.editor import Editor
 from walkerlab.widgets.outcomes import Outcome, recorded_outcome
-from walkerlab.widgets.panel.card import robot_card
+from walkerlab.widgets.panel.card import Card, robot_card
 from walkerlab.widgets.panel.live_robot import open_live_robot
 
 POSTER_SIZE = (640, 360)  # pixels
@@ -77,7 +77,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
             on_continue: Function that continues a run that has ended, with the genome in its next generation, and
                 returns a message about the result; if None, the button is hidden.
         """
-        self.card = ipywidgets.HTML()
+        self.card = Card()
         self.frame = Frame()
         self.live = ipywidgets.Box()
         self.editor = Editor(settings=settings)
@@ -109,7 +109,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         """Return the description, the picture and the genome of the robot as static HTML."""
         return render(
             "widgets/panel/robot.html",
-            description=self._description,
+            description=self.card.snapshot(),
             frame=self.frame.snapshot(),
             editor=self.editor.snapshot(),
         )
@@ -195,8 +195,6 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
         self._describe(robot.describe(False))
 
     def _describe(self, description: Markup) -> None:
-        """Show a description; it is kept for the snapshot, because a browser may change the value of the card."""
-        self._description = description
         self.card.value = description
 
     def _offer_replay(self, walkers: dict[str, Genome]) -> None:

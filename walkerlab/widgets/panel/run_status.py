@@ -86,20 +86,24 @@ def best_walker(entry: ListedRun | None, generation: int | None, run_name: str =
             f"Press Start to evolve your own."
         )
         if entry and entry.live and not entry.live.is_over:
-            words = "The first robots are walking. Until one of them has finished, a pre-evolved walker is shown."
+            words = "Your first robots are walking. The walker below is the pre-evolved one."
         return ShownWalker(walker.genome, walker.settings, "Pre-evolved walker", words)
     records = run.records
     best = find_champion(records if generation is None else records.loc[records.generation == generation])
     name, unit = name_and_unit(run.settings.algorithm.fitness)
     is_beginning = bool(entry and entry.live and not entry.live.n_generations)
-    untested = ", not yet tested" if is_beginning and further_starts(run.settings) else ""
-    result = f"{name} {with_unit(best.fitness, unit)}{untested}" if best.verdict == "ok" else "no walk counted yet"
+    provisional = " (provisional)" if is_beginning and further_starts(run.settings) else ""
+    result = f"{name} {with_unit(best.fitness, unit)}{provisional}" if best.verdict == "ok" else "no walk counted yet"
     if is_beginning:
-        first = f"first {len(records)} of {len(records) + n_missing}" if n_missing else len(records)
+        first = f"first {len(records)}" if n_missing else len(records)
         which = f"Best of the {first} random robots"
     else:
-        which = "Best so far" if generation is None else f"Best of generation {generation}"
-    robot = f"robot {best.individual}" if is_beginning else f"robot {best.individual} of generation {best.generation}"
+        is_over = not (entry and entry.live) or entry.live.is_over
+        overall = "Best of the run" if is_over else "Best so far"
+        which = overall if generation is None else f"Best of generation {generation}"
+    robot = (
+        f"robot {best.individual}" if is_beginning else f"robot {best.individual}, born in generation {best.generation}"
+    )
     in_run = f" in {run_name}" if run_name else ""
     name_of_robot = robot.capitalize() + (f", {run_name}" if run_name else "")
     settings = run.settings

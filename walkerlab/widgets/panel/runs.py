@@ -135,7 +135,7 @@ class RunsArea(HasSnapshot, ipywidgets.Box):
         for key, entry in self.entries.items():
             if entry.settings == settings and _is_repeatable(entry.run):
                 name = self.run_list.name_of(key)
-                return f" Its robots will be those of {name}, because settings and seed are the same."
+                return f" It would repeat {name}."
         return ""
 
     def redraw(self, *, is_urgent: bool = False) -> None:
