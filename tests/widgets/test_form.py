@@ -348,11 +348,13 @@ def test_the_limit_of_a_forgiven_verdict_is_unused():
 
 
 @pytest.mark.parametrize("name", PRESETS)
-def test_a_preset_changes_only_terrain_and_robot(name):
+def test_a_preset_changes_only_terrain_and_loads(name):
     form = Form(Settings().with_(structure="stairs", legs=(4, 8), seed=5, duration=3))
     form.set_state({"preset": name})
     assert form.preset == name
-    assert form.settings == Settings().with_(seed=5, duration=3, **PRESETS[name].changes)
+    assert form.settings == Settings().with_(legs=(4, 8), seed=5, duration=3, **PRESETS[name].changes)
+    send(form, robot__legs=[2, 6])
+    assert form.preset == name, "the limits of the robot do not belong to the world"
 
 
 def test_the_preset_is_named_while_the_settings_equal_it():

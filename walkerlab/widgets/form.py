@@ -149,7 +149,7 @@ class Form(Component):
         """Change the settings to the selected preset, if it exists."""
         preset = self._presets.get(change.new) if isinstance(change.new, str) else None
         if change.new != self._current_preset() and preset:
-            self.settings = self._last_valid.with_(**preset.domains)
+            self.settings = self._last_valid.with_(**preset.settings)
         self.preset = self._current_preset()
 
     def _current_preset(self) -> str:
@@ -158,11 +158,12 @@ class Form(Component):
         if not settings:
             return ""
 
+        locations = Settings.field_locations()
+
         def is_current(preset: FormPreset) -> bool:
             return all(
-                getattr(getattr(settings, domain), field) == getattr(value, field)
-                for domain, value in preset.domains.items()
-                for field in type(value).model_fields
+                getattr(getattr(settings, domain), field) == value
+                for (domain, field), value in ((locations[name], value) for name, value in preset.settings.items())
                 if f"{domain}.{field}" not in self.unused
             )
 

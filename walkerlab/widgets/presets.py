@@ -1,15 +1,15 @@
-"""Named worlds: the default settings of terrain and robot with some changes."""
+"""Named worlds: the default terrain and loads with some changes."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
-from walkerlab.settings.model import Domain, SettingsError
+from walkerlab.settings.model import SettingsError
 from walkerlab.settings.settings import Settings
 
 START_PRESET, START_ABOUT = "start", "the settings at the start"  # first of the presets of a class
-WORLD_DOMAINS = ("terrain", "robot")  # domains that a preset sets; algorithm and simulation are unchanged
+LOADS = ("carry_weight", "drag_weight")  # settings of the robot that belong to a world; its limits do not
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Preset:
 
     Attributes:
         about: Short description.
-        changes: Settings of terrain and robot that differ from the defaults, as arguments of ``Settings.with_``.
+        changes: Settings of terrain and loads that differ from the defaults, as arguments of ``Settings.with_``.
     """
 
     about: str
@@ -68,11 +68,11 @@ class FormPreset:
 
     Attributes:
         about: Short description.
-        domains: Settings of each domain that the preset sets, as arguments of ``Settings.with_``.
+        settings: Every setting that the preset sets, as arguments of ``Settings.with_``; all others are kept.
     """
 
     about: str
-    domains: dict[str, Domain]
+    settings: dict[str, Any]
 
 
 def choose_presets(
@@ -88,25 +88,27 @@ def choose_presets(
         fixed: Names of the settings that keep their initial values.
     """
     locations = Settings.field_locations()
+
+    def values(settings: Settings, names: Iterable[str]) -> dict[str, Any]:
+        return {name: getattr(getattr(settings, locations[name][0]), locations[name][1]) for name in names}
+
     if given is not None:
         domains = {locations[name][0] for changes in given.values() for name in changes}
         worlds = {START_PRESET: (START_ABOUT, start)} | {
             name: (describe_changes(changes), start.with_(**changes)) for name, changes in given.items()
         }
-        return {
-            name: FormPreset(about, {domain: getattr(settings, domain) for domain in domains})
-            for name, (about, settings) in worlds.items()
-        }
-    kept = {name: getattr(getattr(start, locations[name][0]), locations[name][1]) for name in fixed}
+        names = [name for name, (domain, _) in locations.items() if domain in domains]
+        return {title: FormPreset(about, values(settings, names)) for title, (about, settings) in worlds.items()}
+    kept = values(start, fixed)
     chosen: dict[str, FormPreset] = {}
-    for name, preset in PRESETS.items():
-        changed = {locations[change][0] for change in preset.changes}
-        if "terrain" not in complete or not changed <= {*complete} or not kept.keys().isdisjoint(preset.changes):
+    world = [name for name, (domain, _) in locations.items() if domain == "terrain" or name in LOADS]
+    names = [name for name in world if locations[name][0] in complete]
+    for title, built_in in PRESETS.items():
+        if "terrain" not in complete or not {*built_in.changes} <= {*names} - kept.keys():
             continue
         with suppress(SettingsError):  # the fixed values do not fit to the others
-            settings = Settings().with_(**{**preset.changes, **kept})
-            shown = [domain for domain in WORLD_DOMAINS if domain in complete]
-            chosen[name] = FormPreset(preset.about, {domain: getattr(settings, domain) for domain in shown})
+            settings = Settings().with_(**{**built_in.changes, **kept})
+            chosen[title] = FormPreset(built_in.about, values(settings, names))
     return chosen
 
 
