@@ -8,9 +8,9 @@ from walkerlab.lessons import choose, compare, predict
 
 def test_a_number_is_compared_with_its_difference_and_unit():
     predict("99.1", 4, unit="m")
-    assert compare("99.1", 6.2).text == "You predicted 4 m; the run gave 6.2 m (+2.2 m)."
+    assert compare("99.1", 6.2).text == "You predicted 4 m; the run gave 6.2 m (2.2 m more)."
     assert compare("99.1", 4.0).text == "You predicted 4 m; the run gave 4 m (exactly as predicted)."
-    assert compare("99.1", -1).text == "You predicted 4 m; the run gave −1 m (−5 m)."
+    assert compare("99.1", -1).text == "You predicted 4 m; the run gave −1 m (5 m less)."
     assert [bar.percent for bar in compare("99.1", 8.0).bars] == [50, 100]
 
 

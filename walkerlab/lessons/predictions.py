@@ -108,8 +108,11 @@ def compare(number: str, measured: Any, unit: str = "") -> Feedback:
         verb = "chose" if prediction.is_chosen else "predicted"
         return Feedback(COMPARED, f"You {verb} {_write(predicted, unit)}; the result is {result}, {verdict}.")
     difference = measured - predicted
-    sign = "+" if difference > 0 else ""
-    change = f"{sign}{_write(difference, unit)}" if difference else "exactly as predicted"
+    change = (
+        f"{_write(abs(difference), unit)} {'more' if difference > 0 else 'less'}"
+        if difference
+        else "exactly as predicted"
+    )
     text = f"You predicted {_write(predicted, unit)}; the run gave {result} ({change})."
     return Feedback(COMPARED, text, bars=_bars({"predicted": predicted, "measured": measured}, unit))
 

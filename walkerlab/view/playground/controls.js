@@ -1,5 +1,5 @@
 // The sliders and menus of a playground. `change` is called with what changed: "world", "gait", "strength", "body" or "all".
-// Controls whose value differs from the original are marked; "Undo" restores all originals.
+// Controls whose value differs from the original are marked; "Undo all" restores all originals.
 const DEGREES = 180 / Math.PI;
 const GAIT_FEATURES = ["hip_amplitude", "hip_phase", "hip_offset", "knee_amplitude", "knee_phase", "knee_offset", "stride"];
 const FEATURE_LABELS = { legs: "has legs", repeat: "copies legs in front" }; // others: the name of the gene, as in the editor

@@ -62,7 +62,6 @@ def page_data(genomes: list[Genome], settings: Settings) -> dict[str, Any]:
         **_ground(settings.terrain),
         "guards": _guards(settings),
         "forgive": [guard.name for guard in validity.forgiven_guards(settings) if guard],
-        "verdicts": validity.VERDICTS,
         **_genes(settings.robot),
         "limits": _limits(settings.robot),
         **_text_form(),

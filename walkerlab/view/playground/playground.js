@@ -267,7 +267,7 @@ class Playground {
     if (walk.isOutdated) this.showVerdict(score, `${result} Changed after that. Press Restart to measure it again.`, "");
     else if (walk.isChanged) this.showVerdict(score, `${result} The walk was changed by hand. Restart to measure it.`, "");
     else if (walk.needsLevelWalk) this.showVerdict(score, `${result} Checking whether the robot also walks on level ground …`, "");
-    else if (walk.verdict.name === "ok") this.showVerdict(score, `${result} ${this.page.verdicts.ok}`, "counts");
+    else if (walk.verdict.name === "ok") this.showVerdict(score, `${result} The walk counts: in these ${walk.duration} s no rule was broken.`, "counts");
     else this.showVerdict(score, `${result} Does not count: ${walk.verdict.name}, ${walk.verdict.reason}.`, "rejected");
     score.isDone = !walk.needsLevelWalk;
     const counted = walk.verdict.name === "ok" ? "" : " (did not count)";

@@ -40,7 +40,7 @@ function render({ model, el }) {
     else { say("⚠ Write the path of a run file into the field, such as lab/run/run.walk."); path.focus(); }
   };
   let isChosen = false; // whether the user has chosen a file; otherwise the newest is proposed
-  files.onchange = () => { isChosen = true; path.hidden = files.value !== OTHER; if (!path.hidden) path.focus(); };
+  files.onchange = () => { isChosen = true; showWords(); path.hidden = files.value !== OTHER; if (!path.hidden) path.focus(); };
   path.onkeydown = ({ key }) => { if (key === "Enter") load(); };
   const loader = make("span", { className: "loader" }, files, path, button("Load", "add this run to the list", load));
 
@@ -90,7 +90,7 @@ function render({ model, el }) {
   model.on("change:n_further", updateFurther);
   model.on("change:exported", updateLinks);
   const showWords = () => say(model.get("words"));
-  model.on("change:words", showWords);
+  for (const name of ["words", "files"]) model.on(`change:${name}`, showWords);
   showWords();
   updateFurther();
   updateLinks();
