@@ -178,8 +178,19 @@ def test_an_invalid_text_gives_no_genome_and_a_message(text):
 def test_an_invalid_text_has_no_notes():
     editor = Editor(G, wl.Settings().with_(legs=(2, 2)))
     assert editor.notes
+    assert editor.reasons
     editor.text = "wl2"
-    assert editor.notes == []
+    assert (editor.notes, editor.reasons) == ([], {})
+
+
+def test_each_gene_that_is_not_used_as_written_has_its_reason():
+    editor = Editor(G)
+    for gene, value in enumerate(G.values[:-1]):
+        editor._handle_custom_msg({"gene": gene, "value": value * 4}, [])
+    written, used = np.array(editor.values), np.array(editor.repaired)
+    beyond = (np.abs(written - used) > 0.0005) & np.array(editor.used)
+    assert beyond.any()
+    assert set(editor.reasons) == {gene["name"] for gene, wrong in zip(editor.genes, beyond, strict=True) if wrong}
 
 
 def test_new_limits_change_the_genome_and_not_the_text():
@@ -368,6 +379,9 @@ def test_in_a_browser_a_dragged_slider_is_sent_and_the_result_is_shown(shown):
     assert shown.locator(".row.changed").inner_text().split("\n")[-1] == f"was {G.values[4]:g}"
     shown.evaluate("values => model.update({ repaired: values })", [*edited.values[:4], 0.28, *edited.values[5:]])
     assert shown.locator(".row.beyond").inner_text().split("\n")[-1] == "used: 0.28"
+    shown.locator(".row.beyond").hover()
+    shown.evaluate("model.update({ reasons: { 'seg1.length': 'Too long.' } })")
+    assert shown.locator(".help").inner_text().endswith(" m. Too long."), "the reason stands below the sliders"
     assert shown.get_by_text("No run is in progress.").count() == 1
     assert shown.locator(".row.unused").count() == 1, "only the first legs cannot repeat others"
     names = [gene["name"] for gene in edited.genes]

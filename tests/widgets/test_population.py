@@ -67,6 +67,8 @@ def test_kinds_of_robots_differ_in_signs_and_text_and_not_only_in_colour():
     description = describe_generation(generation())
     assert description["title"] == "Generation 1: 8 robots, ★ 2 elites of generation 0"
     assert description["warning"].endswith("3 not counted: 2 fell, 1 too fast")
+    fragile = generation().assign(verdict="fragile")
+    assert describe_generation(fragile)["warning"].endswith("8 not counted: 8 fragile (much worse from another start)")
     by_kind = {row["kind"]: row for row in description["rows"]}
     assert {kind: row["sign"][:1] for kind, row in by_kind.items()} == {"elite": "★", "": "", "invalid": "⚠"}
     assert by_kind["elite"]["label"] == "3.50 m"

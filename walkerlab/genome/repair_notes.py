@@ -29,10 +29,12 @@ class Repair(NamedTuple):
     Attributes:
         fault: What is not allowed, and why; without a full stop.
         remedy: What is used instead; without a full stop.
+        gene: Name of the gene, such as ``seg2.mass``; empty if the change is not of one gene.
     """
 
     fault: str
     remedy: str
+    gene: str = ""
 
     def __str__(self) -> str:
         return f"{self.fault}; {self.remedy}."
@@ -55,12 +57,14 @@ def describe_repairs(genome: Genome, robot: Robot) -> list[Repair]:
     weight = float(used[: int(values[genes.count or 0]), SEGMENT_FEATURES.index(Feature.mass)].sum())
     repairs = list(_describe_segments(genome, robot))
     for i, feature in enumerate(BODY_FEATURES):
-        repairs += _describe_gene(feature, genome.values[i], values[i], (genes.low[i], genes.high[i]), robot, weight)
+        changes = _describe_gene(feature, genome.values[i], values[i], (genes.low[i], genes.high[i]), robot, weight)
+        repairs += [change._replace(gene=genes.names[i]) for change in changes]
     expressed = is_expressed(values[np.newaxis])[0, len(BODY_FEATURES) :].reshape(used.shape)
     for segment, index in np.argwhere(expressed[: genome.n_parts]).tolist():
         at = segment, index
         changes = _describe_gene(SEGMENT_FEATURES[index], given[at], used[at], (lows[at], highs[at]), robot, weight)
-        repairs += [Repair(f"Segment {segment + 1}: {fault}", remedy) for fault, remedy in changes]
+        name = f"seg{segment + 1}.{SEGMENT_FEATURES[index].name}"
+        repairs += [Repair(f"Segment {segment + 1}: {fault}", remedy, name) for fault, remedy, _ in changes]
     return repairs
 
 

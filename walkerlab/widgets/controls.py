@@ -39,8 +39,13 @@ HIDDEN_IF_UNUSED = {
 MAX_BUTTONS = 5  # maximum number of options that are shown as buttons; more are shown in a menu
 MANTISSAS = [*range(10, 20), *range(20, 50, 2), *range(50, 100, 5)]
 AXIS_DIRECTIONS = {"x": "forward", "y": "left", "z": "up"}
-SEED_LABELS = {"terrain.seed": "terrain seed", "algorithm.seed": "evolution seed"}
-"""Labels of the two seeds, whose fields have the same name."""
+LABELS = {
+    "terrain.seed": "terrain seed",
+    "algorithm.seed": "evolution seed",
+    "simulation.starts": "starts per robot",
+    "simulation.forgive": "forgive guards",
+}
+"""Labels of the settings whose names are not clear without their domain."""
 
 SETTING_NAME = re.compile(rf"\b({'|'.join(name.capitalize() for name in Settings.model_fields)})\.(\w+)")
 """Name of a setting in error messages: ``Terrain.step_height``."""
@@ -133,9 +138,9 @@ def setting_label(name: str, domain: str = "") -> str:
 
     Args:
         name: Name of the field.
-        domain: Name of the domain; required to distinguish the two seeds.
+        domain: Name of the domain; required for the names in ``LABELS``.
     """
-    return SEED_LABELS.get(f"{domain}.{name}", name.removeprefix("n_").replace("_", " "))
+    return LABELS.get(f"{domain}.{name}", name.removeprefix("n_").replace("_", " "))
 
 
 def use_labels(message: str) -> str:

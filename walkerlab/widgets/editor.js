@@ -126,7 +126,12 @@ function render({ model, el }) {
   let isWaiting = false; // whether Python has not yet answered the last position
   let walkTimer = 0;
 
-  const help = (gene) => { helpLine.textContent = `${describe(gene)}.`; };
+  let helped = null; // the gene that is described below the sliders
+
+  function help(gene = helped) {
+    helped = gene;
+    helpLine.textContent = gene ? [`${describe(gene)}.`, model.get("reasons")[gene.name]].filter(Boolean).join(" ") : "";
+  }
 
   function requestWalk() {
     clearTimeout(walkTimer);
@@ -161,7 +166,7 @@ function render({ model, el }) {
     if (!groups.includes(group)) group = groups[1] ?? groups[0] ?? "";
     tabs.replaceChildren(...groups.map((name) => make("button", { type: "button", textContent: name, onclick: () => {
       group = name;
-      helpLine.textContent = "";
+      help(null);
       showGroup();
     } })));
     rows = genes.map((gene, index) => geneRow(gene, `${id}-${index}`, (value, isFinal) => change(index, value, isFinal), help));
@@ -282,6 +287,7 @@ function render({ model, el }) {
     picture.classList.toggle("outdated", wrong);
     if (wrong) { result.classList.remove("busy"); result.classList.add("outdated"); }
     mark();
+    help();
     if (wrong && document.activeElement !== area) scrollToError();
     updateGenes();
     undo.disabled = !wrong && !sections.querySelector(".changed") && !rows.some(({ row }) => row.classList.contains("changed"));
@@ -303,7 +309,7 @@ function render({ model, el }) {
   };
   area.onscroll = () => { behind.scrollTop = area.scrollTop; };
   model.on("change:text", write);
-  for (const name of ["fault", "fault_range", "notes", "can_insert", "can_continue", "replaced", "insert_hint", "report", "buttons", "original", "used", "values", "repaired"]) model.on(`change:${name}`, update);
+  for (const name of ["fault", "fault_range", "notes", "can_insert", "can_continue", "replaced", "insert_hint", "report", "buttons", "original", "used", "values", "repaired", "reasons"]) model.on(`change:${name}`, update);
   model.on("change:values", handleAnswer);
   model.on("change:genes", buildRows);
   model.on("change:result", showResult);

@@ -42,6 +42,7 @@ class Editor(Component):
         fault: Why the text is not a valid genome; empty if it is.
         fault_range: Start and exclusive end of the wrong characters of the text; empty if they are unknown.
         notes: Sentences about the genes that were beyond the limits and the values that are used instead.
+        reasons: The sentence about each of these genes, keyed by the name of the gene.
         picture: Picture of the robot, as SVG; while the text is not valid, the picture of the last valid genome.
         genes: Description of each gene, as ``describe_genes`` returns it.
         values: Value of each gene in the text, even beyond the limits; the last valid values if the text is not valid.
@@ -67,6 +68,7 @@ class Editor(Component):
     fault = traitlets.Unicode("").tag(sync=True)
     fault_range = traitlets.List(traitlets.Int()).tag(sync=True)
     notes = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    reasons = traitlets.Dict().tag(sync=True)
     picture = traitlets.Unicode("").tag(sync=True)
     genes = traitlets.List().tag(sync=True)
     values = traitlets.List(traitlets.Float()).tag(sync=True)
@@ -172,10 +174,13 @@ class Editor(Component):
                 self.fault_range = find_fault(str(error), self.text) or []
                 self.genome = None
                 self.notes = []
+                self.reasons = {}
                 return
             self.fault = ""
             self.fault_range = []
-            self.notes = _shorten([str(each) for each in describe_repairs(parsed, robot)])
+            repairs = describe_repairs(parsed, robot)
+            self.notes = _shorten([str(repair) for repair in repairs])
+            self.reasons = {repair.gene: str(repair) for repair in repairs if repair.gene}
             self.genome = repaired = parsed.within(robot)
             self._unrepaired = unrepaired = parsed if parsed.n_parts == repaired.n_parts else repaired
             self.values = unrepaired.values.tolist()

@@ -23,6 +23,9 @@ INSERTED = "inserted"
 KIND_SIGNS = {ELITE: "★", INVALID: "⚠\N{VARIATION SELECTOR-15}", INSERTED: "✎", "": ""}
 """Symbols for the kinds of robots: elites, robots whose walks do not count, robots made by hand, and all others."""
 
+VERDICT_NOTES = {"fragile": " (much worse from another start)"}
+"""What follows a verdict whose name does not say what happened, keyed by verdict."""
+
 
 @dataclass(frozen=True)
 class Column:
@@ -89,7 +92,7 @@ def describe_generation(records: pd.DataFrame) -> dict[str, Any]:
     n_inserted = int((records.operators == INSERTED_BY_HAND).sum())
     inserted = f", {KIND_SIGNS[INSERTED]} {n_inserted} made by hand" if n_inserted else ""
     verdicts = invalid.verdict.value_counts()
-    counted = ", ".join(f"{n} {verdict}" for verdict, n in verdicts.items())
+    counted = ", ".join(f"{n} {verdict}{VERDICT_NOTES.get(str(verdict), '')}" for verdict, n in verdicts.items())
     n = len(records)
     listed = records.head(MAX_LISTED)
     shown = {name: column for name, column in SORT_COLUMNS.items() if name != fitness_name}  # each number once
