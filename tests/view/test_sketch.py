@@ -97,6 +97,17 @@ def test_a_robot_fits_into_its_drawing_and_is_to_scale(genome_and_limits, size, 
     assert whole[:, 1].max() == pytest.approx(path_corners(ground)[0, 1], abs=0.1)
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_a_caption_stands_above_the_robot(seed):
+    limits = wl.Robot(
+        segments=(1, 1), legs=(2, 2), segment_length=(0.2, 0.2), body_length=(0.2, 0.2)
+    )  # higher than wide
+    tall = wl.Genome.random(limits, rng=np.random.default_rng(seed))
+    root = parse_drawing(sketch.draw_robot(tall, size=(640, 360), caption="robot 7 & others"))
+    (caption,) = (text for text in root.iter(f"{SVG}text") if text.text == "robot 7 & others")
+    assert float(caption.get("y")) < robot_corners(root)[0][:, 1].min()
+
+
 def test_a_robot_stands_in_a_world_as_its_walk_begins():
     genome = wl.Genome.random(wl.Robot(), rng=np.random.default_rng(3)).within(wl.Robot())
     for world in (wl.Settings(), wl.Settings().with_(structure="incline", incline=10, duration=1)):

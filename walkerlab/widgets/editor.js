@@ -114,7 +114,7 @@ function render({ model, el }) {
   const helpLine = make("p", { className: "quiet help" });
   el.classList.add("wl-component", "wl-editor");
   el.append(make("div", { className: "layout" },
-    make("div", { className: "genes" }, tabs, sections, helpLine),
+    make("div", { className: "genes" }, tabs, helpLine, sections),
     make("div", { className: "robot" }, picture, result, make("div", { className: "buttons" }, walk, live, undo, restore, insert, resume), report, hint),
     make("div", { className: "genome" }, label, inherited, make("div", { className: "sheet" }, behind, area), messages)));
 
@@ -126,11 +126,11 @@ function render({ model, el }) {
   let isWaiting = false; // whether Python has not yet answered the last position
   let walkTimer = 0;
 
-  let helped = null; // the gene that is described below the sliders
+  let helped = null; // the gene that is described beside the sliders
 
   function help(gene = helped) {
     helped = gene;
-    helpLine.textContent = gene ? [`${describe(gene)}.`, model.get("reasons")[gene.name]].filter(Boolean).join(" ") : "";
+    helpLine.textContent = gene ? model.get("reasons")[gene.name] ?? `${describe(gene)}.` : "Point at a gene to see what it means.";
   }
 
   function requestWalk() {

@@ -1,5 +1,6 @@
 """The robot area shows one robot; a robot that is watched or edited stays."""
 
+import base64
 import threading
 
 import numpy as np
@@ -9,6 +10,11 @@ import walkerlab as wl
 from walkerlab.view.replay.page import Frame
 from walkerlab.widgets.outcomes import compare_outcomes, recorded_outcome, simulate_outcome
 from walkerlab.widgets.panel.robot import RobotArea
+
+
+def decode(url):
+    """Return the text of a data URL."""
+    return base64.b64decode(url.partition("base64,")[2]).decode()
 
 
 @pytest.fixture
@@ -151,6 +157,15 @@ def test_a_watched_replay_is_replaced_after_an_edit(area, done, monkeypatch):
         area.frame.is_open = is_open
         area.editor._handle_custom_msg({"press": "try"}, [])
         assert len(sent) == n_plays
+
+
+def test_the_picture_names_the_robot_that_it_shows(area, done):
+    number = done.champion.individual
+    area.show(done, number)
+    assert f">robot {number} of generation {done.champion.generation}<" in decode(area.frame.preview)
+    area.editor._set_gene(1, 0.75)
+    area.editor._handle_message(None, {"press": "try"}, [])
+    assert f">edited robot {number}<" in decode(area.frame.preview)
 
 
 def test_an_edited_robot_that_is_replaced_can_be_shown_again(area, done):

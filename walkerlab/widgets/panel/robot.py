@@ -200,7 +200,7 @@ class RobotArea(HasSnapshot, ipywidgets.Box):
     def _offer_replay(self, walkers: dict[str, Genome]) -> None:
         """Show a picture of the first robot; the walks of all robots are simulated when the user plays them."""
         name, genome = next(iter(walkers.items()))
-        svg = sketch.draw_robot(genome, self._settings.robot, size=POSTER_SIZE)
+        svg = sketch.draw_robot(genome, self._settings.robot, size=POSTER_SIZE, caption=name)
         picture = data_url("image/svg+xml", svg.encode())
         others = f", beside {' and '.join(list(walkers)[1:])}" if len(walkers) > 1 else ""
 
