@@ -486,8 +486,10 @@ def test_the_champion_of_a_newly_selected_run_is_shown(lab, capsys):
     assert lab.robot.editor.genome == lab.run.champion.genome
     lab.finish()
     assert capsys.readouterr().out == "Run selected in the panel: run 1\n"
-    wait_until(lambda: "Best so far in run 1: robot" in lab.walker.caption.words)
-    assert lab.walker.frame.alt.startswith(f"Robot {lab.run.champion.individual} of generation 0, run 1, walking.")
+    wait_until(lambda: "Best of run 1: robot" in lab.walker.caption.words)
+    assert lab.walker.frame.alt.startswith(
+        f"Robot {lab.run.champion.individual}, born in generation 0, run 1, walking."
+    )
 
 
 def test_a_run_without_generations_shows_nothing_of_another_run(lab):
@@ -664,14 +666,14 @@ def test_robots_are_shown_as_they_finish(lab):
     lab.settings = SMALL.with_(fitness=rate)
     press(lab, "step")
     wait_until(lambda: lab.population.generation)
-    wait_until(lambda: "of 6 random robots" in lab.walker.caption.words)
+    wait_until(lambda: "Best of the first " in lab.walker.caption.words)
     assert lab.walker.caption.words.endswith(" (provisional).")
     assert 1 <= len(lab.population.generation["rows"]) <= 3
     shown = {row["individual"]: row["label"] for row in lab.population.generation["rows"]}
     may_finish.set()
     wait_until(lambda: lab.transport.state == "paused")
     wait_for_drawings(lab)
-    assert lab.walker.caption.words.startswith(f"Best so far: robot {lab.run.champion.individual} ")
+    assert lab.walker.caption.words.startswith(f"Best so far: robot {lab.run.champion.individual}, ")
     complete = {row["individual"]: row["label"] for row in lab.population.generation["rows"]}
     assert shown.items() <= complete.items()
 

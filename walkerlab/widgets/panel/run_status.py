@@ -94,20 +94,22 @@ def best_walker(entry: ListedRun | None, generation: int | None, run_name: str =
     is_beginning = bool(entry and entry.live and not entry.live.n_generations)
     provisional = " (provisional)" if is_beginning and further_starts(run.settings) else ""
     result = f"{name} {with_unit(best.fitness, unit)}{provisional}" if best.verdict == "ok" else "no walk counted yet"
+    in_run = f" in {run_name}" if run_name else ""
     if is_beginning:
         first = f"first {len(records)}" if n_missing else len(records)
-        which = f"Best of the {first} random robots"
+        which = f"Best of the {first} random robots{in_run}"
+    elif generation is not None:
+        which = f"Best of generation {generation}{in_run}"
+    elif entry and entry.live and not entry.live.is_over:
+        which = f"Best so far{in_run}"
     else:
-        is_over = not (entry and entry.live) or entry.live.is_over
-        overall = "Best of the run" if is_over else "Best so far"
-        which = overall if generation is None else f"Best of generation {generation}"
+        which = f"Best of {run_name or 'the run'}"
     robot = (
         f"robot {best.individual}" if is_beginning else f"robot {best.individual}, born in generation {best.generation}"
     )
-    in_run = f" in {run_name}" if run_name else ""
     name_of_robot = robot.capitalize() + (f", {run_name}" if run_name else "")
     settings = run.settings
     if generation is not None:
         settings = [stage.settings for stage in run.stages if stage.first <= generation][-1]
-    words = f"{which}{in_run}: {robot}, {result}.".replace(" m.", "\N{NO-BREAK SPACE}m.")
+    words = f"{which}: {robot}, {result}.".replace(" m.", "\N{NO-BREAK SPACE}m.")
     return ShownWalker(best.genome, settings, name_of_robot, words)
