@@ -372,7 +372,7 @@ def test_the_alternative_text_has_first_and_last_values_of_best_and_median(recor
     wl.plots.fitness_curve(records, ax)
     counted = records[records.verdict == "ok"].groupby("generation").fitness
     expected = [counted.max().iloc[0], counted.max().iloc[-1], counted.median().iloc[0], counted.median().iloc[-1]]
-    expected[2:2] = [round(100 * (records.verdict == "ok").mean())]
+    expected[2:2] = [round(100 * (records.verdict != "ok").mean())]
     expected[:0] = [records.generation.nunique()]
     assert numbers_in(wl.plots.alt_text(ax)) == pytest.approx(expected, abs=0.006)
     assert " m" in wl.plots.alt_text(ax)

@@ -12,6 +12,7 @@ from walkerlab.analysis.inheritance import shortest_change
 from walkerlab.genome.features import build_genes
 from walkerlab.genome.repair import repair
 from walkerlab.runfile.records import birth_rows
+from walkerlab.text.templates import Markup
 from walkerlab.widgets.genome_words import genome_lines
 from walkerlab.widgets.panel.card import OF_TWO_PARENTS, Card, robot_card
 from walkerlab.widgets.panel.origins import describe_origins
@@ -49,7 +50,7 @@ def test_a_speed_below_the_resolution_of_the_eye_is_not_written_with_an_exponent
 
 def test_the_browser_cannot_change_a_description():
     card = Card()
-    card.value = "<p>Robot 3</p>"
+    card.value = Markup("<p>Robot 3</p>")
     card.set_state({"value": "<script>"})
     assert card.snapshot() == "<p>Robot 3</p>"
 

@@ -31,14 +31,14 @@ class Card(Component):
     title = "description of a robot"
     _esm = load_script("panel/card")
     _css = load_style("panel/card")
-    value = traitlets.Unicode("").tag(sync=True)
+    value: Any = traitlets.Instance(Markup, ()).tag(sync=True)
 
     def set_state(self, sync_data: dict[str, Any]) -> None:
         """Ignore values from the browser, because the description becomes part of the notebook."""
 
     def snapshot(self) -> Markup:
         """Return the description."""
-        return Markup(self.value)
+        return self.value
 
 
 def robot_card(records: pd.DataFrame, individual: int, *, is_edited: bool = False) -> Markup:
