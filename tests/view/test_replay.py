@@ -476,11 +476,18 @@ PLAYGROUND = (
 )
 
 
+BUTTONS_ARE_IN_SIGHT = """() => { // the close button is the lowest
+    const button = document.querySelector(".wl-playground .close").getBoundingClientRect();
+    return document.elementFromPoint(button.x + 5, button.bottom - 5)?.className === "close";
+}"""
+
+
 def assert_a_playground_and_python_change_the_same_genome(page, first_cell):
     """Check the playground whose cells begin with this one."""
     page.locator('.wl-playground button[title="Walk live"]').click(timeout=60_000)
     frame = page.locator(".wl-playground iframe").element_handle(timeout=30_000).content_frame()
     frame.wait_for_function("window.walkerlab && walkerlab.walks[0].time > 0.1", timeout=60_000)
+    page.wait_for_function(BUTTONS_ARE_IN_SIGHT)
     frame.wait_for_function("walkerlab.listeners.length === 1 && walkerlab.genome.includes('frequency=0.9')")
     frame.get_by_label("frequency").fill("1.7")
     page.locator(f'.jp-Cell[data-windowed-list-index="{first_cell + 1}"]').click()

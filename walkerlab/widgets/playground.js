@@ -45,7 +45,7 @@ function render({ model, el }) {
     openPages.forEach((other) => other.pause()); // only one page plays at a time, for slow computers
     openPages.push({ close, pause });
     while (openPages.length > MAX_OPEN_PAGES) openPages[0].close();
-    if (model.get("opens_at_once")) box.scrollIntoView({ block: "nearest", behavior: "smooth" });
+    box.scrollIntoView({ block: "nearest", behavior: "smooth" }); // otherwise its buttons can be below the screen's edge
     timer = setInterval(() => {
       if (!live()) return;
       clearInterval(timer);
