@@ -125,7 +125,7 @@ def test_a_min_over_its_max_is_rejected(name):
     declared = Robot.declared()[name]
     message = error_message(Robot, **{name: (declared.high, declared.low)})
     assert message.startswith(f"Robot.{name} is ({declared.high:g}, {declared.low:g})")
-    assert "its min must not exceed its max" in message
+    assert f"the minimum, {declared.high:g}, must not exceed the maximum, {declared.low:g}." in message
     assert f" {declared.unit}; " in message or not declared.unit
 
 

@@ -72,7 +72,11 @@ class Quantity:
         if clauses:
             raise ValueError(*clauses)
         if self.components == MIN_MAX and numbers[0] > numbers[1]:
-            raise ValueError(f" is {vector_text(tuple(numbers))}{self.unit_suffix}; its min must not exceed its max.")
+            low, high = numbers
+            raise ValueError(
+                f" is {vector_text(tuple(numbers))}{self.unit_suffix}; the minimum, {low:g}, must not exceed the maximum, "
+                f"{high:g}."
+            )
         return tuple(numbers)
 
     @property
