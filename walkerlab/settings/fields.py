@@ -73,10 +73,8 @@ class Quantity:
             raise ValueError(*clauses)
         if self.components == MIN_MAX and numbers[0] > numbers[1]:
             low, high = numbers
-            raise ValueError(
-                f" is {vector_text(tuple(numbers))}{self.unit_suffix}; the minimum, {low:g}, must not exceed the maximum, "
-                f"{high:g}."
-            )
+            order = f"the minimum, {low:g}, must not exceed the maximum, {high:g}"
+            raise ValueError(f" is {vector_text(tuple(numbers))}{self.unit_suffix}; {order}.")
         return tuple(numbers)
 
     @property
