@@ -12,6 +12,10 @@ def test_a_number_is_compared_with_its_difference_and_unit():
     assert compare("99.1", 4.0).text == "You predicted 4 m; the run gave 4 m (exactly as predicted)."
     assert compare("99.1", -1).text == "You predicted 4 m; the run gave −1 m (5 m less)."
     assert [bar.percent for bar in compare("99.1", 8.0).bars] == [50, 100]
+    predict("99.1", 6, unit="robots")
+    assert compare("99.1", 5).text == "You predicted 6 robots; the run gave 5 robots (1 robot less)."
+    predict("99.1", 1, unit="s")
+    assert compare("99.1", 2).text == "You predicted 1 s; the run gave 2 s (1 s more)."
 
 
 @pytest.mark.parametrize(

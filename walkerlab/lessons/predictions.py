@@ -136,5 +136,6 @@ def _to_plain(value: Any) -> Any:
 
 def _write(value: Any, unit: str) -> str:
     if _is_number(value):
-        return format_value(float(value), unit)
+        is_one = abs(value) == 1 and unit.isalpha() and len(unit) > len("s")  # "1 robot", and still "1 s"
+        return format_value(float(value), unit.removesuffix("s") if is_one else unit)
     return value if isinstance(value, str) else short_repr(value)
